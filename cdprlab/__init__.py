@@ -1,0 +1,32 @@
+"""A teaching sandbox for cable-driven parallel robots.
+
+>>> import cdprlab as cl
+>>> world = cl.load_world("caroca")
+>>> cl.cable_lengths(world.robot, world.pose).shape
+(8,)
+"""
+
+from . import errors
+from .control import ComputedTorque
+from .errors import CdprError
+from .geometry import cable_directions, cable_lengths, cable_vectors
+from .kinematics import base_jacobian, forward_kinematics, jacobian
+from .pose import Pose
+from .robot import Base, Cable, Platform, Robot
+from .run import Run, run
+from .simulate import Simulator, State, open_simulator
+from .statics import gravity_wrench, stiffness, tipping_moments, tipping_rows, wrench_matrix
+from .tensions import TensionDistribution, distribute_tensions, tension_methods
+from .trajectory import Reference, Trajectory, hold, quintic
+from .view import plot
+from .world import World, load_world, world_names, world_schema
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Base", "Cable", "CdprError", "ComputedTorque", "Platform", "Pose", "Reference", "Robot", "Run", "Simulator",
+    "State", "TensionDistribution", "Trajectory", "World", "base_jacobian", "cable_directions", "cable_lengths",
+    "cable_vectors", "distribute_tensions", "errors", "forward_kinematics", "gravity_wrench", "hold", "jacobian",
+    "load_world", "open_simulator", "plot", "quintic", "run", "stiffness", "tension_methods", "tipping_moments",
+    "tipping_rows", "world_names", "world_schema", "wrench_matrix",
+]

@@ -1,0 +1,67 @@
+"""When no tensions balance the wrench: the least wrench error inside the limits, then the least tensions."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array
+from ..errors import InvalidInput
+from .method import Method, Solution, Solver
+from .quadratic_program import independent_rows, min_norm
+
+# The first program's weight on ‖τ‖², relative to W's: small enough to find the right active limits,
+# large enough for a Cholesky factor in double precision. The second stage removes its bias.
+_RIDGE = 1e-9
+
+
+def build(n: int, tension_min: Array, tension_max: Array, *, weights: ArrayLike | None = None) -> Solver:
+    """First min ‖D (W τ + w_e)‖ inside the limits, then min ‖τ‖ among the tensions that reach it.
+
+    weights : (n,) diagonal of D, default ones: how much a newton counts against a newton meter
+    Source: the lexicographic limit of Okoli 2016's slack program (6.3.3).
+    """
+    scale = np.ones(n) if weights is None else as_array(weights, "weights", (n,))
+    if (scale <= 0).any():
+        raise InvalidInput(f"weights must be positive, got {scale.tolist()}")
+
+    def solve(W: Array, w_e: Array) -> Solution:
+        rows, goal = W * scale[:, None], -w_e * scale
+        first = _least_error(rows, goal, tension_min, tension_max)
+        tau = _least_tension(rows, goal, first, tension_min, tension_max)
+        left = float(np.abs(W @ tau + w_e).max())
+        return tau, "" if left == 0 else f"no tensions within the limits balance the wrench; {left:.3g} N or N m is left"
+
+    return solve
+
+
+def _least_error(rows: Array, goal: Array, low: Array, high: Array) -> Array:
+    """min ‖rows τ − goal‖² + ridge ‖τ‖² inside the limits."""
+    import quadprog
+
+    m = low.shape[0]
+    gram = rows.T @ rows
+    gram[np.diag_indices(m)] += _RIDGE * max(np.trace(gram), np.finfo(float).tiny)
+    identity = np.eye(m)
+    limits = np.concatenate([identity, -identity], axis=1)
+    found = quadprog.solve_qp(gram, rows.T @ goal, limits, np.concatenate([low, -high]))[0]
+    return np.clip(found, low, high)
+
+
+def _least_tension(rows: Array, goal: Array, first: Array, low: Array, high: Array) -> Array:
+    """The exact lexicographic answer: cables held at a limit stay there, the free ones solve anew."""
+    at_limit = 1e-7 * (1 + high - low)
+    free = (first > low + at_limit) & (first < high - at_limit)
+    held = np.where(first <= low + at_limit, low, high)
+    tau = np.where(free, first, held)
+    if free.any():
+        tau[free] = np.linalg.lstsq(rows[:, free], goal - rows[:, ~free] @ tau[~free], rcond=None)[0]
+    if ((tau < low) | (tau > high)).any():
+        tau = first
+    # All tensions that give this wrench: the least of them, where rounding leaves that set non-empty.
+    equal, values, _ = independent_rows(rows, rows @ tau)
+    least = min_norm(equal, values, low, high)
+    return tau if least is None else least
+
+
+METHOD = Method(build, complete=True, summary="least wrench error inside the limits, then least norm")
