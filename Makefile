@@ -1,0 +1,62 @@
+# What to type: `make help`. The environment is made once, in .venv.
+VENV ?= .venv
+BIN := $(VENV)/bin
+UV ?= uv
+
+# The Python that makes the environment: PYTHON if given (3.11 or later), else the first 3.11 found. Where PyBullet has
+# no wheel anyway, a later python3 does as well.
+RIGHT_PYTHON = import sys, platform, venv, ensurepip; \
+  v = sys.version_info[:2]; \
+  free = bool("$(PYTHON)") or sys.platform != "linux" or platform.machine() != "x86_64"; \
+  sys.exit(not (v == (3, 11) or free and v > (3, 11)))
+FIND_PYTHON = for python in $(or $(PYTHON),python3.11 python3); do \
+  if "$$python" -c '$(RIGHT_PYTHON)' >/dev/null 2>&1; then echo "$$python"; break; fi; done
+define NO_PYTHON
+cdprlab needs Python 3.11 with its venv module (PyBullet, the spatial engine, has wheels for Linux x86-64 only up to 3.11). \
+Get it by `uv venv --python 3.11 --seed $(VENV)` or `conda create -n cdprlab python=3.11 && conda run -n cdprlab make run` \
+or `docker run --rm -v "$$PWD":/lab -w /lab python:3.11 make run` (podman alike), \
+on Debian `apt install python3.11-venv`; all but the spatial engine works with a later one: make run PYTHON=python3
+endef
+
+.DEFAULT_GOAL := help
+.PHONY: help run test lab bench requirements clean
+run test bench: export OMP_NUM_THREADS = 1
+
+help:  ## this list
+	@grep -hE '^[a-z]+:.*##' Makefile | sed -E 's/^([a-z]+):.*## */  make \1\t/' | expand -t 24
+
+run: $(VENV)/.students  ## the CAROCA along its trajectory; table on the screen, pictures and log in out/caroca/
+	$(BIN)/python -m cdprlab run caroca
+
+test: $(VENV)/.tests  ## style, types, tests and doctests
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/python -m pytest
+
+lab: $(VENV)/.students  ## JupyterLab
+	$(BIN)/jupyter lab
+
+bench: $(VENV)/.tests  ## speed, as ratios to what it stands on
+	$(BIN)/python -m pytest tests/benchmarks --benchmark-enable
+
+requirements:  ## pin again what is installed (needs uv)
+	$(UV) pip compile --universal --python-version 3.11 --upgrade --no-annotate --quiet --no-emit-index-url \
+	  --custom-compile-command "make requirements" --extra lab pyproject.toml --output-file requirements.txt
+	$(UV) pip compile --universal --python-version 3.11 --upgrade --no-annotate --quiet --no-emit-index-url \
+	  --custom-compile-command "make requirements" --constraint requirements.txt --group tests \
+	  --output-file tests/requirements.txt
+	echo "-e ." >> requirements.txt
+
+clean:  ## remove the environment and what was built; out/ stays
+	rm -rf $(VENV) build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis .benchmarks
+
+$(VENV)/.students: requirements.txt pyproject.toml
+	$(if $(wildcard $(BIN)/pip),,$(eval FOUND := $(shell $(FIND_PYTHON)))$(if $(FOUND),,$(error $(NO_PYTHON))))
+	@echo "Making the Python environment in $(VENV), once; this takes a minute or two."
+	@test -x $(BIN)/pip || "$(FOUND)" -m venv --clear $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.txt
+	@touch $@
+
+$(VENV)/.tests: $(VENV)/.students tests/requirements.txt
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -r tests/requirements.txt
+	@touch $@
