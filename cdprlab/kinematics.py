@@ -76,9 +76,16 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance:
     True
     """
     measured = as_array(lengths, "lengths", (robot.n_cables,), "m", batch=True)
-    if (measured < 0).any():
-        raise InvalidInput(f"cable lengths cannot be negative, got {float(measured.min()):g} m")
-    batch = np.broadcast_shapes(measured.shape[:-1], guess.batch_shape)
+    if (measured <= 0).any():
+        raise InvalidInput(f"cable lengths must be positive [m], got {float(measured.min()):g}")
+    if guess.dimension != robot.dimension:
+        raise InvalidInput(f"a {robot.motion_pattern} robot lives in {robot.dimension} dimensions, "
+                           f"the guess has {guess.dimension}")
+    try:
+        batch = np.broadcast_shapes(measured.shape[:-1], guess.batch_shape)
+    except ValueError:
+        raise InvalidInput(f"lengths of batch shape {measured.shape[:-1]} and a guess of batch shape "
+                           f"{guess.batch_shape} do not fit together") from None
     starts = Pose(np.broadcast_to(guess.position, (*batch, robot.dimension)), matrix=guess.rotation)
     measured = np.broadcast_to(measured, (*batch, robot.n_cables))
     position, rotation = np.empty(starts.position.shape), np.empty(starts.rotation.shape)

@@ -65,7 +65,9 @@ def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: Ar
     (6, 6)
     """
     tau = as_array(tensions, "tensions", (robot.n_cables,), "N", batch=True)
-    ea = np.broadcast_to(as_array(axial_stiffness, "axial_stiffness", (), "N", batch=True), robot.n_cables)
+    ea = as_array(axial_stiffness, "axial_stiffness", (), "N", batch=True)
+    if ea.shape not in ((), (robot.n_cables,)):
+        raise InvalidInput(f"axial_stiffness must be a number or {robot.n_cables} numbers [N], got shape {ea.shape}")
     if (ea < 0).any():
         raise InvalidInput(f"axial_stiffness must not be negative [N], got {float(ea.min()):g}")
     w = wrench_matrix(robot, pose)
