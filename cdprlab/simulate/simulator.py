@@ -48,13 +48,20 @@ class State(NamedTuple):
 class Simulator(ABC):
     """One robot in one engine; several may live in one process. Use it in a ``with`` block, or close it.
 
-    robot : Robot
-    dt : the engine's time step [s]
+    world, robot, dt : what it was made for; dt is the engine's time step [s]
+    position, rotation, twist, tensions : the present state, as in `State`
+    wrench_matrix, lengths : (n, m) and (m,) [m] of the present pose
     """
 
     world: World
     robot: Robot
     dt: float
+    position: Array
+    rotation: Array
+    twist: Array
+    tensions: Array
+    wrench_matrix: Array
+    lengths: Array
 
     @abstractmethod
     def reset(self, pose: Pose | None = None) -> State:

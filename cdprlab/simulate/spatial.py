@@ -1,4 +1,4 @@
-"""PyBullet behind the `Simulator` interface: the only module that imports it, and only when used.
+"""PyBullet behind the `Simulator` interface: imported only when a spatial world is simulated.
 
 A cable is a UPS leg: universal joint at the exit point, an actuated prismatic joint, a point mass at the tip, and
 a point-to-point constraint from the tip to the platform's anchor point. A pull on the prismatic joint is the
@@ -21,36 +21,39 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
 from ..errors import InvalidInput, MissingDependency, SimulationDiverged
+from ..fast_statics import cable_statics
 from ..pose import Pose
 from ..robot import Robot
 from ..world import World
 from .simulator import Simulator, State
 
-DEFAULT_TIP_MASS = 1e-4
-DEFAULT_SOLVER_ITERATIONS = 10
+DEFAULT_TIP_MASS = 1e-4  # kg
 
 
 class SpatialSimulator(Simulator):
     """A spatial world in its own PyBullet client (DIRECT mode, no window).
 
     world : a spatial World
-    cables : "tension" (UPS legs) or "force" (external forces at the platform)
+    cables : "tension" (UPS legs) or "force" (external forces on the platform)
     dt : time step [s]
     tip_mass : point mass at each leg's tip [kg]; the tension error is about tip_mass (g + a)
-    solver_iterations : of Bullet's constraint solver
+    solver_iterations : of Bullet's constraint solver; 5 are enough for cables, contacts want more
     """
 
     def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *,
-                 tip_mass: float = DEFAULT_TIP_MASS, solver_iterations: int = DEFAULT_SOLVER_ITERATIONS) -> None:
+                 tip_mass: float = DEFAULT_TIP_MASS, solver_iterations: int = 10) -> None:
         self.world, self.robot, self.dt, self.cables = world, world.robot, float(dt), cables
         self.tip_mass = float(tip_mass)
         self._bullet = import_pybullet()
-        with _quiet():
+        with quiet():  # connect() prints its arguments
             self._client = self._bullet.connect(self._bullet.DIRECT)
         self._camera: Any = None
+        self._statics = cable_statics(self.robot)
+        self._frame = _BodyFrame(self.robot)
+        # Threshold 0: the default ends the iterations early, at a moment that depends on the motion.
+        self._set(fixedTimeStep=self.dt, numSolverIterations=solver_iterations, solverResidualThreshold=0)
+        self._bullet.setGravity(0, 0, -self.robot.gravity, physicsClientId=self._client)
         self._substeps = 1
-        self._engine(self.dt, solver_iterations)
-        self._body = _BodyFrame(self.robot)
         self._platform = self._make_platform()
         self._make_scene()
         self._legs: tuple[int, ...] = ()
@@ -60,55 +63,60 @@ class SpatialSimulator(Simulator):
     def reset(self, pose: Pose | None = None) -> State:
         start = self.world.pose if pose is None else pose
         b, client = self._bullet, self._client
-        position, quaternion = self._body.from_pose(start)
-        b.resetBasePositionAndOrientation(self._platform, position, quaternion, physicsClientId=client)
-        b.resetBaseVelocity(self._platform, [0, 0, 0], [0, 0, 0], physicsClientId=client)
         for leg in self._legs:
-            b.removeBody(leg, physicsClientId=client)  # removes its constraint too
-        self._legs, self._constraints = self._make_legs(start) if self.cables == "tension" else ((), ())
-        m = self.robot.n_cables
-        self._whole = np.ones(m, dtype=bool)
-        self._push = np.zeros(6)
+            b.removeBody(leg, physicsClientId=client)  # takes its constraint along
+        b.resetBasePositionAndOrientation(self._platform, *self._frame.body_pose(start), physicsClientId=client)
+        b.resetBaseVelocity(self._platform, [0, 0, 0], [0, 0, 0], physicsClientId=client)
+        self._legs = self._make_legs(start) if self.cables == "tension" else ()
+        self._constraints = [self._tie(leg, i) for i, leg in enumerate(self._legs)]
+        self._joints = list(self._legs)
+        self._cut = np.zeros(self.robot.n_cables, dtype=bool)
+        self._any_cut = False
+        self._push: Array | None = None
         self._steps = 0
-        self._measured = np.zeros(m)
-        self._directions = np.zeros((m, 3))
-        self._reach = 20 * max(1.0, float(np.abs(self.robot.exit_points).max()), float(np.abs(start.position).max()))
+        self.tensions = np.zeros(self.robot.n_cables)
+        self._reach = 20 * (1 + float(np.abs(self.robot.exit_points).max() + np.abs(start.position).max()))
         self._read()
         return self.state()
 
     def step(self, tensions: Array, substeps: int = 1) -> None:
         if substeps != self._substeps:
-            self._substeps = substeps
-            # One engine call for all substeps: forces are held over them, and Python waits only once.
-            self._bullet.setPhysicsEngineParameter(fixedTimeStep=self.dt * substeps, numSubSteps=substeps
-                                                   if substeps > 1 else 0, physicsClientId=self._client)
-        if self._push_on:
-            self._apply_wrench(self._push)
+            self._set_substeps(substeps)
+        if self._any_cut:
+            tensions = np.where(self._cut, 0.0, tensions)
+        if self._push is not None:
+            self._apply(self._push)
+        before = self.directions
         if self._legs:
-            self._pull_legs(tensions)
+            self._pull(tensions)
+            self._bullet.stepSimulation(physicsClientId=self._client)
+            self._steps += substeps
+            self._read()
+            # The reaction belongs to the geometry its (sub)step began with.
+            self.tensions = self._reactions(before if substeps == 1 else self.directions)
         else:
-            self._pull_platform(tensions)
-        self._bullet.stepSimulation(physicsClientId=self._client)
-        self._steps += substeps
-        self._read()
+            self._apply(self.robot.pattern.basis(self.rotation) @ (self.wrench_matrix @ tensions))
+            self._bullet.stepSimulation(physicsClientId=self._client)
+            self._steps += substeps
+            self._read()
+            self.tensions = np.array(tensions)
 
     def state(self) -> State:
-        return State(self._steps * self.dt, self.robot, self.position, self.rotation, self.twist,
-                     self.measured_tensions())
+        return State(self._steps * self.dt, self.robot, self.position, self.rotation, self.twist, self.tensions)
 
     def cut(self, cables: ArrayLike | None = None) -> None:
         m = self.robot.n_cables
         indices = range(m) if cables is None else np.atleast_1d(np.asarray(cables, dtype=int)).tolist()
         for i in indices:
             if not 0 <= i < m:
-                raise InvalidInput(f"cable index must be 0 to {m - 1}, got {i}")
-            if self._whole[i] and self._constraints:
+                raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {i}")
+            if self._constraints and not self._cut[i]:
                 self._bullet.removeConstraint(self._constraints[i], physicsClientId=self._client)
-            self._whole[i] = False
+            self._cut[i] = self._any_cut = True
 
     def push(self, wrench: ArrayLike) -> None:
         given = as_array(wrench, "external wrench", (self.robot.n_dof,), "N, N m")
-        self._push = self.robot.pattern.basis(self.rotation) @ given
+        self._push = self.robot.pattern.basis(self.rotation) @ given if given.any() else None
 
     def contact_force(self) -> float:
         contacts = self._bullet.getContactPoints(bodyA=self._platform, physicsClientId=self._client)
@@ -119,7 +127,7 @@ class SpatialSimulator(Simulator):
 
         if self._camera is None:
             self._camera = Camera(self.world)
-        tensions = np.where(self._whole, self.measured_tensions(), np.nan)
+        tensions = np.where(self._cut, np.nan, self.tensions)
         return self._camera.picture(Pose.of(self.position, self.rotation), tensions, width, height)
 
     def close(self) -> None:
@@ -130,11 +138,216 @@ class SpatialSimulator(Simulator):
             self._camera.close()
             self._camera = None
 
-    # --- what the closed loop reads without overhead ------------------------------------------------
-    def constraint_forces(self) -> Any:
-        """(m, 3) reaction of each leg's constraint during the last step, on the tip, in world axes [N]."""
+    # --- every step -------------------------------------------------------------------------------
+    def _pull(self, tensions: Array) -> None:
+        control, torque, client = self._bullet.setJointMotorControl2, self._bullet.TORQUE_CONTROL, self._client
+        for leg, tension in zip(self._joints, tensions.tolist()):
+            # Joint torques last one step; positive lengthens the leg.
+            control(leg, 2, torque, force=-tension, physicsClientId=client)
+
+    def _reactions(self, directions: Array) -> Array:
         read, client = self._bullet.getConstraintState, self._client
-        if not self._constraints:
-            return self._measured[:, None] * -self._directions
-        return [read(k, physicsClientId=client)[:3] if whole else (0.0, 0.0, 0.0)
-                for k, whole in zip(self._constraints, self._whole_list)]
+        if self._any_cut:
+            forces = [(0.0,) * 3 if gone else read(k, physicsClientId=client)[:3]
+                      for k, gone in zip(self._constraints, self._cut)]
+        else:
+            forces = [read(k, physicsClientId=client)[:3] for k in self._constraints]
+        # Bullet reports the force on the child, the leg's tip; the platform (parent) gets its opposite.
+        return -np.einsum("ij,ij->i", forces, directions)
+
+    def _apply(self, wrench: Array) -> None:
+        """A full wrench [f; m] at P in world axes, for the next step."""
+        b, client = self._bullet, self._client
+        force = wrench[:3].tolist()
+        # Applied at P as a world point, so that Bullet adds the moment about the center of mass.
+        b.applyExternalForce(self._platform, -1, force, self.position.tolist(), b.WORLD_FRAME, physicsClientId=client)
+        if wrench[3:].any():
+            b.applyExternalTorque(self._platform, -1, wrench[3:].tolist(), b.WORLD_FRAME, physicsClientId=client)
+
+    def _read(self) -> None:
+        b, client = self._bullet, self._client
+        place, quaternion = b.getBasePositionAndOrientation(self._platform, physicsClientId=client)
+        linear, angular = b.getBaseVelocity(self._platform, physicsClientId=client)
+        x, y, z = place
+        if not abs(x) + abs(y) + abs(z) < self._reach:  # also false for NaN
+            self._diverged()
+        rotation = np.array(b.getMatrixFromQuaternion(quaternion)).reshape(3, 3)
+        self.position, self.rotation, self.twist = self._frame.platform_motion(
+            np.array(place), rotation, np.array(linear + angular))
+        self.directions, self.wrench_matrix, self.lengths = self._statics(self.position, self.rotation)
+
+    def _diverged(self) -> None:
+        now = self._steps * self.dt
+        # The constraint that gave way most; with forces instead of legs, the hardest pulling cable.
+        worst = int(np.nanargmax(np.abs(self.tensions))) if np.isfinite(self.tensions).any() else 0
+        raise SimulationDiverged(
+            f"the simulation diverged at t = {now:.4g} s: the platform left the scene; cable {worst + 1} carried the "
+            f"most, {self.tensions[worst]:.3g} N; take a smaller dt or lower gains (K_d dt must stay below 2)",
+            now, worst + 1)
+
+    def _set_substeps(self, substeps: int) -> None:
+        if substeps < 1:
+            raise InvalidInput(f"substeps must be at least 1, got {substeps}")
+        # One engine call for all substeps: torques are held over them and Python waits once.
+        self._substeps = substeps
+        self._set(fixedTimeStep=self.dt * substeps, numSubSteps=substeps if substeps > 1 else 0)
+
+    def _set(self, **parameters: Any) -> None:
+        self._bullet.setPhysicsEngineParameter(**parameters, physicsClientId=self._client)
+
+    # --- building ---------------------------------------------------------------------------------
+    def _make_platform(self) -> int:
+        b, client, body = self._bullet, self._client, self.robot.platform
+        offset, turn = self._frame.to_body(body.center), self._frame.quaternion_to_body
+        shape = b.createCollisionShape(b.GEOM_BOX, halfExtents=(body.size / 2).tolist(),
+                                       collisionFramePosition=offset.tolist(), collisionFrameOrientation=turn,
+                                       physicsClientId=client)
+        platform = b.createMultiBody(body.mass, shape, physicsClientId=client)
+        # Bullet's default damping of 0.04 would triple the tracking error.
+        b.changeDynamics(platform, -1, localInertiaDiagonal=self._frame.principal.tolist(), linearDamping=0,
+                         angularDamping=0, activationState=b.ACTIVATION_STATE_DISABLE_SLEEPING, physicsClientId=client)
+        return int(platform)
+
+    def _make_scene(self) -> None:
+        b, client, scene = self._bullet, self._client, self.world.scene
+        floor = b.createCollisionShape(b.GEOM_PLANE, physicsClientId=client)
+        b.createMultiBody(0, floor, basePosition=[0, 0, scene.floor_height], physicsClientId=client)
+        for box in scene.boxes:
+            shape = b.createCollisionShape(b.GEOM_BOX, halfExtents=(box.size / 2).tolist(), physicsClientId=client)
+            b.createMultiBody(0, shape, basePosition=box.position.tolist(),
+                              baseOrientation=b.getQuaternionFromEuler([0, 0, box.yaw]), physicsClientId=client)
+
+    def _make_legs(self, start: Pose) -> tuple[int, ...]:
+        """One fixed-base multibody per cable: faster than one body with all joints."""
+        anchors = start.position + self.robot.anchor_points @ start.rotation.T
+        places = [self.world.pose.position, start.position]
+        places += [end.position for task in self.world.tasks.values() for end in (task.start, task.end)]
+        middle = np.mean(places, axis=0)
+        return tuple(self._make_leg(exit_point, middle, anchor)
+                     for exit_point, anchor in zip(self.robot.exit_points, anchors))
+
+    def _make_leg(self, exit_point: Array, middle: Array, anchor: Array) -> int:
+        b, client = self._bullet, self._client
+        # Aimed at the middle of the motion, the universal joint stays far from its singularity at 90°.
+        aim = _turn_z_to(middle - exit_point)
+        still = [0, 0, 0, 1]
+        leg = b.createMultiBody(
+            0, -1, basePosition=exit_point.tolist(), baseOrientation=aim,
+            # All the mass sits at the tip without inertia: the constraint's three rows then decouple.
+            linkMasses=[0, 0, self.tip_mass], linkCollisionShapeIndices=[-1] * 3, linkVisualShapeIndices=[-1] * 3,
+            linkPositions=[[0, 0, 0]] * 3, linkOrientations=[still] * 3, linkInertialFramePositions=[[0, 0, 0]] * 3,
+            linkInertialFrameOrientations=[still] * 3, linkParentIndices=[0, 1, 2],
+            linkJointTypes=[b.JOINT_REVOLUTE, b.JOINT_REVOLUTE, b.JOINT_PRISMATIC],
+            linkJointAxis=[[1, 0, 0], [0, 1, 0], [0, 0, 1]], physicsClientId=client)
+        # Joints start with motors of 1000 N that would hold the robot in place.
+        b.setJointMotorControlArray(leg, [0, 1, 2], b.VELOCITY_CONTROL, forces=[0, 0, 0], physicsClientId=client)
+        # The default of 100 m/s caps the tension at 100 m_tip/dt. In a call of its own: given together with
+        # a link's other settings, Bullet applies all of them to the base.
+        b.changeDynamics(leg, -1, maxJointVelocity=1e9, physicsClientId=client)
+        for link in range(-1, 3):
+            b.changeDynamics(leg, link, linearDamping=0, angularDamping=0, jointDamping=0, physicsClientId=client)
+        rotation = np.array(b.getMatrixFromQuaternion(aim)).reshape(3, 3)
+        for joint, value in enumerate(_leg_joints(rotation.T @ (anchor - exit_point))):
+            b.resetJointState(leg, joint, value, physicsClientId=client)
+        return int(leg)
+
+    def _tie(self, leg: int, i: int) -> int:
+        """The platform as parent; pivots are in center-of-mass frames, and the tip's mass is its origin."""
+        pivot = self._frame.to_body(self.robot.anchor_points[i]).tolist()
+        b = self._bullet
+        return int(b.createConstraint(self._platform, -1, leg, 2, b.JOINT_POINT2POINT, [0, 0, 0], pivot, [0, 0, 0],
+                                      physicsClientId=self._client))
+
+
+class _BodyFrame:
+    """Bullet's body frame: at the center of mass, along the principal axes of inertia."""
+
+    def __init__(self, robot: Robot) -> None:
+        platform = robot.platform
+        if np.count_nonzero(platform.inertia - np.diag(np.diag(platform.inertia))):
+            self.principal, axes = np.linalg.eigh(platform.inertia)
+            self.axes = axes * np.sign(np.linalg.det(axes))  # right-handed
+        else:
+            self.principal, self.axes = np.diag(platform.inertia).copy(), np.eye(3)
+        self.center = platform.center_of_mass
+        self.is_platform_frame = not self.center.any() and np.array_equal(self.axes, np.eye(3))
+
+    @property
+    def quaternion_to_body(self) -> list[float]:
+        """Orientation of the platform frame seen from the body frame."""
+        return _quaternion(self.axes.T)
+
+    def to_body(self, point: Array) -> Array:
+        """A point of the platform frame in the body frame [m]."""
+        return self.axes.T @ (point - self.center)
+
+    def body_pose(self, pose: Pose) -> tuple[list[float], list[float]]:
+        position = pose.position + pose.rotation @ self.center
+        return position.tolist(), _quaternion(pose.rotation @ self.axes)
+
+    def platform_motion(self, place: Array, rotation: Array, twist: Array) -> tuple[Array, Array, Array]:
+        """Position of P, platform rotation and twist of P from the body's."""
+        if self.is_platform_frame:
+            return place, rotation, twist
+        turned = rotation @ self.axes.T
+        arm = turned @ self.center
+        twist[:3] -= np.cross(twist[3:], arm)
+        return place - arm, turned, twist
+
+
+@cache
+def import_pybullet() -> Any:
+    """The engine, its start-up banner kept off the terminal; raises MissingDependency naming the ways out."""
+    try:
+        with quiet():
+            import pybullet
+    except ImportError:
+        raise MissingDependency(
+            "spatial worlds run in PyBullet, which is not installed; it has wheels for Linux x86-64 and Python up to "
+            "3.11: use `uv venv --python 3.11`, `conda create -n cdprlab python=3.11` or the python:3.11 container, "
+            "then `pip install pybullet` (planar worlds, tensions and sets work without it)") from None
+    return pybullet
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Silence C code that prints: Python's own redirection does not reach file descriptors 1 and 2."""
+    libc = ctypes.CDLL(None)
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(Exception):
+            stream.flush()
+    saved, nothing = [os.dup(1), os.dup(2)], os.open(os.devnull, os.O_WRONLY)
+    libc.fflush(None)
+    try:
+        os.dup2(nothing, 1)
+        os.dup2(nothing, 2)
+        yield
+    finally:
+        libc.fflush(None)  # C buffers its output; it must leave before the descriptors come back
+        for descriptor, copy in zip((1, 2), saved):
+            os.dup2(copy, descriptor)
+            os.close(copy)
+        os.close(nothing)
+
+
+def _quaternion(rotation: Array) -> list[float]:
+    from scipy.spatial.transform import Rotation
+
+    quaternion: list[float] = Rotation.from_matrix(rotation).as_quat().tolist()
+    return quaternion
+
+
+def _turn_z_to(direction: Array) -> list[float]:
+    """Quaternion of the shortest turn from the z axis to a direction."""
+    x, y, z = direction / np.linalg.norm(direction)
+    if z < -1 + 1e-9:
+        return [1.0, 0.0, 0.0, 0.0]
+    scale = math.sqrt(2 * (1 + z))
+    return [-y / scale, x / scale, 0.0, scale / 2]
+
+
+def _leg_joints(vector: Array) -> tuple[float, float, float]:
+    """Joint values (a, b, ρ) with Rx(a) Ry(b) [0, 0, ρ] = vector, in the leg's base frame."""
+    length = float(np.linalg.norm(vector))
+    x, y, z = (vector / length).tolist()
+    return math.atan2(-y, z), math.asin(x), length

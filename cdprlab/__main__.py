@@ -1,0 +1,106 @@
+"""The command line: ``python -m cdprlab worlds | run WORLD``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from .control import ComputedTorque
+from .errors import CdprError
+from .run import INFEASIBLE, Run, run
+from .simulate import CABLE_MODELS
+from .tensions import tension_methods
+from .world import load_world, world_names
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns 0, or 2 after one line on stderr saying what was wrong."""
+    options = _parser().parse_args(arguments)
+    try:
+        return int(options.command(options))
+    except CdprError as error:
+        print(f"cdprlab: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"cdprlab: cannot write {error.filename}: {error.strerror}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("cdprlab: stopped", file=sys.stderr)
+        return 130
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="cdprlab", description="Cable-driven parallel robots, simulated and drawn.")
+    commands = parser.add_subparsers(title="commands", required=True, parser_class=_Parser)
+    worlds = commands.add_parser("worlds", help="list the robots that come with cdprlab")
+    worlds.set_defaults(command=_worlds)
+    flight = commands.add_parser("run", help="move a robot along a task, headless, and write plots, film and log")
+    flight.set_defaults(command=_run)
+    flight.add_argument("world", metavar="WORLD", help="a world's name (see `worlds`) or the path of a .yaml file")
+    flight.add_argument("--task", default="default", help="one of the world's tasks (default: %(default)s)")
+    flight.add_argument("--method", default="quadratic_program", choices=list(tension_methods()), metavar="METHOD",
+                        help=f"tension distribution: {', '.join(tension_methods())} (default: %(default)s)")
+    flight.add_argument("--cables", default="tension", choices=list(CABLE_MODELS), help="cable model "
+                        "(default: %(default)s)")
+    flight.add_argument("--kp", type=float, default=100.0, help="position gain [1/s²] (default: %(default)g)")
+    flight.add_argument("--kd", type=float, default=100.0, help="velocity gain [1/s] (default: %(default)g)")
+    flight.add_argument("--dt", type=float, default=1e-3, help="engine step [s] (default: %(default)g)")
+    flight.add_argument("--control-period", type=float, help="control step [s], a multiple of dt (default: dt)")
+    flight.add_argument("--duration", type=float, help="length of the run [s] (default: the task's)")
+    flight.add_argument("--infeasible", default="relax", choices=INFEASIBLE,
+                        help="what to do where no tensions balance the wrench (default: %(default)s)")
+    flight.add_argument("--out", type=Path, help="folder to write to (default: out/WORLD)")
+    flight.add_argument("--no-pictures", action="store_true", help="write the log only")
+    return parser
+
+
+class _Parser(argparse.ArgumentParser):
+    """One line for a wrong command line instead of the whole usage."""
+
+    def error(self, message: str) -> None:  # type: ignore[override]
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
+def _worlds(_: argparse.Namespace) -> int:
+    for name in world_names():
+        world = load_world(name)
+        print(f"{name:14} {world.title}; tasks: {', '.join(world.tasks)}")
+    return 0
+
+
+def _run(options: argparse.Namespace) -> int:
+    from tqdm import tqdm
+
+    world = load_world(options.world)
+    print(f"{world.title or world.name}: task {options.task}, {options.method}, cables={options.cables}")
+    with tqdm(unit=" steps", desc="flying", leave=False) as bar:
+        flown = run(world, options.task, options.method, options.cables, ComputedTorque(options.kp, options.kd),
+                    options.dt, options.control_period, options.infeasible, duration=options.duration,
+                    progress=bar.update)
+    for quantity, value in flown.table().items():
+        print(f"  {quantity:36} {value}")
+    folder = options.out or Path("out") / world.name
+    flown.save(folder)
+    if not options.no_pictures:
+        _pictures(flown, folder)
+    print(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir()))}")
+    return 0
+
+
+def _pictures(flown: Run, folder: Path) -> None:
+    from tqdm import tqdm
+
+    from .view import plot_tensions, plot_tracking, save_figure, save_film
+
+    steps = (("tracking plot", lambda: save_figure(plot_tracking(flown), folder / "tracking.png")),
+             ("tension plot", lambda: save_figure(plot_tensions(flown), folder / "tensions.png")),
+             ("film", lambda: save_film(flown, folder / "film.gif")))
+    for name, draw in (bar := tqdm(steps, leave=False)):
+        bar.set_description(f"drawing {name}")
+        draw()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

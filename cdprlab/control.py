@@ -1,0 +1,128 @@
+"""Controllers: ``(t, state, reference) → wrench``, the wrench the cables shall exert on the platform at P."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .arrays import Array, as_array, frozen
+from .errors import InvalidInput
+from .pose import rotation_vector
+from .robot import Robot
+from .simulate.simulator import State
+from .trajectory import Reference
+
+Controller = Callable[[float, State, Reference], Array]
+"""W τ of the cables, weight not subtracted: at rest it is minus the gravity wrench."""
+
+
+@dataclass(frozen=True, eq=False)
+class ComputedTorque:
+    """Computed torque: w = M (a_d + K_d ė + K_p e) + C v − f_g, e = [p_d − p; log(R_d Rᵀ)].
+
+    kp : K_p, a number or (n,) [1/s²]
+    kd : K_d, a number or (n,) [1/s]; K_d times the control period must stay below 2
+    Raises InvalidInput for negative gains.
+    Source: Okoli 2016, eq. (6.3)–(6.5), with the sign of f_g that (2.24) has, and the orientation included.
+
+    >>> ComputedTorque(100, 100).kp
+    array(100.)
+    """
+
+    kp: ArrayLike = 100.0
+    kd: ArrayLike = 100.0
+
+    def __post_init__(self) -> None:
+        for name in ("kp", "kd"):
+            gain = as_array(getattr(self, name), name, (), batch=True)
+            if (gain < 0).any():
+                raise InvalidInput(f"{name} must not be negative, got {gain.tolist()}")
+            object.__setattr__(self, name, frozen(gain))
+
+    def __call__(self, t: float, state: State, reference: Reference) -> Array:
+        robot = state.robot
+        error, rate = pose_error(state, reference), reference.twist - state.twist
+        if robot.n_dof == rate.shape[0]:
+            correction = self.kd * rate + self.kp * error  # type: ignore[operator]
+        else:
+            basis = robot.pattern.basis(state.rotation)
+            correction = basis @ (self.kd * (rate @ basis) + self.kp * (error @ basis))
+        return inverse_dynamics(robot, state.rotation, state.twist, reference.acceleration + correction)
+
+
+def pose_error(state: State, reference: Reference) -> Array:
+    """[p_d − p; log(R_d Rᵀ)] in world axes.
+
+    Returns (3 planar or 6 spatial,) [m, rad].
+    """
+    error = np.empty(state.twist.shape[0])
+    d = state.position.shape[0]
+    np.subtract(reference.pose.position, state.position, out=error[:d])
+    error[d:] = _turn_between(reference.pose.rotation @ state.rotation.T)
+    return error
+
+
+def inverse_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: Array) -> Array:
+    """W τ = M a + C v − f_g: Newton and Euler about the center of mass, moments taken at P.
+
+    rotation : (d, d); twist, acceleration : (3 planar or 6 spatial,) of P in world axes
+    Returns (n,) wrench the cables must exert [N, N m].
+    Source: Okoli 2016, eq. (2.17)–(2.19), extended to a center of mass off P.
+
+    >>> import cdprlab as cl
+    >>> robot = cl.load_world("caroca").robot
+    >>> inverse_dynamics(robot, np.eye(3), np.zeros(6), np.zeros(6))[2]
+    np.float64(1471.5)
+    """
+    if robot.dimension == 2:
+        return _planar_dynamics(robot, rotation, twist, acceleration)
+    platform = robot.platform
+    wrench = np.empty(6)
+    wrench[:3] = acceleration[:3]
+    # Rotation in platform axes, where the inertia is constant.
+    spin, spin_rate = twist[3:] @ rotation, acceleration[3:] @ rotation
+    momentum = platform.inertia @ spin
+    moment = platform.inertia @ spin_rate + _cross(spin, momentum)
+    wrench[3:] = rotation @ moment
+    center = platform.center_of_mass
+    if center.any():
+        wrench[:3] += rotation @ (_cross(spin_rate, center) + _cross(spin, _cross(spin, center)))
+    wrench[2] += robot.gravity
+    wrench[:3] *= platform.mass
+    if center.any():
+        wrench[3:] += _cross(rotation @ center, wrench[:3])
+    return wrench if robot.n_dof == 6 else wrench @ robot.pattern.basis(rotation)
+
+
+def _planar_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: Array) -> Array:
+    platform = robot.platform
+    x, y = rotation @ platform.center_of_mass
+    force = acceleration[:2] + acceleration[2] * np.array([-y, x]) - twist[2]**2 * np.array([x, y])
+    force[1] += robot.gravity
+    force *= platform.mass
+    wrench = np.array([*force, platform.inertia * acceleration[2] + x * force[1] - y * force[0]])
+    return wrench[:robot.n_dof]
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """a × b of two single vectors; np.cross takes ten times as long."""
+    ax, ay, az = a.tolist()
+    bx, by, bz = b.tolist()
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+
+def _turn_between(turn: Array) -> Array | tuple[float, float, float]:
+    """Rotation vector of one matrix: sin θ from its skew part, cos θ from its trace."""
+    if turn.shape[0] == 2:
+        return rotation_vector(turn)
+    (a, b, c), (d, e, f), (g, h, i) = turn.tolist()
+    x, y, z = (h - f) / 2, (c - g) / 2, (d - b) / 2
+    sine, cosine = math.sqrt(x * x + y * y + z * z), (a + e + i - 1) / 2
+    if cosine < -0.99:
+        return rotation_vector(turn)  # near half a turn the skew part vanishes
+    factor = math.atan2(sine, cosine) / sine if sine > 1e-9 else 1.0
+    return x * factor, y * factor, z * factor

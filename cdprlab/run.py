@@ -1,0 +1,296 @@
+"""The closed loop: reference, controller, tension distribution, engine; and the log of what happened."""
+
+from __future__ import annotations
+
+import csv
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .arrays import Array, as_number, frozen
+from .control import ComputedTorque, Controller
+from .errors import InfeasibleTensions, InvalidInput
+from .pose import Pose, rotation_vector
+from .robot import Robot
+from .simulate.simulator import Simulator, open_simulator
+from .statics import wrench_matrix
+from .tensions.distribution import TensionDistribution, checked_distribution, solver_for
+from .trajectory import Reference
+from .world import Task, World
+
+INFEASIBLE = ("relax", "stop", "hold")
+"""Where the method finds no tensions: take the least wrench error, raise, or keep the last tensions."""
+
+Progress = Callable[[int], Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What happened: N control steps of a run, one row each.
+
+    time : (N,) start of each control step [s]
+    poses : Pose of batch (N,); twists (N, 3 or 6) [m/s, rad/s]
+    reference : Reference of batch (N,)
+    commanded_tensions : (N, m) held during the step [N]
+    measured_tensions : (N, m) what the engine's cables carried at its end [N]
+    lengths : (N, m) cable lengths [m]
+    errors : (N, n) reference minus pose in the motion pattern's rows: position, rotation vector [m, rad]
+    feasible : (N,) the method balanced the wanted wrench within the limits
+    real_time_factor : simulated over elapsed time of the loop
+    settings : how the run was made
+    """
+
+    world: World
+    task: str
+    method: str
+    cables: str
+    time: Array
+    poses: Pose
+    twists: Array
+    reference: Reference
+    commanded_tensions: Array
+    measured_tensions: Array
+    lengths: Array
+    errors: Array
+    feasible: Any
+    real_time_factor: float
+    dt: float
+    control_period: float
+    settings: dict[str, Any] = field(repr=False)
+
+    @property
+    def position_errors(self) -> Array:
+        """(N,) distance from the reference [m]."""
+        d = min(self.world.robot.dimension, self.errors.shape[1])
+        return np.linalg.norm(self.errors[:, :d], axis=1)
+
+    def table(self) -> dict[str, str]:
+        """The run in eight lines: quantity → value with unit."""
+        off, commanded = self.position_errors, self.commanded_tensions
+        gap = self.measured_tensions - commanded
+        return {
+            "tracking error, largest": f"{off.max() * 1e3:.3f} mm",
+            "tracking error, final": f"{off[-1] * 1e3:.3f} mm",
+            "tension, smallest": f"{commanded.min():.1f} N (limit {self.world.robot.tension_min.min():g} N)",
+            "tension, largest": f"{commanded.max():.1f} N (limit {self.world.robot.tension_max.max():g} N)",
+            "measured − commanded tension, RMS": f"{np.sqrt(np.mean(gap**2)):.2g} N",
+            "infeasible steps": f"{int((~self.feasible).sum())} of {self.time.size}",
+            "simulated time": f"{self.time[-1] + self.control_period:g} s",
+            "real-time factor": f"{self.real_time_factor:.1f}",
+        }
+
+    def save(self, folder: str | Path) -> Path:
+        """Write log.npz (named arrays and their units), log.csv, the world used and the settings.
+
+        folder : made if missing
+        """
+        target = Path(folder)
+        target.mkdir(parents=True, exist_ok=True)
+        columns = self._columns()
+        units = {name: unit for name, (_, unit) in columns.items()}
+        np.savez_compressed(target / "log.npz", allow_pickle=False, units=np.array(json.dumps(units)),
+                            **{name: values for name, (values, _) in columns.items()})
+        _write_csv(target / "log.csv", columns)
+        self.world.save(target / "world.yaml")
+        settings = {"task": self.task, "method": self.method, "cables": self.cables, **self.settings}
+        (target / "settings.json").write_text(json.dumps(settings, indent=1) + "\n", encoding="utf-8")
+        return target
+
+    def _columns(self) -> dict[str, tuple[Array, str]]:
+        """Name → array, unit of each log column group."""
+        spatial = self.world.robot.dimension == 3
+
+        def turn(pose: Pose) -> Array:
+            return pose.rpy if spatial else np.asarray(pose.angle)[:, None]
+
+        return {
+            "time": (self.time, "s"),
+            "position": (self.poses.position, "m"),
+            "rotation": (turn(self.poses), "rad"),
+            "twist": (self.twists, "m/s, rad/s"),
+            "reference_position": (self.reference.pose.position, "m"),
+            "reference_rotation": (turn(self.reference.pose), "rad"),
+            "reference_twist": (self.reference.twist, "m/s, rad/s"),
+            "error": (self.errors, "m, rad"),
+            "commanded_tension": (self.commanded_tensions, "N"),
+            "measured_tension": (self.measured_tensions, "N"),
+            "length": (self.lengths, "m"),
+            "feasible": (np.asarray(self.feasible), ""),
+        }
+
+
+def run(world: World, task: str = "default", method: str | Callable[..., Any] = "quadratic_program",
+        cables: str = "tension", controller: Controller | None = None, dt: float = 1e-3,
+        control_period: float | None = None, infeasible: str = "relax", external_wrench: Any = None,
+        duration: float | None = None, seed: int = 0, *, progress: Progress | None = None,
+        simulator: Simulator | None = None, **engine_options: Any) -> Run:
+    """Move a world's robot along a task in its engine and log every control step.
+
+    world, task : what moves, and one of its tasks' names
+    method : a tension method's name, or a callable (W, w_e, tension_min, tension_max) → tensions or TensionDistribution
+    cables : "tension" (constraint cables under torque) or "force" (ideal massless baseline)
+    controller : (t, state, reference) → wrench the cables shall exert; default ComputedTorque(100, 100)
+    dt, control_period : engine step and control step [s], the second a multiple of the first; default equal
+    infeasible : "relax" (least wrench error inside the limits), "stop" (raise), "hold" (last tensions)
+    external_wrench : (n,) at P or t → (n,), felt by the platform and not told to the controller [N, N m]
+    duration : of the run; default the task's motion and hold [s]
+    seed : kept with the log for whatever draws random numbers; the loop itself draws none
+    progress : called with the number of steps done since its last call
+    simulator : an open Simulator to use (and leave open) instead of a new one
+    engine_options : passed to ``open_simulator``
+    Raises InvalidInput; InfeasibleTensions with infeasible="stop"; SimulationDiverged.
+
+    >>> import cdprlab as cl
+    >>> cl.run(cl.load_world("nowhere"))
+    Traceback (most recent call last):
+    ...
+    cdprlab.errors.WorldError: unknown world 'nowhere'; there are ...
+    """
+    job = world.task(task)
+    if infeasible not in INFEASIBLE:
+        raise InvalidInput(f"infeasible must be one of {', '.join(INFEASIBLE)}, got {infeasible!r}")
+    substeps, period = _control_steps(dt, control_period)
+    length = job.duration + job.hold if duration is None else as_number(duration, "duration", "s", positive=True)
+    times = np.arange(max(1, round(length / period))) * period
+    law = ComputedTorque() if controller is None else controller
+    loop = _Loop(world.robot, method, infeasible, law, external_wrench, times.size)
+    engine = simulator or open_simulator(world, cables, dt, **engine_options)
+    try:
+        engine.reset(job.start)
+        elapsed = loop.fly(engine, job.trajectory()(times), substeps, progress)
+    finally:
+        if simulator is None:
+            engine.close()
+    name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
+    settings = {"dt": dt, "control_period": period, "controller": _describe(law), "infeasible": infeasible,
+                "external_wrench": None if external_wrench is None else str(external_wrench),
+                "duration": float(times.size * period), "seed": seed, **engine_options}
+    return loop.log(world, task, name, cables, times, times.size * period / elapsed, dt, period, settings)
+
+
+class _Loop:
+    """The state of one closed loop: buffers for its log, and the solver built for its limits."""
+
+    def __init__(self, robot: Robot, method: Any, infeasible: str, controller: Controller,
+                 external_wrench: Any, steps: int) -> None:
+        self.robot, self.infeasible, self.controller = robot, infeasible, controller
+        self.external_wrench = external_wrench
+        d, m = robot.dimension, robot.n_cables
+        self.method = method if isinstance(method, str) else ""
+        self.solve = self._solver(method)
+        self.relax = solver_for("relaxed", robot.n_dof, robot.tension_min, robot.tension_max)
+        self.positions, self.rotations = np.empty((steps, d)), np.empty((steps, d, d))
+        self.twists = np.empty((steps, 3 if d == 2 else 6))
+        self.wrenches = np.empty((steps, robot.n_dof))
+        self.commanded, self.measured, self.lengths = (np.empty((steps, m)) for _ in range(3))
+
+    def fly(self, engine: Simulator, reference: Reference, substeps: int, progress: Progress | None) -> float:
+        """The loop itself; returns the elapsed time [s]."""
+        self.reference = reference
+        poses, twists, accelerations = reference
+        push = self.external_wrench
+        if push is not None and not callable(push):
+            engine.push(push)
+        steps = self.commanded.shape[0]
+        every = max(1, steps // 100)
+        began = time.perf_counter()
+        for k in range(steps):
+            state = engine.state()
+            if callable(push):
+                engine.push(push(state.time))
+            wanted = self.controller(state.time, state, Reference(poses[k], twists[k], accelerations[k]))
+            tensions = self._tensions(engine.wrench_matrix, wanted, k, state.time)
+            self.positions[k], self.rotations[k], self.twists[k] = state.position, state.rotation, state.twist
+            self.wrenches[k], self.lengths[k], self.commanded[k] = wanted, engine.lengths, tensions
+            engine.step(tensions, substeps)
+            self.measured[k] = engine.tensions
+            if progress is not None and (k + 1) % every == 0:
+                progress(every)
+        elapsed = time.perf_counter() - began
+        if progress is not None:
+            progress(steps % every)
+        return elapsed
+
+    def _tensions(self, W: Array, wanted: Array, k: int, now: float) -> Array:
+        tensions, reason = self.solve(W, -wanted)
+        if not reason:
+            return tensions
+        if self.infeasible == "stop":
+            raise InfeasibleTensions(f"at t = {now:.4g} s: {reason}; infeasible=\"relax\" goes on with the least "
+                                     "wrench error inside the limits", self._judge(W, -wanted, tensions, reason))
+        if self.infeasible == "hold" and k > 0:
+            return self.commanded[k - 1]
+        return self.relax(W, -wanted)[0]
+
+    def _judge(self, W: Array, w_e: Array, tensions: Array, reasons: Any) -> TensionDistribution:
+        robot = self.robot
+        low, high = (np.broadcast_to(limit, tensions.shape) for limit in (robot.tension_min, robot.tension_max))
+        return checked_distribution(W, w_e, low, high, tensions, np.broadcast_to(np.array(reasons, dtype=object),
+                                                                                tensions.shape[:-1]), self.method)
+
+    def _solver(self, method: Any) -> Callable[[Array, Array], tuple[Array, str]]:
+        robot = self.robot
+        low, high = robot.tension_min, robot.tension_max
+        if isinstance(method, str):
+            return solver_for(method, robot.n_dof, low, high)
+
+        def own(W: Array, w_e: Array) -> tuple[Array, str]:
+            answer = method(W, w_e, low, high)
+            if isinstance(answer, TensionDistribution):
+                return answer.tensions, str(answer.reason)
+            tensions = np.asarray(answer, float)
+            usable = tensions.shape == (robot.n_cables,) and bool(np.isfinite(tensions).all())
+            return tensions, "" if usable else f"the method gave no {robot.n_cables} finite tensions"
+
+        return own
+
+    def log(self, world: World, task: str, method: str, cables: str, times: Array, factor: float, dt: float,
+            period: float, settings: dict[str, Any]) -> Run:
+        poses = Pose.of(self.positions, self.rotations)
+        # Judged by the law for the whole run at once: equilibrium with the wanted wrench, and the limits.
+        judged = self._judge(wrench_matrix(world.robot, poses), -self.wrenches, self.commanded, "")
+        arrays = [frozen(a) for a in (times, self.twists, self.commanded, self.measured, self.lengths)]
+        return Run(world, task, method, cables, arrays[0], poses, arrays[1], self.reference, arrays[2], arrays[3],
+                   arrays[4], _errors(world.robot, poses, self.reference.pose), judged.feasible, factor, dt, period,
+                   settings)
+
+
+def _errors(robot: Robot, poses: Pose, wanted: Pose) -> Array:
+    """(N, n) reference minus pose in the motion pattern's rows."""
+    turn = rotation_vector(wanted.rotation @ np.swapaxes(poses.rotation, -1, -2))
+    full = np.concatenate([wanted.position - poses.position, turn], axis=-1)
+    return frozen((full[..., None, :] @ robot.pattern.basis(poses.rotation))[..., 0, :])
+
+
+def _control_steps(dt: float, control_period: float | None) -> tuple[int, float]:
+    step = as_number(dt, "dt", "s", positive=True)
+    period = step if control_period is None else as_number(control_period, "control_period", "s", positive=True)
+    substeps = round(period / step)
+    if substeps < 1 or abs(substeps * step - period) > 1e-9 * period:
+        raise InvalidInput(f"control_period must be a whole multiple of dt, got {period:g} s and {step:g} s")
+    return substeps, substeps * step
+
+
+def _describe(controller: Any) -> str:
+    if isinstance(controller, ComputedTorque):
+        return f"ComputedTorque(kp={np.asarray(controller.kp).tolist()}, kd={np.asarray(controller.kd).tolist()})"
+    return getattr(controller, "__name__", type(controller).__name__)
+
+
+def _write_csv(path: Path, columns: dict[str, tuple[Array, str]]) -> None:
+    blocks = {name: (values.reshape(values.shape[0], -1), unit) for name, (values, unit) in columns.items()}
+    header = []
+    for name, (values, unit) in blocks.items():
+        suffix = f" [{unit}]" if unit else ""
+        numbers = [""] if values.shape[1] == 1 else [f"_{i + 1}" for i in range(values.shape[1])]
+        header += [f"{name}{number}{suffix}" for number in numbers]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        table = np.concatenate([values.astype(float) for values, _ in blocks.values()], axis=1)
+        writer.writerows([f"{value:.9g}" for value in row] for row in table.tolist())
