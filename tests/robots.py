@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 
+from cdprlab.geometry import cable_directions
 from cdprlab.pose import Pose
 from cdprlab.robot import MOTION_PATTERNS, Base, Cable, Platform, Robot
 
@@ -133,3 +134,31 @@ def differences(function, n, step):
 def cases(count):
     """(name, seed) for parametrize."""
     return list(itertools.product(ROBOTS, range(count)))
+
+
+def in_rows(robot, pose, force, moment):
+    """A wrench in the pattern's rows, by virtual work: w · t = f · v + m · ω."""
+    twists = [full_twist(robot, pose, e) for e in np.eye(robot.n_dof)]
+    return np.array([force @ v + moment @ w for v, w in twists])
+
+
+def cross(a, b):
+    """a × b, in the plane its z component as an array of one."""
+    return np.atleast_1d(a[0] * b[1] - a[1] * b[0]) if a.size == 2 else np.cross(a, b)
+
+
+def spatial_twin(robot):
+    """(x, y, φ) as (x, 0, y): each planar point (x, y) at (x, 0, y), each base along x."""
+    def lift(p):
+        return [p[0], 0.0, p[1]]
+    return build("3R3T", [lift(a) for a in robot.exit_points], [lift(b) for b in robot.anchor_points],
+                 center_of_mass=lift(robot.platform.center_of_mass), mass=robot.mass)
+
+
+def pulls_on(robot, pose, base, tau):
+    """[(point, force)] on one base: its weight, and the cables, each pulled towards the platform."""
+    weight = np.zeros(robot.dimension)
+    weight[-1] = -base.mass * robot.gravity
+    loads = [(base.to_world(base.center_of_mass), weight)]
+    return loads + [(a, -t * u) for a, t, u, cable in zip(robot.exit_points, tau, cable_directions(robot, pose),
+                                                          robot.cables) if cable.base == base.name]

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from robots import BASED, ROBOTS, case, random_poses, robot_1r2t, robot_2t, robot_3t
 
 import cdprlab as cl
+from robots import BASED, ROBOTS, case, random_poses, robot_1r2t, robot_2t, robot_3t
 
 
 @pytest.mark.parametrize("name", ROBOTS)

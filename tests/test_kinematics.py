@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from robots import BASED, ROBOTS, case, cases, differences, moved, random_pose, random_poses, robot_2r3t, robot_3r3t
 
 import cdprlab as cl
+from robots import BASED, ROBOTS, case, cases, differences, moved, random_pose, random_poses, robot_2r3t, robot_3r3t
 
 # Central differences of step h leave h²/6 of the third derivative (about 1 here) and rounding 1e-16/h.
 STEP, CLOSE = 1e-5, 2e-9
@@ -33,7 +33,7 @@ def test_jacobian_is_the_derivative_of_lengths(name, seed):
 @pytest.mark.parametrize("seed", range(4))
 def test_base_jacobian_is_the_derivative_of_lengths(name, seed, pivot):
     robot, pose = case(name, seed)
-    expected = np.concatenate([-differences(lambda x: lengths_with_moved_base(robot, pose, k, x, pivot), 3, STEP)
+    expected = np.concatenate([-differences(lambda x, k=k: lengths_with_moved_base(robot, pose, k, x, pivot), 3, STEP)
                                for k in range(len(robot.bases))], axis=1)
     np.testing.assert_allclose(cl.base_jacobian(robot, pose, pivot), expected, atol=CLOSE)
 
