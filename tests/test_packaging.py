@@ -1,0 +1,119 @@
+"""What is shipped: the wheel, what an import loads, and what works without PyBullet."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+CHECKOUT = Path(__file__).parent.parent
+HEAVY = ("pybullet", "pymunk", "matplotlib", "ipywidgets", "k3d", "scipy", "quadprog", "qpsolvers", "codac",
+         "pydantic", "ruamel", "PIL", "tqdm")
+BLOCKED = "import sys; sys.modules['pybullet'] = None\n"
+
+
+def python(*arguments: str, cwd: Path, path: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """Run this Python elsewhere: ``path`` goes first on sys.path, the environment's variables do not come along."""
+    code = list(arguments)
+    if path is not None:
+        code = ["-c", f"import sys; sys.path.insert(0, {str(path)!r})\n" + arguments[1], *arguments[2:]]
+    return subprocess.run([sys.executable, "-E", *code], cwd=cwd, capture_output=True, text=True, timeout=250)
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with cdprlab installed into it, from a wheel made from a source distribution."""
+    work = tmp_path_factory.mktemp("wheel")
+    for step in (["build", "--no-isolation", "--outdir", str(work), str(CHECKOUT)],
+                 ["pip", "install", "--quiet", "--no-deps", "--no-index", "--disable-pip-version-check",
+                  "--target", str(work / "site")]):
+        wheels = map(str, work.glob("*.whl")) if step[0] == "pip" else ()
+        done = python("-m", *step, *wheels, cwd=work)
+        assert done.returncode == 0, done.stdout + done.stderr
+    return work / "site"
+
+
+def test_the_wheel_works_anywhere_and_brings_its_worlds(installed: Path, tmp_path: Path):
+    done = python("-c", f"""
+sys.path[:] = [entry for entry in sys.path if entry != {str(CHECKOUT)!r}]
+import cdprlab as cl
+print(cl.__file__, *cl.world_names())
+print(cl.load_world("caroca").robot.n_cables)
+""", cwd=tmp_path, path=installed)
+    assert done.returncode == 0, done.stderr
+    place, *names = done.stdout.splitlines()[0].split()
+    assert Path(place).is_relative_to(installed)
+    assert set(names) == {path.stem for path in (CHECKOUT / "worlds").glob("*.yaml")}
+    assert done.stdout.splitlines()[1] == "8"
+
+
+def test_the_wheel_holds_what_is_not_python(installed: Path):
+    there = {path.relative_to(CHECKOUT / "cdprlab").as_posix() for path in (CHECKOUT / "cdprlab").rglob("*")
+             if path.is_file() and path.suffix not in (".py", ".pyc")}
+    assert "py.typed" in there
+    assert {name for name in there if not (installed / "cdprlab" / name).is_file()} == set()
+
+
+def test_the_checkout_works_from_any_directory(tmp_path: Path):
+    done = python("-c", "import cdprlab as cl; print(len(cl.world_names()))", cwd=tmp_path, path=CHECKOUT)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) >= 7
+
+
+def test_importing_loads_nothing_heavy(tmp_path: Path):
+    done = python("-c", f"import cdprlab; print(*[name for name in {HEAVY} if name in sys.modules])",
+                  cwd=tmp_path, path=CHECKOUT)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == []
+
+
+def test_without_pybullet_mechanics_work(tmp_path: Path):
+    done = python("-c", BLOCKED + """
+import cdprlab as cl
+world = cl.load_world("caroca")
+robot, pose = world.robot, world.pose
+W, w_e = cl.wrench_matrix(robot, pose), cl.gravity_wrench(robot, pose)
+print(cl.distribute_tensions(W, w_e, robot.tension_min, robot.tension_max).feasible)
+""", cwd=tmp_path, path=CHECKOUT)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == "True"
+
+
+def test_without_pybullet_a_spatial_run_says_the_ways_out_in_one_line(tmp_path: Path):
+    done = python("-c", BLOCKED + """
+from cdprlab.__main__ import main
+sys.exit(main(["run", "caroca"]))
+""", cwd=tmp_path, path=CHECKOUT)
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
+    for way_out in ("3.11", "uv", "conda"):
+        assert way_out in done.stderr
+
+
+def test_without_pybullet_the_other_tests_pass():
+    spared = {Path(__file__).name, "test_house.py"}
+    tests = [str(path) for path in sorted((CHECKOUT / "tests").glob("test_*.py"))
+             if path.name not in spared and not _needs_an_engine(path)]
+    assert any(name.endswith("test_tensions.py") for name in tests)
+    done = python("-c", BLOCKED + "import pytest; sys.exit(pytest.main(sys.argv[1:]))",
+                  "-q", "-p", "no:cacheprovider", *tests, cwd=CHECKOUT)
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr
+
+
+def _needs_an_engine(path: Path) -> bool:
+    """Tests that simulate spatial worlds; without PyBullet they are skipped one by one, which takes its time."""
+    return any(word in path.name for word in ("spatial", "simulate", "run", "command_line", "main", "view", "caroca"))
+
+
+def test_the_readme_program_prints_what_it_says():
+    pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
+    readme = (CHECKOUT / "README.md").read_text(encoding="utf-8")
+    program, printed = readme.split("```python\n")[1].split("```")[0], readme.split("```text\n")[1].split("```")[0]
+    done = python("-c", program, cwd=CHECKOUT, path=CHECKOUT)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == printed
+
+
+def test_the_readme_lists_every_world():
+    readme = (CHECKOUT / "README.md").read_text(encoding="utf-8")
+    assert [path.stem for path in (CHECKOUT / "worlds").glob("*.yaml") if f"| `{path.stem}` |" not in readme] == []
