@@ -10,9 +10,11 @@ import cdprlab
 
 PACKAGE = Path(cdprlab.__file__).parent
 ROOMS = (
-    "errors", "arrays", "pose", "robot", "world_schema", "world", "geometry", "kinematics", "statics", "fast_statics",
-    "tensions", "sets", "workspace", "configurations", "trajectory", "control", "simulate", "run", "view", "__main__",
+    "errors", "arrays", "pose", "robot", "world", "geometry", "kinematics", "statics", "tensions", "sets", "workspace",
+    "configurations", "trajectory", "control", "simulate", "run", "view", "__main__",
 )
+CLOSETS = {"world_schema": "world", "world_writer": "world", "fast_statics": "statics"}
+"""Files that belong to a room without being in its folder."""
 UPWARDS = {
     ("world", "trajectory"): "a Task makes its own trajectory, when asked",
 }
@@ -57,8 +59,8 @@ def test_public_names_are_unique():
 
 
 def _room(path: Path) -> str:
-    first = path.relative_to(PACKAGE).parts[0]
-    return first.removesuffix(".py")
+    name = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+    return CLOSETS.get(name, name)
 
 
 def _imports(path: Path) -> Iterator[tuple[ast.Import | ast.ImportFrom, bool]]:
@@ -85,5 +87,7 @@ def _rooms_of(path: Path, node: ast.Import | ast.ImportFrom) -> list[str]:
     if isinstance(node, ast.ImportFrom) and node.level:
         parts = path.relative_to(PACKAGE).parent.parts
         base = parts[:len(parts) - node.level + 1] + tuple((node.module or "").split(".") if node.module else ())
-        return [base[0]] if base else [alias.name for alias in node.names if alias.name != "__version__"]
-    return [name.split(".")[1] for name in _absolute(node) if name.startswith("cdprlab.")]
+        names = [base[0]] if base else [alias.name for alias in node.names if alias.name != "__version__"]
+    else:
+        names = [name.split(".")[1] for name in _absolute(node) if name.startswith("cdprlab.")]
+    return [CLOSETS.get(name, name) for name in names]
