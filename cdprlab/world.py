@@ -26,6 +26,7 @@ from .robot import (
     inertia_matrix,
     motion_pattern,
 )
+from .world_writer import styled, updated_document
 
 if TYPE_CHECKING:
     from .trajectory import Trajectory
@@ -113,7 +114,9 @@ class World:
         return self.tasks[name]
 
     def save(self, path: str | Path) -> Path:
-        """Write the world file; comments of the file it was read from are kept.
+        """Write the world file as the world is now: a changed robot or pose too, comments of its file kept.
+
+        Scene and tasks stay as they were read; a task that names no start begins at the saved pose.
 
         path : where to; raises InvalidInput if its folder does not exist
         """
@@ -121,13 +124,13 @@ class World:
         if not target.parent.is_dir():
             raise InvalidInput(f"cannot save {target}: there is no folder {target.parent}")
         buffer = io.StringIO()
-        _yaml().dump(self.document, buffer)
+        _yaml().dump(updated_document(self, World.from_dict), buffer)
         target.write_text(buffer.getvalue(), encoding="utf-8")
         return target
 
     def to_dict(self) -> dict[str, Any]:
         """Plain dicts and lists; ``World.from_dict(world.to_dict())`` is the same world."""
-        return _plain(self.document)
+        return _plain(updated_document(self, World.from_dict))
 
     def __repr__(self) -> str:
         return f"World({self.name!r}: {self.robot!r}, tasks {', '.join(self.tasks)})"
@@ -218,7 +221,11 @@ class _Reader:
         for name, block in file.tasks.items():
             with _under("tasks", name):
                 tasks[name] = _task(block, pose, d)
-        return World(file.name, file.title, file.source, robot, pose, scene, tasks, self.document)
+        return World(file.name, file.title, file.source, robot, pose, scene, tasks, self._kept())
+
+    def _kept(self) -> Any:
+        """The document for saving: a file's own with its comments, or a copy nobody else can change."""
+        return self.document if hasattr(self.document, "lc") else styled(_plain(self.document))
 
     # --- messages ---------------------------------------------------------------------------------
     def _schema_line(self, error: Any) -> str:
@@ -361,7 +368,7 @@ def _yaml() -> Any:
 
     yaml = YAML(typ="rt")
     yaml.width = 120
-    yaml.default_flow_style = None
+    yaml.indent(mapping=2, sequence=4, offset=2)
     return yaml
 
 
