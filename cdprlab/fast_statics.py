@@ -35,21 +35,25 @@ def cable_statics(robot: Robot) -> Callable[[Array, Array], CableStatics]:
     cycle = [0, 1, 2, 0, 1]
     exits = np.ascontiguousarray(robot.exit_points.T[cycle])
     anchors = np.ascontiguousarray(robot.anchor_points.T)
-    turns = robot.pattern.turns
+    turn, place = np.empty((5, 3)), np.empty((5, 1))
+    m, turns = robot.n_cables, robot.pattern.turns
     basis = robot.pattern.basis if robot.motion_pattern == "2R3T" else None
+    add = np.add.reduce
 
     def evaluate(position: Array, rotation: Array) -> CableStatics:
-        arms = rotation[cycle] @ anchors
-        u = exits - position[cycle, None] - arms
-        lengths = np.sqrt(np.add.reduce(u[:3] * u[:3]))
+        turn[:3], turn[3:] = rotation, rotation[:2]
+        place[:3, 0], place[3:, 0] = position, position[:2]
+        arms = turn @ anchors
+        u = exits - arms
+        u -= place
+        w = np.empty((6, m))
+        directions = u[:3]
+        lengths = np.sqrt(add(directions * directions))
         u /= lengths
         if not turns:
-            return CableStatics(u[:3].T, u[:3], lengths)
-        w = np.empty((6, lengths.shape[0]))
-        w[:3] = u[:3]
+            return CableStatics(directions.T, directions, lengths)
+        w[:3] = directions
         np.subtract(arms[1:4] * u[2:5], arms[2:5] * u[1:4], out=w[3:])
-        if basis is not None:
-            return CableStatics(u[:3].T, basis(rotation).T @ w, lengths)
-        return CableStatics(u[:3].T, w, lengths)
+        return CableStatics(directions.T, w if basis is None else basis(rotation).T @ w, lengths)
 
     return evaluate

@@ -85,7 +85,11 @@ class Pose:
     def __getitem__(self, index: Any) -> Pose:
         if not self.batch_shape:
             raise TypeError("a single Pose cannot be indexed")
-        return Pose.of(self.position[index], self.rotation[index])
+        # Parts of read-only arrays are read-only already.
+        pose = object.__new__(Pose)
+        object.__setattr__(pose, "position", self.position[index])
+        object.__setattr__(pose, "rotation", self.rotation[index])
+        return pose
 
     def __eq__(self, other: object) -> bool:
         return (isinstance(other, Pose) and np.array_equal(self.position, other.position)

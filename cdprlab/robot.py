@@ -142,6 +142,11 @@ class Platform:
         if (self.size <= 0).any():
             raise InvalidInput(f"size must be positive along every edge [m], got {self.size.tolist()}", ("size",))
 
+    @cached_property
+    def is_off_center(self) -> bool:
+        """Whether the center of mass is not at P."""
+        return bool(self.center_of_mass.any())
+
 
 @dataclass(frozen=True, eq=False)
 class Base:

@@ -180,14 +180,11 @@ class _Loop:
                  external_wrench: Any, steps: int) -> None:
         self.robot, self.infeasible, self.controller = robot, infeasible, controller
         self.external_wrench = external_wrench
-        d, m = robot.dimension, robot.n_cables
         self.method = method if isinstance(method, str) else ""
         self.solve = self._solver(method)
         self.relax = solver_for("relaxed", robot.n_dof, robot.tension_min, robot.tension_max)
-        self.positions, self.rotations = np.empty((steps, d)), np.empty((steps, d, d))
-        self.twists = np.empty((steps, 3 if d == 2 else 6))
-        self.wrenches = np.empty((steps, robot.n_dof))
-        self.commanded, self.measured, self.lengths = (np.empty((steps, m)) for _ in range(3))
+        self.steps = steps
+        self.rows: list[tuple[Array, ...]] = []
 
     def fly(self, engine: Simulator, reference: Reference, substeps: int, progress: Progress | None) -> float:
         """The loop itself; returns the elapsed time [s]."""
@@ -196,7 +193,7 @@ class _Loop:
         push = self.external_wrench
         if push is not None and not callable(push):
             engine.push(push)
-        steps = self.commanded.shape[0]
+        steps, rows = self.steps, self.rows
         every = max(1, steps // 100)
         began = time.perf_counter()
         for k in range(steps):
@@ -204,11 +201,10 @@ class _Loop:
             if callable(push):
                 engine.push(push(state.time))
             wanted = self.controller(state.time, state, Reference(poses[k], twists[k], accelerations[k]))
-            tensions = self._tensions(engine.wrench_matrix, wanted, k, state.time)
-            self.positions[k], self.rotations[k], self.twists[k] = state.position, state.rotation, state.twist
-            self.wrenches[k], self.lengths[k], self.commanded[k] = wanted, engine.lengths, tensions
+            tensions = self._tensions(engine.wrench_matrix, wanted, state.time)
+            lengths = engine.lengths
             engine.step(tensions, substeps)
-            self.measured[k] = engine.tensions
+            rows.append((state.position, state.rotation, state.twist, wanted, lengths, tensions, engine.tensions))
             if progress is not None and (k + 1) % every == 0:
                 progress(every)
         elapsed = time.perf_counter() - began
@@ -216,15 +212,15 @@ class _Loop:
             progress(steps % every)
         return elapsed
 
-    def _tensions(self, W: Array, wanted: Array, k: int, now: float) -> Array:
+    def _tensions(self, W: Array, wanted: Array, now: float) -> Array:
         tensions, reason = self.solve(W, -wanted)
         if not reason:
             return tensions
         if self.infeasible == "stop":
             raise InfeasibleTensions(f"at t = {now:.4g} s: {reason}; infeasible=\"relax\" goes on with the least "
                                      "wrench error inside the limits", self._judge(W, -wanted, tensions, reason))
-        if self.infeasible == "hold" and k > 0:
-            return self.commanded[k - 1]
+        if self.infeasible == "hold" and self.rows:
+            return self.rows[-1][5]
         return self.relax(W, -wanted)[0]
 
     def _judge(self, W: Array, w_e: Array, tensions: Array, reasons: Any) -> TensionDistribution:
@@ -243,7 +239,7 @@ class _Loop:
             answer = method(W, w_e, low, high)
             if isinstance(answer, TensionDistribution):
                 return answer.tensions, str(answer.reason)
-            tensions = np.asarray(answer, float)
+            tensions = np.array(answer, float)  # a copy: the method may use its array again
             usable = tensions.shape == (robot.n_cables,) and bool(np.isfinite(tensions).all())
             return tensions, "" if usable else f"the method gave no {robot.n_cables} finite tensions"
 
@@ -251,12 +247,13 @@ class _Loop:
 
     def log(self, world: World, task: str, method: str, cables: str, times: Array, factor: float, dt: float,
             period: float, settings: dict[str, Any]) -> Run:
-        poses = Pose.of(self.positions, self.rotations)
+        columns = [frozen(np.array(column)) for column in zip(*self.rows)]
+        positions, rotations, twists, wrenches, lengths, commanded, measured = columns
+        poses = Pose.of(positions, rotations)
         # Judged by the law for the whole run at once: equilibrium with the wanted wrench, and the limits.
-        judged = self._judge(wrench_matrix(world.robot, poses), -self.wrenches, self.commanded, "")
-        arrays = [frozen(a) for a in (times, self.twists, self.commanded, self.measured, self.lengths)]
-        return Run(world, task, method, cables, arrays[0], poses, arrays[1], self.reference, arrays[2], arrays[3],
-                   arrays[4], _errors(world.robot, poses, self.reference.pose), judged.feasible, factor, dt, period,
+        judged = self._judge(wrench_matrix(world.robot, poses), -wrenches, commanded, "")
+        return Run(world, task, method, cables, frozen(times), poses, twists, self.reference, commanded, measured,
+                   lengths, _errors(world.robot, poses, self.reference.pose), judged.feasible, factor, dt, period,
                    settings)
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from .method import Method, Solution, Solver
+from .method import Method, Solution, Solver, around_fixed
 
 INFEASIBLE = "no tensions within the limits balance the wrench"
 
@@ -17,8 +19,12 @@ def build(n: int, tension_min: Array, tension_max: Array, *, solver: str = "quad
     solver : "quadprog", called directly, or any other that qpsolvers has installed
     Source: Okoli 2016, eq. (6.25); Goldfarb and Idnani 1983 (quadprog's dual active-set method).
     """
-    if solver != "quadprog":
-        return _other_solver(tension_min, tension_max, solver)
+    if solver == "quadprog":
+        return around_fixed(lambda low, high: _quadprog(n, low, high), tension_min, tension_max)
+    return around_fixed(lambda low, high: _other_solver(low, high, solver), tension_min, tension_max)
+
+
+def _quadprog(n: int, tension_min: Array, tension_max: Array) -> Solver:
     import quadprog
 
     m = tension_min.shape[0]
@@ -27,14 +33,39 @@ def build(n: int, tension_min: Array, tension_max: Array, *, solver: str = "quad
     constraints = np.concatenate([np.zeros((m, n)), identity, -identity], axis=1)
     bounds = np.concatenate([np.zeros(n), tension_min, -tension_max])
     quadprog_solve = quadprog.solve_qp
+    least_norm = _least_norm(tension_min, tension_max)
 
     def solve(W: Array, w_e: Array) -> Solution:
+        tau = least_norm(W, w_e)
+        if tau is not None:
+            return tau, ""
         constraints[:, :n] = W.T
         np.negative(w_e, out=bounds[:n])
         try:
             return quadprog_solve(identity, zero, constraints, bounds, n, True)[0], ""
         except ValueError:
             return _without_dependent_rows(W, w_e, tension_min, tension_max)
+
+    return solve
+
+
+def _least_norm(low: Array, high: Array) -> Callable[[Array, Array], Array | None]:
+    """τ = −Wᵀ (W Wᵀ)⁻¹ w_e where it keeps the limits: the program's solution with no limit active, at half its cost."""
+    from scipy.linalg.lapack import dposv
+
+    lows, highs = low.tolist(), high.tolist()
+
+    def solve(W: Array, w_e: Array) -> Array | None:
+        factor, y, failed = dposv(W @ W.T, w_e)
+        # The squared condition number must leave the residual below 1e-8: here it stays below about 1e-10.
+        diagonal = factor.diagonal().tolist()
+        if failed or min(diagonal) < 1e-3 * max(diagonal):
+            return None
+        tau = -(y @ W)
+        for low, t, high in zip(lows, tau.tolist(), highs):
+            if not low <= t <= high:
+                return None
+        return tau
 
     return solve
 
