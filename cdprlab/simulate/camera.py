@@ -33,6 +33,7 @@ PLATFORM: Color = (120, 150, 180)
 BOX: Color = (205, 190, 165)
 OBSTACLE: Color = (205, 110, 95)
 INK: Color = (45, 50, 58)
+TRAIL: Color = (0, 128, 96)
 
 # Drawn twice as large and averaged down, which smooths every edge.
 _OVERSAMPLING = 2
@@ -83,19 +84,22 @@ class Camera:
         self._backgrounds: dict[tuple[int, int], tuple[_View, _Canvas]] = {}
 
     def picture(self, pose: Pose, tensions: ArrayLike, width: int = 640, height: int = 480,
-                limits: tuple[float, float] | None = None) -> Picture:
+                limits: tuple[float, float] | None = None, trail: ArrayLike | None = None) -> Picture:
         """The robot at one pose.
 
         pose : single Pose
         tensions : (m,) [N]; cables without positive tension (or NaN) are grey and dashed
         width, height : [pixels]
         limits : tensions of the first and last color [N]; default 0 and the smaller of weight and largest limit
+        trail : (k, 3) points joined by a thin line, such as where P has been [m]
         Returns (height, width, 3).
         """
         robot = self.world.robot
         tau = np.broadcast_to(np.asarray(tensions, dtype=float), (robot.n_cables,))
         view, background = self._background(width, height)
         canvas = background.copy()
+        if trail is not None:
+            _draw_trail(canvas, view, as_array(trail, "trail", ("k", 3), "m"))
         _draw_platform(canvas, view, robot, pose, self.world.scene.floor_height)
         _draw_cables(canvas, view, robot, pose, tau, tension_colors(tau, limits or default_limits(robot)))
         return canvas.picture(_OVERSAMPLING)
@@ -122,6 +126,12 @@ class Camera:
             _draw_surroundings(canvas, view, self.world)
             self._backgrounds[width, height] = view, canvas
         return self._backgrounds[width, height]
+
+
+def extents(world: World) -> Array:
+    """(2, 3) lowest and highest corner of all that is in the picture [m]."""
+    points = _landmarks(world)
+    return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
 def default_limits(robot: Robot) -> tuple[float, float]:
@@ -275,6 +285,11 @@ def _draw_platform(canvas: _Canvas, view: _View, robot: Robot, pose: Pose, floor
     _draw_box(canvas, view, corners, PLATFORM)
 
 
+def _draw_trail(canvas: _Canvas, view: _View, points: Array) -> None:
+    for start, end in zip(points[:-1], points[1:]):
+        _draw_line(canvas, view, np.stack([start, end]), TRAIL, 2.6, bias=1.0)
+
+
 def _draw_cables(canvas: _Canvas, view: _View, robot: Robot, pose: Pose, tau: Array, colors: Picture) -> None:
     anchors = pose.position + robot.anchor_points @ pose.rotation.T
     unit = max(1.0, min(view.width, view.height) / 960)
@@ -362,5 +377,4 @@ def _footprint(robot: Robot, index: int, height: float) -> Array:
 
 
 def _thickness(world: World) -> float:
-    points = _landmarks(world)
-    return 0.006 * float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
+    return 0.006 * float(np.linalg.norm(np.diff(extents(world), axis=0)))
