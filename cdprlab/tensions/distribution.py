@@ -150,6 +150,8 @@ def _reason(given: str, tau: Array, low: Array, high: Array, residual: Array, in
 def _checked(W: ArrayLike, w_e: ArrayLike, low: ArrayLike, high: ArrayLike) -> tuple[Array, Array, Array, Array]:
     W = as_array(W, "wrench matrix W", ("n", "m"), batch=True)
     n, m = W.shape[-2:]
+    if not n or not m:
+        raise InvalidInput(f"wrench matrix W needs at least one row and one cable, got shape {W.shape}")
     w_e = as_array(w_e, "external wrench w_e", (n,), "N, N m", batch=True)
     limits = []
     for value, name in ((low, "tension_min"), (high, "tension_max")):

@@ -32,3 +32,24 @@ class Method(NamedTuple):
 
         parameters: Any = inspect.signature(self.build).parameters.values()
         return tuple(p.name for p in parameters if p.kind is p.KEYWORD_ONLY)
+
+
+def around_fixed(build: Callable[[Array, Array], Solver], low: Array, high: Array) -> Solver:
+    """The solver over the cables that have a choice: bounds that coincide upset active-set programs.
+
+    build : ``(tension_min, tension_max) → Solver`` for any number of cables
+    """
+    # Limits closer than this are one number: a tenth of what the result's check forgives.
+    free = high - low > 1e-9 * high.max()
+    if free.all():
+        return build(low, high)
+    inner = build(low[free], high[free]) if free.any() else None
+    held = (low + high) / 2
+
+    def solve(W: Array, w_e: Array) -> Solution:
+        tau, reason = held.copy(), ""
+        if inner is not None:
+            tau[free], reason = inner(W[:, free], w_e + W[:, ~free] @ held[~free])
+        return tau, reason
+
+    return solve

@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
-from .method import Method, Solution, Solver
+from . import quadratic_program
+from .method import Method, Solution, Solver, around_fixed
 from .quadratic_program import independent_rows, min_norm
 
 # The first program's weight on ‖τ‖², relative to W's: small enough to find the right active limits,
@@ -25,10 +26,18 @@ def build(n: int, tension_min: Array, tension_max: Array, *, weights: ArrayLike 
     if (scale <= 0).any():
         raise InvalidInput(f"weights must be positive, got {scale.tolist()}")
 
+    return around_fixed(lambda low, high: _relaxed(scale, low, high), tension_min, tension_max)
+
+
+def _relaxed(scale: Array, low: Array, high: Array) -> Solver:
+    exact = quadratic_program.build(scale.shape[0], low, high)
+
     def solve(W: Array, w_e: Array) -> Solution:
+        balanced = exact(W, w_e)
+        if not balanced[1]:
+            return balanced
         rows, goal = W * scale[:, None], -w_e * scale
-        first = _least_error(rows, goal, tension_min, tension_max)
-        tau = _least_tension(rows, goal, first, tension_min, tension_max)
+        tau = _least_tension(rows, goal, _least_error(rows, goal, low, high), low, high)
         left = float(np.abs(W @ tau + w_e).max())
         return tau, "" if left == 0 else f"no tensions within the limits balance the wrench; {left:.3g} N or N m is left"
 

@@ -1,0 +1,199 @@
+"""Distributions against their law, an independent LP, optimality conditions and an independent least squares."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy.optimize import linprog, lsq_linear
+
+import cdprlab as cl
+from robots import random_poses, robot_3r3t
+
+METHODS = ("quadratic_program", "pseudo_inverse", "relaxed")
+LOW, HIGH = np.full(8, 50.0), np.full(8, 2500.0)
+
+
+def problems(count, seed, push=1.0):
+    """Wrench matrices of CAROCA at random rotated poses, with its weight and random wrenches beside it."""
+    robot, rng = robot_3r3t(), np.random.default_rng(seed)
+    poses = random_poses(robot, count, seed, turn=0.3)
+    w_e = cl.gravity_wrench(robot, poses) + push * rng.normal(size=(count, 6)) * [500, 500, 500, 150, 150, 150]
+    return cl.wrench_matrix(robot, poses), w_e
+
+
+def lp_finds_tensions(W, w_e, low=LOW, high=HIGH):
+    """An independent answer to: are there tensions at all?"""
+    return linprog(np.zeros(W.shape[1]), A_eq=W, b_eq=-w_e, bounds=np.stack([low, high], axis=1)).status == 0
+
+
+def is_least_norm(W, tau, low, high):
+    """KKT of min ‖τ‖² on the tensions that give W τ: τ is Wᵀλ, cut off at the limits, for some λ."""
+    close = 1e-6 * (1 + np.abs(tau).max())     # the LP's own tolerance
+    at_low, at_high = tau <= low + 1e-9 * high, tau >= high * (1 - 1e-9)
+    # Wᵀλ ≤ τ (+) wherever τ may still grow less dear, i.e. not at the upper limit; and the mirror image
+    rows = np.concatenate([W.T[~at_high], -W.T[~at_low]])
+    bounds = np.concatenate([tau[~at_high] + close, close - tau[~at_low]])
+    return linprog(np.zeros(W.shape[0]), A_ub=rows, b_ub=bounds, bounds=(None, None)).status == 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_feasible_means_balanced_within_limits(method):
+    W, w_e = problems(300, seed=1)
+    found = cl.distribute_tensions(W, w_e, LOW, HIGH, method)
+    residual = np.einsum("kij,kj->ki", W, found.tensions) + w_e
+    good = found.feasible
+    assert good.any() and not good.all()
+    assert (np.abs(residual[good]).max(axis=-1) <= 1e-8 * (1 + np.abs(w_e[good]).max(axis=-1))).all()
+    assert (found.tensions[good] >= LOW).all() and (found.tensions[good] <= HIGH).all()
+    inner = np.minimum(found.tensions - LOW, HIGH - found.tensions).min(axis=-1)
+    np.testing.assert_allclose(found.margin[good], inner[good], atol=1e-9)
+    assert (np.array([r == "" for r in found.reason]) == good).all()
+
+
+def test_feasibility_and_optimum_of_the_quadratic_program():
+    W, w_e = problems(300, seed=2)
+    found = cl.distribute_tensions(W, w_e, LOW, HIGH)
+    assert found.complete and 0.1 < found.feasible.mean() < 0.9
+    for k in range(300):
+        assert found.feasible[k] == lp_finds_tensions(W[k], w_e[k])
+        if found.feasible[k]:
+            assert is_least_norm(W[k], found.tensions[k], LOW, HIGH)
+        else:
+            assert found.reason[k] == "no tensions within the limits balance the wrench"
+
+
+def test_the_optimality_check_can_say_no():
+    W, w_e = (x[0] for x in problems(1, seed=3, push=0.1))
+    tau = cl.distribute_tensions(W, w_e, LOW, HIGH).tensions
+    null = np.linalg.svd(W)[2][-1]
+    assert is_least_norm(W, tau, LOW, HIGH) and not is_least_norm(W, tau + 20 * null, LOW, HIGH)
+
+
+def test_another_solver_finds_the_same():
+    others = [name for name in pytest.importorskip("qpsolvers").available_solvers if name != "quadprog"]
+    if not others:
+        pytest.skip("qpsolvers has no solver but quadprog here")
+    W, w_e = problems(20, seed=4, push=0.3)
+    own = cl.distribute_tensions(W, w_e, LOW, HIGH)
+    other = cl.distribute_tensions(W, w_e, LOW, HIGH, solver=others[0])
+    np.testing.assert_array_equal(own.feasible, other.feasible)
+    np.testing.assert_allclose(own.tensions, other.tensions, rtol=1e-6, atol=1e-3)
+
+
+def test_pseudo_inverse_is_least_norm_and_says_which_limit_breaks():
+    W, w_e = problems(100, seed=5)
+    found = cl.distribute_tensions(W, w_e, LOW, HIGH, "pseudo_inverse")
+    for k in range(100):
+        least = np.linalg.lstsq(W[k], -w_e[k], rcond=None)[0]
+        np.testing.assert_allclose(found.tensions[k], least, rtol=1e-9, atol=1e-7)
+        broken = np.flatnonzero((least < LOW) | (least > HIGH))
+        assert found.feasible[k] == (not broken.size)
+        assert not broken.size or int(found.reason[k].split()[1]) - 1 in broken
+    assert not found.complete and (found.margin[~found.feasible] < 0).all()
+
+
+@pytest.mark.parametrize("weights", [None, [1, 1, 1, 10, 10, 10]])
+def test_relaxed_is_the_least_error_then_the_least_norm(weights):
+    W, w_e = problems(150, seed=6, push=2.0)
+    d = np.ones(6) if weights is None else np.array(weights, dtype=float)
+    options = {} if weights is None else {"weights": weights}
+    found = cl.distribute_tensions(W, w_e, LOW, HIGH, "relaxed", **options)
+    for k in np.flatnonzero(~found.feasible):
+        tau, rows = found.tensions[k], W[k] * d[:, None]
+        best = lsq_linear(rows, -d * w_e[k], (LOW, HIGH), method="bvls", tol=1e-14)
+        least = np.linalg.norm(rows @ best.x + d * w_e[k])
+        assert np.linalg.norm(d * found.residual[k]) <= least * (1 + 1e-8)
+        assert (tau >= LOW - 1e-6).all() and (tau <= HIGH + 1e-6).all()
+        assert is_least_norm(W[k], np.clip(tau, LOW, HIGH), LOW, HIGH)
+        assert "is left" in found.reason[k]
+    assert 0.2 < found.feasible.mean() < 0.8
+
+
+def test_relaxed_is_the_quadratic_program_where_that_has_an_answer():
+    W, w_e = problems(200, seed=7)
+    exact, relaxed = (cl.distribute_tensions(W, w_e, LOW, HIGH, method) for method in ("quadratic_program", "relaxed"))
+    np.testing.assert_array_equal(exact.feasible, relaxed.feasible)
+    np.testing.assert_allclose(relaxed.tensions[exact.feasible], exact.tensions[exact.feasible], rtol=1e-9)
+
+
+@given(arrays(float, (3, 5), elements=st.integers(-2, 2)), arrays(float, 5, elements=st.integers(0, 4)),
+       arrays(float, 3, elements=st.sampled_from([0.0, 0.0, 0.0, 1.0, -3.0])))
+def test_small_whole_numbers_with_every_degeneracy(W, inside, off):
+    """Dependent rows, zero columns, wrenches on the border: QP and LP must agree, relaxed must not be worse."""
+    low, high, w_e = np.full(5, 1.0), np.array([3.0, 3, 3, 1, 2]), -W @ np.clip(inside, 1, [3, 3, 3, 1, 2]) + off
+    exact = cl.distribute_tensions(W, w_e, low, high)
+    relaxed = cl.distribute_tensions(W, w_e, low, high, "relaxed")
+    assert exact.feasible == relaxed.feasible == lp_finds_tensions(W, w_e, low, high)
+    best = lsq_linear(W, -w_e, (low, high + 1e-12), method="bvls", tol=1e-14)
+    assert np.linalg.norm(relaxed.residual) <= np.linalg.norm(W @ best.x + w_e) + 1e-7
+    if exact.feasible:
+        assert is_least_norm(W, exact.tensions, low, high)
+
+
+def test_dependent_rows_get_the_exact_answer_or_a_clear_reason():
+    W, w_e = (x[0] for x in problems(1, seed=8, push=0.1))
+    twice, also = np.concatenate([W, W[:2]]), np.concatenate([w_e, w_e[:2]])
+    np.testing.assert_allclose(cl.distribute_tensions(twice, also, LOW, HIGH).tensions,
+                               cl.distribute_tensions(W, w_e, LOW, HIGH).tensions, rtol=1e-9)
+    also[-1] += 1.0
+    assert "outside its range" in cl.distribute_tensions(twice, also, LOW, HIGH).reason
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_four_cables_in_six_dof(method):
+    W = problems(1, seed=9)[0][0][:, :4]
+    tau = np.array([100.0, 200.0, 300.0, 150.0])
+    found = cl.distribute_tensions(W, -W @ tau, 50, 2500, method)
+    assert found.feasible
+    np.testing.assert_allclose(found.tensions, tau, rtol=1e-8)
+    assert not cl.distribute_tensions(W, np.ones(6), 50, 2500, method).feasible
+
+
+@pytest.mark.parametrize("method", ["quadratic_program", "relaxed"])
+@pytest.mark.parametrize("low, high", [(np.full(8, 50.0), [50] + [2500] * 7), (0, 2500), (0, [0] + [2500] * 7)])
+def test_equal_limits_and_limits_from_zero(method, low, high):
+    W, w_e = problems(40, seed=10, push=0.3)
+    found = cl.distribute_tensions(W, w_e, low, high, method)
+    low, high = np.broadcast_to(low, 8), np.broadcast_to(high, 8)
+    assert found.feasible.any()
+    for k in range(40):
+        assert found.feasible[k] == lp_finds_tensions(W[k], w_e[k], low, high)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_batch_equals_a_loop_and_limits_broadcast(method):
+    W, w_e = problems(12, seed=11)
+    low = np.random.default_rng(11).uniform(20, 60, (4, 8))
+    grid = cl.distribute_tensions(W.reshape(3, 4, 6, 8), w_e.reshape(3, 4, 6), low, 2500, method)
+    for k in range(12):
+        one = cl.distribute_tensions(W[k], w_e[k], low[k % 4], 2500, method)
+        at = divmod(k, 4)
+        np.testing.assert_array_equal(grid.tensions[at], one.tensions)
+        assert (grid.feasible[at], grid.reason[at]) == (one.feasible, one.reason)
+    assert not grid.tensions.flags.writeable and isinstance(one.feasible, bool)
+
+
+@pytest.mark.parametrize("change, says", [
+    ({"W": np.full((6, 8), np.nan)}, "W"), ({"w_e": np.full(6, np.nan)}, "w_e"), ({"W": np.ones(8)}, "W"),
+    ({"w_e": np.ones(5)}, "w_e"), ({"tension_min": np.ones(7)}, "tension_min"), ({"tension_max": np.inf}, "finite"),
+    ({"tension_min": 3000}, "crossed at cable 1"), ({"tension_min": -1}, "only pull"), ({"W": np.ones((6, 0))}, "W"),
+    ({"w_e": np.ones((2, 6)), "W": np.ones((3, 6, 8))}, "do not fit"), ({"method": "guess"}, "quadratic_program"),
+    ({"speed": 3}, "'speed'"), ({"solver": "none such"}, "not installed"),
+    ({"method": "relaxed", "weights": np.zeros(6)}, "positive"), ({"method": "relaxed", "weights": [1]}, "weights")])
+def test_input_that_cannot_be_used(change, says):
+    with pytest.raises(cl.errors.InvalidInput) as raised:
+        cl.distribute_tensions(**{"W": np.ones((6, 8)), "w_e": np.ones(6), "tension_min": LOW, "tension_max": HIGH,
+                                  **change})
+    assert says in str(raised.value)
+
+
+def test_require_raises_with_the_answer_in_hand():
+    W, w_e = problems(30, seed=12)
+    batch = cl.distribute_tensions(W, w_e, LOW, HIGH)
+    with pytest.raises(cl.errors.InfeasibleTensions, match=f"{(~batch.feasible).sum()} of 30") as raised:
+        batch.require()
+    assert raised.value.distribution is batch
+    good = int(np.flatnonzero(batch.feasible)[0])
+    one = cl.distribute_tensions(W[good], w_e[good], LOW, HIGH)
+    assert one.require() is one
