@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from .control import ComputedTorque
 from .errors import CdprError
@@ -63,6 +64,25 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
+class _Bar:
+    """A progress bar that appears with the first step: an error before it keeps the terminal clean."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.bar: Any = None
+
+    def __call__(self, done: int, total: int) -> None:
+        if self.bar is None:
+            from tqdm import tqdm
+
+            self.bar = tqdm(total=total, desc=self.name, unit=" steps", leave=False)
+        self.bar.update(done - self.bar.n)
+
+    def close(self) -> None:
+        if self.bar is not None:
+            self.bar.close()
+
+
 def _worlds(_: argparse.Namespace) -> int:
     for name in world_names():
         world = load_world(name)
@@ -71,14 +91,12 @@ def _worlds(_: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from tqdm import tqdm
-
     world = load_world(options.world)
     print(f"{world.title or world.name}: task {options.task}, {options.method}, cables={options.cables}")
-    with tqdm(unit=" steps", desc="flying", leave=False) as bar:
-        flown = run(world, options.task, options.method, options.cables, ComputedTorque(options.kp, options.kd),
-                    options.dt, options.control_period, options.infeasible, duration=options.duration,
-                    progress=bar.update)
+    bar = _Bar("flying")
+    flown = run(world, options.task, options.method, options.cables, ComputedTorque(options.kp, options.kd),
+                options.dt, options.control_period, options.infeasible, duration=options.duration, progress=bar)
+    bar.close()
     for quantity, value in flown.table().items():
         print(f"  {quantity:36} {value}")
     folder = options.out or Path("out") / world.name

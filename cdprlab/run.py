@@ -26,7 +26,8 @@ from .world import Task, World
 INFEASIBLE = ("relax", "stop", "hold")
 """Where the method finds no tensions: take the least wrench error, raise, or keep the last tensions."""
 
-Progress = Callable[[int], Any]
+Progress = Callable[[int, int], Any]
+"""``(steps done, steps in all)``, called about a hundred times in a run."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +94,7 @@ class Run:
         target.mkdir(parents=True, exist_ok=True)
         columns = self._columns()
         units = {name: unit for name, (_, unit) in columns.items()}
-        np.savez_compressed(target / "log.npz", allow_pickle=False, units=np.array(json.dumps(units)),
+        np.savez_compressed(target / "log.npz", units=np.array(json.dumps(units)),
                             **{name: values for name, (values, _) in columns.items()})
         _write_csv(target / "log.csv", columns)
         self.world.save(target / "world.yaml")
@@ -140,7 +141,7 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
     external_wrench : (n,) at P or t → (n,), felt by the platform and not told to the controller [N, N m]
     duration : of the run; default the task's motion and hold [s]
     seed : kept with the log for whatever draws random numbers; the loop itself draws none
-    progress : called with the number of steps done since its last call
+    progress : called as (steps done, steps in all), about a hundred times
     simulator : an open Simulator to use (and leave open) instead of a new one
     engine_options : passed to ``open_simulator``
     Raises InvalidInput; InfeasibleTensions with infeasible="stop"; SimulationDiverged.
@@ -205,12 +206,9 @@ class _Loop:
             lengths = engine.lengths
             engine.step(tensions, substeps)
             rows.append((state.position, state.rotation, state.twist, wanted, lengths, tensions, engine.tensions))
-            if progress is not None and (k + 1) % every == 0:
-                progress(every)
-        elapsed = time.perf_counter() - began
-        if progress is not None:
-            progress(steps % every)
-        return elapsed
+            if progress is not None and ((k + 1) % every == 0 or k + 1 == steps):
+                progress(k + 1, steps)
+        return time.perf_counter() - began
 
     def _tensions(self, W: Array, wanted: Array, now: float) -> Array:
         tensions, reason = self.solve(W, -wanted)

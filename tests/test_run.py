@@ -1,0 +1,142 @@
+"""The closed loop: tracking, measured tensions, models that agree, infeasible steps, the log."""
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import cdprlab as cl
+from cdprlab.errors import InfeasibleTensions, InvalidInput, MissingDependency
+
+try:
+    from cdprlab.simulate.spatial import import_pybullet
+
+    import_pybullet()
+except MissingDependency as missing:
+    pytest.skip(str(missing), allow_module_level=True)
+
+
+@pytest.fixture(scope="module")
+def caroca():
+    return cl.load_world("caroca")
+
+
+@pytest.fixture(scope="module")
+def flown(caroca):
+    return cl.run(caroca)
+
+
+def with_task(world, name, task):
+    return replace(world, tasks={**world.tasks, name: task})
+
+
+def rms(values):
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def test_caroca_tracks_within_half_a_millimeter(flown):
+    """K_p = K_d = 100 at 1 ms; 0.3 mm of it is the integrator's v dt / 2."""
+    assert flown.position_errors.max() <= 0.5e-3
+    assert flown.feasible.all()
+
+
+def test_measured_tensions_are_measured(caroca, flown):
+    """A tip of 1e-4 kg hides; one of 1e-2 kg shows its weight and inertia, m_tip (g + a) ≈ 0.05 N RMS."""
+    assert rms(flown.measured_tensions - flown.commanded_tensions) <= 0.01
+    heavy = cl.run(caroca, tip_mass=1e-2)
+    assert 0.03 <= rms(heavy.measured_tensions - heavy.commanded_tensions) <= 0.08
+
+
+def test_constraint_cables_agree_with_forces(caroca, flown):
+    ideal = cl.run(caroca, cables="force")
+    assert np.abs(ideal.poses.position - flown.poses.position).max() <= 1e-6
+
+
+def test_two_runs_are_bit_identical(caroca, flown):
+    again = cl.run(caroca)
+    for name in ("commanded_tensions", "measured_tensions", "lengths", "errors", "twists"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(flown, name))
+
+
+def test_log_keeps_the_laws(caroca, flown):
+    """Lengths are those of the poses; commanded tensions exert what the controller wanted."""
+    np.testing.assert_allclose(cl.cable_lengths(caroca.robot, flown.poses), flown.lengths, atol=1e-12)
+    assert (flown.commanded_tensions >= caroca.robot.tension_min).all()
+    speeds = np.einsum("kmn,kn->km", cl.jacobian(caroca.robot, flown.poses), flown.twists)
+    # Central differences over 1 ms: error ~ dt² × third derivative, plus the integrator's first-order step.
+    np.testing.assert_allclose((flown.lengths[2:] - flown.lengths[:-2]) / 2e-3, speeds[1:-1], atol=2e-3)
+
+
+def test_orientation_is_tracked_too(caroca):
+    """The controller turns the platform as asked: the thesis' code left rotation alone."""
+    end = cl.Pose([0.3, 0.2, 1.0], rpy=[0.1, -0.05, 0.2])
+    caroca = with_task(caroca, "turn", cl.world.Task("quintic", cl.Pose([0, 0, 1.0]), end, 2.0, 1.0))
+    run = cl.run(caroca, "turn")
+    assert np.abs(run.errors[:, 3:]).max() < 1e-3
+    assert np.abs(run.poses.rpy[-1] - [0.1, -0.05, 0.2]).max() < 1e-3
+
+
+def test_control_period_may_be_longer(caroca):
+    run = cl.run(caroca, control_period=0.01)
+    assert run.time.size == 500
+    assert run.position_errors.max() <= 0.5e-3
+    with pytest.raises(InvalidInput, match="whole multiple"):
+        cl.run(caroca, control_period=1.5e-3)
+
+
+def test_own_controller_and_own_method(caroca):
+    """Plain functions are enough; a PD law with the weight holds the platform."""
+    def hold(t, state, reference):
+        error = np.concatenate([reference.pose.position - state.position, np.zeros(3)])
+        return 1e4 * error - 3e3 * state.twist - cl.gravity_wrench(state.robot, state.pose)
+
+    def projection(W, w_e, low, high):
+        return cl.distribute_tensions(W, w_e, low, high, "pseudo_inverse")
+
+    caroca = with_task(caroca, "still", cl.world.Task("hold", caroca.pose, caroca.pose, 0.3))
+    run = cl.run(caroca, "still", method=projection, controller=hold)
+    assert run.position_errors.max() < 1e-3 and run.method == "projection"
+
+
+def test_external_wrench_is_felt(caroca):
+    """A steady push f leaves the error f / (m K_p) of a proportional law."""
+    caroca = with_task(caroca, "still", cl.world.Task("hold", caroca.pose, caroca.pose, 6.0))
+    run = cl.run(caroca, "still", external_wrench=[30.0, 0, 0, 0, 0, 0], dt=2e-3)
+    # Settles with K_p/K_d = 1 per second: e⁻⁶ = 0.25 % is left after 6 s.
+    assert run.errors[-1, 0] == pytest.approx(-30 / (150 * 100), rel=5e-3)
+
+
+def test_infeasible_steps(caroca):
+    """A payload no cable may lift: relaxed, held or stopped, and never silent."""
+    weak = replace(caroca, robot=caroca.robot.with_payload(5e4, [0, 0, 0]))
+    relaxed = cl.run(weak, duration=0.05)
+    assert not relaxed.feasible.any()
+    assert (relaxed.commanded_tensions <= caroca.robot.tension_max).all()
+    with pytest.raises(InfeasibleTensions, match=r"t = 0 s") as caught:
+        cl.run(weak, duration=0.05, infeasible="stop")
+    assert not caught.value.distribution.feasible
+    held = cl.run(weak, duration=0.05, infeasible="hold")
+    np.testing.assert_array_equal(held.commanded_tensions[0], held.commanded_tensions[-1])
+    with pytest.raises(InvalidInput, match="relax, stop, hold"):
+        cl.run(weak, infeasible="ignore")
+
+
+def test_save_writes_named_arrays_with_units(flown, tmp_path):
+    flown.save(tmp_path / "out")
+    log = np.load(tmp_path / "out" / "log.npz")
+    units = json.loads(str(log["units"]))
+    assert units["commanded_tension"] == "N" and set(units) | {"units"} == set(log.files)
+    np.testing.assert_array_equal(log["commanded_tension"], flown.commanded_tensions)
+    with (tmp_path / "out" / "log.csv").open(encoding="utf-8") as file:
+        header, first, *_ = csv.reader(file)
+    assert header[0] == "time [s]" and len(header) == len(first)
+    again = cl.load_world(tmp_path / "out" / "world.yaml")
+    np.testing.assert_array_equal(again.robot.exit_points, flown.world.robot.exit_points)
+
+
+def test_progress_counts_every_step(caroca):
+    counts = []
+    cl.run(caroca, duration=0.25, progress=lambda done, total: counts.append((done, total)))
+    assert counts[-1] == (250, 250) and [done for done, _ in counts] == sorted(done for done, _ in counts)
