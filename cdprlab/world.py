@@ -195,11 +195,12 @@ class _Reader:
 
         if not isinstance(self.document, Mapping):
             raise WorldError([f"{self.path}: a world is a mapping of keys (name, platform, cables, …), "
-                              f"got {type(self.document).__name__}"])
+                              f"got {_kind_of(self.document)}"])
         try:
             return WorldFile.model_validate(_plain(self.document))
         except ValidationError as errors:
-            raise WorldError([self._schema_line(error) for error in errors.errors()]) from None
+            raise WorldError([self._line(location, _explain(error, location))
+                              for error, location in self._distinct(errors.errors())]) from None
 
     def _build(self, file: Any) -> World:
         pattern = motion_pattern(file.motion_pattern)
@@ -211,7 +212,8 @@ class _Reader:
         with _under("platform"):
             platform = _platform(file.platform, d)
         bases = tuple(_each("bases", file.bases, lambda block: _base(block, d)))
-        cables = tuple(_each("cables", file.cables, lambda block: _cable(block, file.cable_limits)))
+        _check_limits(file.cable_limits)
+        cables = tuple(_each("cables", file.cables, lambda block: _cable(block, file.cable_limits, d)))
         robot = Robot(pattern, platform, cables, bases, file.gravity, _winch(file.winch), _elasticity(file.cable))
         with _under("platform", "pose"):
             pose = _pose(file.platform.pose, d)
@@ -228,10 +230,20 @@ class _Reader:
         return self.document if hasattr(self.document, "lc") else styled(_plain(self.document))
 
     # --- messages ---------------------------------------------------------------------------------
-    def _schema_line(self, error: Any) -> str:
+    def _distinct(self, errors: list[Any]) -> list[tuple[Any, Location]]:
+        """The schema's errors with their places, unknown keys first, each mistake once."""
         # Pydantic puts the name of a union's member into the path; the document has no such key.
-        location = tuple(_existing(self.document, error["loc"]))
-        return self._line(location, _explain(error, location))
+        found = [(error, tuple(_existing(self.document, error["loc"]))) for error in errors]
+        found.sort(key=lambda pair: pair[0]["type"] != "extra_forbidden")
+        misspelt = {(*place[:-1], guess) for error, place in found if error["type"] == "extra_forbidden"
+                    for guess in _guesses(place)}
+        kept: dict[Location, Any] = {}
+        for error, place in found:
+            # A value that fits no member of a union is told at its deepest place only.
+            deeper = any(len(other) > len(place) and other[:len(place)] == place for _, other in found)
+            if not deeper and not (error["type"] == "missing" and place in misspelt):
+                kept.setdefault(place, error)
+        return [(error, place) for place, error in kept.items()]
 
     def _line(self, location: Location, message: str) -> str:
         number = _line_number(self.document, location)
@@ -264,13 +276,22 @@ def _inertia(block: Any, size: list[float], d: int) -> Any:
     return inertia_matrix(block.inertia, ("inertia",))
 
 
-def _cable(block: Any, defaults: Any) -> Cable:
+def _check_limits(defaults: Any) -> None:
+    """Crossed limits are cable_limits' mistake, not the first cable's."""
+    if defaults.tension and defaults.tension[0] > defaults.tension[1]:
+        low, high = defaults.tension
+        raise InvalidInput(f"tension limits are crossed: smallest {low:g} N > largest {high:g} N",
+                           ("cable_limits", "tension"))
+
+
+def _cable(block: Any, defaults: Any, d: int) -> Cable:
     tension = block.tension or defaults.tension
     if tension is None:
         raise InvalidInput("no tension limits: give the cable its own `tension: [min, max]` or all of them "
                            "`cable_limits: {tension: [min, max]}` [N]", ("tension",))
     speed = block.speed or defaults.speed or float("inf")
-    return Cable(np.array(block.exit_point), np.array(block.anchor_point), *tension, speed, block.base)
+    exit_point, anchor_point = (_sized(getattr(block, key), d, key) for key in ("exit_point", "anchor_point"))
+    return Cable(np.array(exit_point), np.array(anchor_point), *tension, speed, block.base)
 
 
 def _base(block: Any, d: int) -> Base:
@@ -344,7 +365,7 @@ def _boards(shelf: Any) -> Iterator[Box]:
 
 def _sized(values: list[float], d: int, key: str) -> list[float]:
     if len(values) != d:
-        raise InvalidInput(f"{key} must be {d} numbers here, got {len(values)}", (key,))
+        raise InvalidInput(f"must be {d} numbers in {'the plane' if d == 2 else 'space'}, got {len(values)}", (key,))
     return values
 
 
@@ -380,7 +401,8 @@ def _parse(text: str, path: str) -> Any:
         return _yaml().load(text)
     except DuplicateKeyError as error:
         key = str(error.problem).split('"')[1]
-        raise WorldError([f"{path}:{error.problem_mark.line + 1}: {key}: this key stands here twice; "
+        where = _where((*_cable_at(text, error.problem_mark.index), key))
+        raise WorldError([f"{path}:{error.problem_mark.line + 1}: {where}: this key stands here twice; "
                           "keep one"]) from None
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
@@ -388,6 +410,16 @@ def _parse(text: str, path: str) -> Any:
         raise WorldError([f"{path}{line}: not valid YAML: {error.problem or error.context}"]) from None
     except YAMLError as error:
         raise WorldError([f"{path}: not valid YAML: {str(error).splitlines()[0]}"]) from None
+
+
+def _cable_at(text: str, index: int) -> Location:
+    """("cables", i) of the cable in whose block a character stands; () outside of them."""
+    for key, value in _yaml().compose(text).value:
+        if key.value == "cables" and isinstance(value.value, list):
+            for i, block in enumerate(value.value):
+                if block.start_mark.index <= index < block.end_mark.index:
+                    return ("cables", i)
+    return ()
 
 
 def _worlds_folder() -> Path:
@@ -464,35 +496,53 @@ def _where(location: Location) -> str:
 
 
 def _explain(error: Any, location: Location) -> str:
-    kind, given = error["type"], error.get("input")
+    kind, given, context = error["type"], error.get("input"), error.get("ctx", {})
     if kind == "extra_forbidden":
-        from .world_schema import WorldFile
-
-        allowed = _allowed_keys(WorldFile, location[:-1])
-        close = difflib.get_close_matches(str(location[-1]), allowed, n=1)
-        hint = f"did you mean {close[0]!r}? " if close else ""
-        return f"unknown key; {hint}allowed here: {', '.join(allowed)}"
+        return _unknown_key(location)
     if kind == "missing":
         return "missing; a world needs it"
     if kind == "finite_number":
         return f"must be a finite number, got {given}"
-    if kind in ("float_type", "list_type", "string_type", "dict_type", "model_type"):
-        wanted = {"float_type": "a number", "list_type": "a list", "string_type": "text"}.get(kind, "a block of keys")
-        return f"must be {wanted}, got {given!r}"
+    if kind in _WANTED:
+        return f"must be {_WANTED[kind]}, got {'nothing' if given is None else repr(given)}"
     if kind in ("too_short", "too_long"):
-        context = error["ctx"]
         count = context.get("min_length", context.get("max_length"))
         bound = "at least" if kind == "too_short" else "at most"
         return f"must have {bound} {count} {'entry' if count == 1 else 'entries'}, got {context['actual_length']}"
-    message = error["msg"].replace("Input should be", "must be").replace("Input tag", "kind")
+    if kind.startswith("union_tag"):
+        return f"kind must be quintic or hold, got {context.get('tag', 'none')}"
+    message = error["msg"].replace("Input should be", "must be").replace("greater than or equal to", "at least")
     return f"{message}, got {given!r}" if isinstance(given, int | float | str) else message
 
 
-def _allowed_keys(model: Any, location: Location) -> list[str]:
+_WANTED = {"float_type": "a number", "list_type": "a list", "string_type": "text", "dict_type": "a block of keys",
+           "model_type": "a block of keys", "model_attributes_type": "a block of keys",
+           "string_pattern_mismatch": "one word of letters, digits, _ and -"}
+
+
+def _unknown_key(location: Location) -> str:
+    hint = "".join(f"did you mean {guess!r}? " for guess in _guesses(location))
+    return f"unknown key; {hint}allowed here: {', '.join(_allowed_keys(location[:-1]))}"
+
+
+def _guesses(location: Location) -> list[str]:
+    """The allowed key that looks most like the unknown one at ``location``, if any does."""
+    return difflib.get_close_matches(str(location[-1]), _allowed_keys(location[:-1]), n=1)
+
+
+def _kind_of(document: Any) -> str:
+    if document is None:
+        return "an empty file"
+    return "a list" if isinstance(document, list | tuple) else repr(document)
+
+
+def _allowed_keys(location: Location) -> list[str]:
     """Keys of the schema block at ``location``."""
     from typing import get_args
 
     from pydantic import BaseModel
+
+    from .world_schema import WorldFile
 
     def models(annotation: Any) -> Iterator[Any]:
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):
@@ -500,7 +550,7 @@ def _allowed_keys(model: Any, location: Location) -> list[str]:
         for argument in get_args(annotation):
             yield from models(argument)
 
-    blocks = [model]
+    blocks: list[Any] = [WorldFile]
     for part in location:
         if isinstance(part, int):
             continue

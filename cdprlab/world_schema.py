@@ -12,6 +12,7 @@ NotNegative = Annotated[Number, Field(ge=0)]
 Vector = Annotated[list[Number], Field(min_length=2, max_length=3)]
 Planar = Annotated[list[Number], Field(min_length=2, max_length=2)]
 Triple = Annotated[list[Number], Field(min_length=3, max_length=3)]
+Edges = Annotated[list[Positive], Field(min_length=2, max_length=3)]
 Limits = Annotated[list[NotNegative], Field(min_length=2, max_length=2)]
 
 
@@ -35,7 +36,7 @@ class PlatformBlock(_Part):
         None, description="about the center of mass [kg m²]: principal (3), xx yy zz xy xz yz (6), or one number "
                           "(planar); left out: that of a uniform box of `size`")
     center_of_mass: Vector | None = Field(None, description="platform frame [m]; default P")
-    size: Vector = Field(description="edges of the box drawn and collided [m]")
+    size: Edges = Field(description="edges of the box drawn and collided [m]")
     center: Vector | None = Field(None, description="center of that box, platform frame [m]; default P")
     pose: PoseBlock = Field(description="where the platform starts")
 
@@ -101,14 +102,14 @@ class FloorBlock(_Part):
 class BoxBlock(_Part):
     name: str = ""
     position: Vector = Field(description="center [m]")
-    size: Vector = Field(description="edges [m]")
+    size: Edges = Field(description="edges [m]")
     yaw: Number = Field(0.0, description="turn about the vertical [rad]")
 
 
 class ShelfBlock(_Part):
     name: str = ""
     position: Planar = Field(description="center of the footprint [m]")
-    size: Triple = Field(description="depth (x), width (y), height [m]")
+    size: Annotated[list[Positive], Field(min_length=3, max_length=3)] = Field(description="depth (x), width (y), height [m]")
     levels: Annotated[list[NotNegative], Field(min_length=1)] = Field(description="heights of the boards' tops [m]")
     yaw: Number = Field(0.0, description="turn about the vertical [rad]")
 
