@@ -35,9 +35,9 @@ def _missing_engine(error: BaseException) -> str | None:
     """The error's message if it is about pybullet and pybullet is not there; doctests wrap theirs."""
     if _installed("pybullet"):
         return None
-    if hasattr(error, "failures"):  # a doctest's, with several examples
-        causes = [failure.exc_info[1] for failure in error.failures if hasattr(failure, "exc_info")]
-        return _missing_engine(causes[0]) if causes else None
+    failures = getattr(error, "failures", [error])  # a doctest has one failure an example
+    for cause in (failure.exc_info[1] for failure in failures if hasattr(failure, "exc_info")):
+        return _missing_engine(cause)
     if isinstance(error, ImportError) and "pybullet" in str(error).lower():
         return str(error).splitlines()[0]
     return None
