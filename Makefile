@@ -18,6 +18,12 @@ or `docker run --rm -v "$$PWD":/lab -w /lab python:3.11 make run` (podman alike)
 on Debian `apt install python3.11-venv`; all but the spatial engine works with a later one: make run PYTHON=python3
 endef
 
+ifneq ($(and $(PYTHON),$(wildcard $(BIN)/python)),)
+  ifneq ($(shell $(BIN)/python -V),$(shell $(PYTHON) -V 2>&1))
+    $(error $(VENV) holds $(shell $(BIN)/python -V), not PYTHON=$(PYTHON): `make clean` first, or take another folder, VENV=.venv-other)
+  endif
+endif
+
 .DEFAULT_GOAL := help
 .PHONY: help run test lab bench requirements clean
 run test bench: export OMP_NUM_THREADS = 1

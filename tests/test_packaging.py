@@ -1,5 +1,7 @@
 """What is shipped: the wheel, what an import loads, and what works without PyBullet."""
 
+import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -103,6 +105,17 @@ def test_without_pybullet_the_other_tests_pass():
 def _needs_an_engine(path: Path) -> bool:
     """Tests that simulate spatial worlds; without PyBullet they are skipped one by one, which takes its time."""
     return any(word in path.name for word in ("spatial", "simulate", "run", "command_line", "main", "view", "caroca"))
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
+def test_make_without_a_usable_python_says_so_in_one_line(tmp_path: Path):
+    outside = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    done = subprocess.run(["make", "run", "PYTHON=no-such-python", f"VENV={tmp_path}/none"], cwd=CHECKOUT,
+                          env=outside, capture_output=True, text=True, timeout=60)
+    assert done.returncode != 0
+    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
+    for word in ("3.11", "PyBullet", "uv ", "conda", "docker"):
+        assert word in done.stderr
 
 
 def test_the_readme_program_prints_what_it_says():
