@@ -19,7 +19,7 @@ on Debian `apt install python3.11-venv`; all but the spatial engine works with a
 endef
 
 ifneq ($(and $(PYTHON),$(wildcard $(BIN)/python)),)
-  ifneq ($(shell $(BIN)/python -V),$(shell $(PYTHON) -V 2>&1))
+  ifneq ($(shell $(BIN)/python -V),$(shell $(PYTHON) -V 2>/dev/null))
     $(error $(VENV) holds $(shell $(BIN)/python -V), not PYTHON=$(PYTHON): `make clean` first, or take another folder, VENV=.venv-other)
   endif
 endif
