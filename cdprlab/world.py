@@ -16,7 +16,6 @@ from .arrays import Array, frozen
 from .errors import InvalidInput, Location, WorldError
 from .pose import Pose
 from .robot import (
-    STANDARD_GRAVITY,
     Base,
     Cable,
     Elasticity,
@@ -82,7 +81,7 @@ class World:
 
     >>> import cdprlab as cl
     >>> cl.load_world("caroca")
-    World('caroca': Robot(3R3T, 8 cables, 150 kg), tasks default, paper)
+    World('caroca': Robot(3R3T, 8 cables, 150 kg), tasks default)
     """
 
     name: str
@@ -256,8 +255,9 @@ class _Reader:
 def _platform(block: Any, d: int) -> Platform:
     size = _sized(block.size, d, "size")
     zero = [0.0] * d
-    return Platform(block.mass, _inertia(block, size, d), _sized(block.center_of_mass or zero, d, "center_of_mass"),
-                    size, _sized(block.center or zero, d, "center"))
+    center_of_mass, center = (np.array(_sized(getattr(block, key) or zero, d, key))
+                              for key in ("center_of_mass", "center"))
+    return Platform(block.mass, _inertia(block, size, d), center_of_mass, np.array(size), center)
 
 
 def _inertia(block: Any, size: list[float], d: int) -> Any:
@@ -291,7 +291,7 @@ def _cable(block: Any, defaults: Any, d: int) -> Cable:
                            "`cable_limits: {tension: [min, max]}` [N]", ("tension",))
     speed = block.speed or defaults.speed or float("inf")
     exit_point, anchor_point = (_sized(getattr(block, key), d, key) for key in ("exit_point", "anchor_point"))
-    return Cable(np.array(exit_point), np.array(anchor_point), *tension, speed, block.base)
+    return Cable(np.array(exit_point), np.array(anchor_point), tension[0], tension[1], speed, block.base)
 
 
 def _base(block: Any, d: int) -> Base:
@@ -342,6 +342,8 @@ def _scene(block: Any, d: int) -> Scene:
             frame = frozen(np.array([_sized(getattr(block.frame, corner), d, corner) for corner in ("lower", "upper")]))
     boxes = [box for kind, key in (("box", "boxes"), ("obstacle", "obstacles"))
              for box in _each(key, getattr(block, key), lambda entry, kind=kind: _box(entry, kind, d))]
+    if d == 2 and block.shelves:
+        raise InvalidInput("a planar scene has no shelves; use boxes", ("shelves",))
     boxes += [board for shelf in block.shelves for board in _boards(shelf)]
     return Scene(frame, block.floor.height if block.floor else 0.0, tuple(boxes))
 
@@ -461,10 +463,8 @@ def _existing(document: Any, location: Location) -> Iterator[str | int]:
     """The parts of a pydantic location that are keys or indices of the document, and a missing last key."""
     node = document
     for place, part in enumerate(location):
-        if isinstance(node, Mapping) and part in node:
-            node = node[part]
-            yield part
-        elif isinstance(node, list | tuple) and isinstance(part, int) and part < len(node):
+        is_index = isinstance(node, list | tuple) and isinstance(part, int) and part < len(node)
+        if is_index or (isinstance(node, Mapping) and part in node):
             node = node[part]
             yield part
         elif place == len(location) - 1 and isinstance(node, Mapping) and isinstance(part, str):

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from .robot import STANDARD_GRAVITY
+
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
@@ -13,6 +15,7 @@ Vector = Annotated[list[Number], Field(min_length=2, max_length=3)]
 Planar = Annotated[list[Number], Field(min_length=2, max_length=2)]
 Triple = Annotated[list[Number], Field(min_length=3, max_length=3)]
 Edges = Annotated[list[Positive], Field(min_length=2, max_length=3)]
+SpatialEdges = Annotated[list[Positive], Field(min_length=3, max_length=3)]
 Limits = Annotated[list[NotNegative], Field(min_length=2, max_length=2)]
 
 
@@ -109,7 +112,7 @@ class BoxBlock(_Part):
 class ShelfBlock(_Part):
     name: str = ""
     position: Planar = Field(description="center of the footprint [m]")
-    size: Annotated[list[Positive], Field(min_length=3, max_length=3)] = Field(description="depth (x), width (y), height [m]")
+    size: SpatialEdges = Field(description="depth (x), width (y), height [m]")
     levels: Annotated[list[NotNegative], Field(min_length=1)] = Field(description="heights of the boards' tops [m]")
     yaw: Number = Field(0.0, description="turn about the vertical [rad]")
 
@@ -145,7 +148,7 @@ class WorldFile(_Part):
     engine: Literal["planar", "spatial"] | None = Field(
         None, description="planar: pymunk, spatial: PyBullet; must agree with the motion pattern")
     motion_pattern: Literal["1T", "2T", "1R2T", "3T", "2R3T", "3R3T"]
-    gravity: NotNegative = Field(9.81, description="[m/s²]")
+    gravity: NotNegative = Field(STANDARD_GRAVITY, description="[m/s²]")
     platform: PlatformBlock
     cable_limits: LimitsBlock = Field(default_factory=LimitsBlock, description="for cables that state none")
     cables: Annotated[list[CableBlock], Field(min_length=1)]

@@ -75,9 +75,9 @@ def _inertia(inertia: Any) -> Any:
 
 
 def _pose(pose: Pose) -> Block:
-    if pose.dimension == 2:
-        return {"position": pose.position.tolist(), "angle": float(pose.angle)}
-    return {"position": pose.position.tolist(), "rpy": pose.rpy.tolist()}
+    planar = pose.dimension == 2
+    return {"position": pose.position.tolist(), "rpy": None if planar else pose.rpy.tolist(),
+            "angle": float(pose.angle) if planar else None}
 
 
 def _cable(cable: Cable) -> Block:
@@ -160,7 +160,8 @@ def _own(node: Any, key: str | int) -> Any:
 
 def _leaf(old: Any, value: Any) -> Any:
     """``value``, as a change of ``old`` where that is a list of the same length: its style and comments stay."""
-    if not isinstance(old, list) or not isinstance(value, list) or len(old) != len(value) or old.yaml_anchor():
+    both_lists = isinstance(old, list) and isinstance(value, list)
+    if not both_lists or len(old) != len(value) or old.yaml_anchor() is not None:
         return styled(value, root=False)
     for i, number in enumerate(value):
         if old[i] != number:
