@@ -6,6 +6,7 @@ No graphics card, window or engine is needed, and the same robot state always gi
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -174,7 +175,7 @@ class _Canvas:
 
     def polygon(self, pixels: Array, inverse: Array, color: Any, bias: float = 1.0) -> None:
         """Fill a convex polygon; ``bias`` above 1 brings it nearer, so that lines win over their own surface."""
-        if inverse.min() <= 0:
+        if inverse.min() <= 0 or abs(_area(pixels)) < 1e-6:  # behind the eye, or seen edge-on
             return
         height, width = self.nearness.shape
         (x0, y0), (x1, y1) = (np.clip(f, 0, (width, height)).astype(int)
@@ -196,16 +197,20 @@ class _Canvas:
 
 
 def _inside(pixels: Array, x: Array, y: Array) -> NDArray[np.bool_]:
-    following = np.roll(pixels, -1, axis=0)
-    area = (pixels[:, 0] * following[:, 1] - pixels[:, 1] * following[:, 0]).sum()
+    following, area = np.roll(pixels, -1, axis=0), _area(pixels)
     inside = np.ones(np.broadcast_shapes(x.shape, y.shape), dtype=bool)
     for (ax, ay), (bx, by) in zip(pixels, following):
         inside &= ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) * area >= 0
     return inside
 
 
+def _area(pixels: Array) -> float:
+    x, y = (pixels - pixels[0]).T
+    return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2)
+
+
 def _plane(pixels: Array, inverse: Array, x: Array, y: Array) -> Array:
-    # Inverse depth of a flat surface is affine in the pixels; least squares also serves polygons seen edge-on.
+    # Inverse depth of a flat surface is affine in the pixels, whatever the polygon.
     center = pixels.mean(axis=0)
     slope = np.linalg.lstsq(pixels - center, inverse - inverse.mean(), rcond=1e-6)[0]
     return np.asarray(inverse.mean() + slope[0] * (x - center[0]) + slope[1] * (y - center[1]))
@@ -286,8 +291,8 @@ def _draw_platform(canvas: _Canvas, view: _View, robot: Robot, pose: Pose, floor
 
 
 def _draw_trail(canvas: _Canvas, view: _View, points: Array) -> None:
-    for start, end in zip(points[:-1], points[1:]):
-        _draw_line(canvas, view, np.stack([start, end]), TRAIL, 2.6, bias=1.0)
+    for start, end in pairwise(points):
+        _draw_line(canvas, view, np.stack([start, end]), TRAIL, 3.4, bias=1.0)
 
 
 def _draw_cables(canvas: _Canvas, view: _View, robot: Robot, pose: Pose, tau: Array, colors: Picture) -> None:

@@ -7,19 +7,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageColor, ImageDraw, ImageFont
 from PIL.PngImagePlugin import PngInfo
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from ..simulate.camera import INK, SLACK_COLOR, Camera, extents, tension_colors
+from ..simulate.camera import INK, SLACK_COLOR, TRAIL, Camera, extents, tension_colors
 from .style import AXIS_COLORS
 
 LARGEST_FILE = 3_000_000
 """Bytes: what mail, chat and slides take without complaint."""
 
 _LONGEST = 12.0
-_ECONOMIES = ((1, 128), (1, 64), (2, 64), (3, 48), (4, 32), (8, 32), (16, 16))
+_ECONOMIES = ((1, 128), (1, 80), (2, 80), (3, 64), (4, 64), (8, 48), (16, 48))
 """(every how many frames, colors), tried in turn until the film is small enough."""
 
 
@@ -103,7 +103,7 @@ def _draw_axes(drawing: ImageDraw.ImageDraw, camera: Camera, width: int, height:
     low, high = extents(camera.world)
     length = 0.11 * float(np.max(high - low))
     tips = low + length * np.concatenate([np.zeros((1, 3)), np.eye(3), 1.3 * np.eye(3)])
-    pixels = camera.project(tips, width, height) + [0, round(30 * scale)]
+    pixels = camera.project(tips, width, height) + np.array([0, round(30 * scale)])
     for name, color, tip, label in zip("xyz", AXIS_COLORS, pixels[1:4], pixels[4:]):
         drawing.line([tuple(pixels[0]), tuple(tip)], fill=color, width=max(2, round(3 * scale)))
         drawing.text(tuple(label), name, fill=color, font=_font(15 * scale), anchor="mm",
@@ -111,7 +111,7 @@ def _draw_axes(drawing: ImageDraw.ImageDraw, camera: Camera, width: int, height:
 
 
 def _draw_scale(drawing: ImageDraw.ImageDraw, ticks: Array, width: int, top: int, scale: float) -> None:
-    """Color bar with its ticks [N], and what grey dashes mean."""
+    """Color bar with its ticks [N], and the key."""
     font, small = _font(14 * scale), _font(13 * scale)
     x0, x1, y0, y1 = (round(v) for v in (150 * scale, 0.70 * width, top + 10 * scale, top + 24 * scale))
     drawing.text((12 * scale, (y0 + y1) / 2), "cable tension [N]", fill=INK, font=font, anchor="lm")
@@ -124,10 +124,19 @@ def _draw_scale(drawing: ImageDraw.ImageDraw, ticks: Array, width: int, top: int
         x = x0 + (x1 - x0) * (tick - limits[0]) / (limits[1] - limits[0])
         drawing.line([(x, y1), (x, y1 + 4 * scale)], fill=INK, width=max(1, round(scale)))
         drawing.text((x, y1 + 6 * scale), f"{tick:g}", fill=INK, font=small, anchor="ma")
+    _draw_key(drawing, x1 + 28 * scale, top + 12 * scale, scale)
+
+
+def _draw_key(drawing: ImageDraw.ImageDraw, x: float, y: float, scale: float) -> None:
+    """What grey dashes and the thin line mean."""
+    font, thick = _font(14 * scale), max(2, round(2.5 * scale))
     for start in range(3):
-        x = x1 + (28 + 13 * start) * scale
-        drawing.line([(x, (y0 + y1) / 2), (x + 8 * scale, (y0 + y1) / 2)], fill=SLACK_COLOR, width=round(2.5 * scale))
-    drawing.text((x1 + 70 * scale, (y0 + y1) / 2), "slack or cut", fill=INK, font=font, anchor="lm")
+        left = x + 13 * start * scale
+        drawing.line([(left, y), (left + 8 * scale, y)], fill=SLACK_COLOR, width=thick)
+    drawing.text((x + 42 * scale, y), "slack or cut", fill=INK, font=font, anchor="lm")
+    below = y + 21 * scale
+    drawing.line([(x, below), (x + 34 * scale, below)], fill=TRAIL, width=thick)
+    drawing.text((x + 42 * scale, below), "path of P so far", fill=INK, font=font, anchor="lm")
 
 
 def _ticks(run: Any) -> Array:
@@ -143,15 +152,28 @@ def _ticks(run: Any) -> Array:
 
 # --- files ------------------------------------------------------------------------------------------------
 def _write_gif(frames: Sequence[Image.Image], path: Path, colors: int, duration: float, caption: str) -> None:
-    # One palette for all frames, from a few of them side by side: colors must not flicker.
-    chosen = [frames[i] for i in np.unique(np.linspace(0, len(frames) - 1, 4).astype(int))]
-    sheet = Image.fromarray(np.concatenate([np.asarray(frame) for frame in chosen]))
-    palette = sheet.quantize(colors, method=Image.Quantize.MEDIANCUT)
+    palette = _palette(frames, colors)
     flat = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     # GIF counts time in 10 ms; the last picture stays for a moment before the film starts again.
     tick = max(20, 10 * round(duration / 10))
     flat[0].save(path, save_all=True, append_images=flat[1:], loop=0, optimize=False, disposal=1,
                  duration=[tick] * (len(flat) - 1) + [max(tick, 1000)], comment=caption.encode("ascii", "replace"))
+
+
+def _palette(frames: Sequence[Image.Image], colors: int) -> Image.Image:
+    """One palette for all frames, so that colors do not flicker.
+
+    The colors that carry meaning are in it as they are: thin lines would lose theirs to large grey surfaces.
+    """
+    meaning = [*tension_colors(np.linspace(1e-9, 1, 24), (0.0, 1.0)).tolist(), (255, 255, 255), INK, SLACK_COLOR, TRAIL,
+               *(ImageColor.getrgb(color) for color in AXIS_COLORS)]
+    chosen = [frames[i] for i in np.unique(np.linspace(0, len(frames) - 1, 4).astype(int))]
+    sheet = Image.fromarray(np.concatenate([np.asarray(frame) for frame in chosen]))
+    others = sheet.quantize(colors - len(meaning), method=Image.Quantize.MEDIANCUT).getpalette() or []
+    pure = [255 if value > 246 else value for value in others]  # white stays white, not tinted
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([int(value) for color in meaning for value in color] + pure)
+    return palette
 
 
 def _checked_path(path: str | Path, ending: str) -> Path:

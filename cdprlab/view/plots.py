@@ -19,6 +19,9 @@ from .style import AXIS_COLORS, AXIS_DASHES, GREY, INK, WARNING, cable_style, ho
 _MARKERS = 40
 """Measured values shown per cable: enough to see the course, few enough to see the line below."""
 
+_LEAST_RANGE = 1e-3
+"""Errors [mm, mrad, N] below this stay flat: blown up to full height, rounding would look like motion."""
+
 
 class Figure(matplotlib.figure.Figure):
     """A matplotlib figure with a text description; shows itself in notebooks without pyplot."""
@@ -38,7 +41,7 @@ def plot(run_or_table: Any) -> matplotlib.figure.Figure:
     if hasattr(run_or_table, "commanded_tensions"):
         return _plot_run(run_or_table)
     if callable(getattr(run_or_table, "plot", None)):
-        return run_or_table.plot()  # type: ignore[no-any-return]
+        return run_or_table.plot()
     raise InvalidInput("plot takes a Run (or a table with its own plot method), "
                        f"got {type(run_or_table).__name__}")
 
@@ -151,7 +154,7 @@ def _error_panel(panel: Axes, time: Array, errors: Array, names: Sequence[str], 
     if errors.shape[1] > 1:
         panel.plot(time, norm, color=INK, linewidth=1.0, linestyle=(0, (1, 1.5)), label="norm")
         handles = [Line2D([], [], color=INK, linewidth=1.0, linestyle=(0, (1, 1.5)), label="norm")]
-    panel.axhline(0, color=GREY, linewidth=0.8)
+    _around_zero(panel)
     panel.set_ylabel(label)
     panel.set_title(title)
     _legend_above(panel, handles)
@@ -178,7 +181,8 @@ def _describe_tensions(above: Axes, below: Axes, run: Any) -> None:
     above.set_title("Tensions")
     below.set_ylabel("difference [N]")
     below.set_title("Measured − commanded")
-    below.axhline(0, color=GREY, linewidth=0.8)
+    below.set_title("numbers at the line ends: cables", loc="right", fontsize=9, fontweight="normal", color=GREY)
+    _around_zero(below)
     handles: list[Any] = [Line2D([], [], color=INK, label="commanded"),
                           Line2D([], [], color=INK, linestyle="none", marker="o", markersize=4.2, label="measured")]
     if not np.all(run.feasible):
@@ -192,7 +196,6 @@ def _describe_tensions(above: Axes, below: Axes, run: Any) -> None:
     colors = [cable_style(cable).color for cable in range(len(names))]
     for panel, columns in ((above, run.commanded_tensions), (below, _differences(run))):
         _label_ends(panel, list(np.transpose(columns)), names, colors)
-    _note(below, "numbers at the line ends: cables")
 
 
 def _draw_limits(panel: Axes, run: Any) -> None:
@@ -210,7 +213,10 @@ def _draw_limits(panel: Axes, run: Any) -> None:
             else:
                 words.append(f"{name} {limit:g} N")
     if words:
-        _note(panel, f"off scale: {', '.join(words)}")
+        low, high = panel.get_ylim()
+        panel.set_ylim(low, high + 0.08 * (high - low))  # room for the note above all lines
+        panel.annotate(f"off scale: {', '.join(words)}", (0.008, 0.985), xycoords="axes fraction", va="top",
+                       fontsize=9, color=INK)
 
 
 # --- small drawing parts ------------------------------------------------------------------------------------
@@ -221,9 +227,11 @@ def _legend_above(panel: Axes, handles: Sequence[Any]) -> None:
                      borderaxespad=0.1, handlelength=1.8, columnspacing=1.2)
 
 
-def _note(panel: Axes, text: str) -> None:
-    panel.annotate(text, (0.008, 0.985), xycoords="axes fraction", ha="left", va="top", fontsize=9, color=GREY,
-                   bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1})
+def _around_zero(panel: Axes) -> None:
+    """A line at zero, and a range no smaller than ``_LEAST_RANGE``."""
+    panel.axhline(0, color=GREY, linewidth=0.8)
+    low, high = panel.get_ylim()
+    panel.set_ylim(min(low, -_LEAST_RANGE), max(high, _LEAST_RANGE))
 
 
 def _label_ends(panel: Axes, lines: Sequence[Array], names: Sequence[str], colors: Sequence[str]) -> None:

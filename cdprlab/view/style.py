@@ -9,12 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-from ..simulate.camera import TENSION_COLORS
-
-if TYPE_CHECKING:
-    from matplotlib.colors import Colormap
+from typing import Any, NamedTuple
 
 # Okabe and Ito 2008, Color Universal Design; without yellow, which vanishes on white.
 BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
@@ -51,17 +46,3 @@ def house_style() -> Iterator[None]:
 
     with matplotlib.style.context(Path(__file__).with_name("cdprlab.mplstyle")):
         yield
-
-
-def tension_colormap() -> Colormap:
-    """The camera's tension colors as a matplotlib colormap; grey where there is no tension.
-
-    >>> tension_colormap().name
-    'cdprlab_tension'
-    """
-    from matplotlib.colors import LinearSegmentedColormap
-
-    colors = [tuple(channel / 255 for channel in color) for color in TENSION_COLORS]
-    colormap = LinearSegmentedColormap.from_list("cdprlab_tension", colors)
-    colormap.set_bad(GREY)
-    return colormap
