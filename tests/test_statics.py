@@ -5,26 +5,8 @@ import pytest
 from scipy.optimize import linprog
 
 import cdprlab as cl
-from robots import (
-    BASED,
-    ROBOTS,
-    Base,
-    Robot,
-    build,
-    case,
-    cases,
-    cross,
-    differences,
-    in_rows,
-    moved,
-    platform,
-    pulls_on,
-    random_pose,
-    random_poses,
-    robot_1r2t,
-    spatial_twin,
-    two_bases,
-)
+import robots
+from robots import BASED, ROBOTS, case, cases, differences, moved, random_pose, random_poses
 
 
 @pytest.mark.parametrize("name, seed", cases(3))
@@ -36,7 +18,7 @@ def test_wrench_matrix_is_minus_the_jacobian_transposed_and_sums_the_pulls(name,
         arm = pose.rotation @ b
         u = a - pose.position - arm
         u = u / np.linalg.norm(u)
-        np.testing.assert_allclose(w[:, i], in_rows(robot, pose, u, cross(arm, u)), atol=1e-13)
+        np.testing.assert_allclose(w[:, i], robots.in_rows(robot, pose, u, robots.cross(arm, u)), atol=1e-13)
 
 
 @pytest.mark.parametrize("name, seed", cases(3))
@@ -87,8 +69,8 @@ def test_axial_stiffness_that_is_none(ea):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_planar_is_spatial_turned_by_minus_phi(seed):
-    robot = robot_1r2t()
-    twin, pose = spatial_twin(robot), random_pose(robot, seed)
+    robot = ROBOTS["1R2T"]()
+    twin, pose = robots.spatial_twin(robot), random_pose(robot, seed)
     x, y = pose.position
     there = cl.Pose([x, 0, y], rpy=[0, -float(pose.angle), 0])
     np.testing.assert_allclose(cl.cable_lengths(twin, there), cl.cable_lengths(robot, pose), rtol=1e-14)
@@ -104,10 +86,10 @@ def test_planar_is_spatial_turned_by_minus_phi(seed):
 @pytest.mark.parametrize("seed", range(5))
 def test_planar_tipping_is_spatial_tipping_about_the_two_cross_edges(seed):
     exits, anchors = [[-0.3, 2.0], [0.4, 1.0]], [[-0.2, 0.1], [0.2, 0.1]]
-    flat = Base("b", [0.5, 0.0], 0.0, 50.0, [0.1, 0.6], [[0.4, 0], [-0.5, 0]], [0, 0, 0])
-    box = Base("b", [0.5, 0.0], 0.0, 50.0, [0.1, 0.0, 0.6], [[0.4, -1], [0.4, 1], [-0.5, 1], [-0.5, -1]], [0, 0, 0])
-    planar = build("1R2T", exits, anchors, bases=[flat], carriers=["b", "b"])
-    spatial = build("3R3T", [[x, 0, y] for x, y in exits], [[x, 0, y] for x, y in anchors], bases=[box],
+    flat = cl.Base("b", [0.5, 0.0], 0.0, 50.0, [0.1, 0.6], [[0.4, 0], [-0.5, 0]], [0, 0, 0])
+    box = cl.Base("b", [0.5, 0.0], 0.0, 50.0, [0.1, 0.0, 0.6], [[0.4, -1], [0.4, 1], [-0.5, 1], [-0.5, -1]], [0, 0, 0])
+    planar = robots.build("1R2T", exits, anchors, bases=[flat], carriers=["b", "b"])
+    spatial = robots.build("3R3T", [[x, 0, y] for x, y in exits], [[x, 0, y] for x, y in anchors], bases=[box],
                     carriers=["b", "b"])
     rng = np.random.default_rng(seed)
     (x, y), phi, tau = rng.uniform(2, 3, 2), rng.uniform(-1, 1), rng.uniform(0, 300, 2)
@@ -120,7 +102,7 @@ def test_planar_tipping_is_spatial_tipping_about_the_two_cross_edges(seed):
 def test_payload_is_the_two_body_computation(name):
     robot, d = ROBOTS[name](), ROBOTS[name]().dimension
     place, load = np.array([0.3, -0.2, -0.5])[:d], 7.0
-    robot = Robot(robot.pattern, platform(d), robot.cables)
+    robot = cl.Robot(robot.pattern, robots.platform(d), robot.cables)
     body, both = robot.platform, robot.with_payload(load, place).platform
     assert both.mass == body.mass + load
     np.testing.assert_allclose(both.mass * both.center_of_mass, body.mass * body.center_of_mass + load * place)
@@ -139,7 +121,7 @@ def test_payload_is_the_two_body_computation(name):
         assert energy(both, v, w) == pytest.approx(energy(body, v, w) + load * load_speed @ load_speed / 2, rel=1e-12)
     pose = random_pose(robot, 1)
     weight = np.eye(d)[-1] * -load * robot.gravity
-    added = in_rows(robot, pose, weight, cross(pose.rotation @ place, weight))
+    added = robots.in_rows(robot, pose, weight, robots.cross(pose.rotation @ place, weight))
     np.testing.assert_allclose(cl.gravity_wrench(robot.with_payload(load, place), pose),
                                cl.gravity_wrench(robot, pose) + added, atol=1e-10)
 
@@ -155,9 +137,9 @@ def test_bases_stand_under_their_own_weight(name):
 def test_edges_run_counter_clockwise_from_the_first_contact_whichever_way_listed():
     robot, pose = case("two bases", 2)
     tau = np.linspace(100, 300, 8)
-    mirrored = tuple(Base(b.name, b.position, b.heading, b.mass, b.center_of_mass,
+    mirrored = tuple(cl.Base(b.name, b.position, b.heading, b.mass, b.center_of_mass,
                           np.concatenate([b.footprint[:1], b.footprint[:0:-1]]), b.speed_max) for b in robot.bases)
-    other = Robot(robot.pattern, robot.platform, robot.cables, mirrored)
+    other = cl.Robot(robot.pattern, robot.platform, robot.cables, mirrored)
     for name, moments in cl.tipping_moments(robot, pose, tau).items():
         np.testing.assert_array_equal(cl.tipping_moments(other, pose, tau)[name], moments)
 
@@ -171,7 +153,8 @@ def test_tipping_moments_edge_by_edge(seed):
         for k, moment in enumerate(cl.tipping_moments(robot, pose, tau)[base.name]):
             start, end = corners[k], corners[(k + 1) % len(corners)]
             axis = (end - start) / np.linalg.norm(end - start)
-            total = sum(axis @ np.cross(point - start, force) for point, force in pulls_on(robot, pose, base, tau))
+            loads = robots.pulls_on(robot, pose, base, tau)
+            total = sum(axis @ np.cross(point - start, force) for point, force in loads)
             assert moment == pytest.approx(total, abs=1e-9)
 
 
@@ -179,9 +162,9 @@ def wheels_hold(robot, pose, base, tau):
     """Whether non-negative vertical wheel reactions balance the base (friction at floor height unlimited)."""
     contacts = base.to_world(np.pad(base.footprint, ((0, 0), (0, 1)))) if robot.dimension == 3 else \
         base.to_world(base.footprint)
-    loads = pulls_on(robot, pose, base, tau)
+    loads = robots.pulls_on(robot, pose, base, tau)
     force = sum(f for _, f in loads)
-    moment = sum(cross(point, f) for point, f in loads)
+    moment = sum(robots.cross(point, f) for point, f in loads)
     if robot.dimension == 3:
         rows = np.stack([np.ones(len(contacts)), contacts[:, 1], -contacts[:, 0]])
         goal = [force[2], moment[0], moment[1]]
@@ -208,7 +191,8 @@ def test_tipping_agrees_with_wheel_reactions(name):
 
 
 def test_without_a_footprint_a_base_is_fastened():
-    robot = two_bases()
-    bases = tuple(Base(b.name, b.position, b.heading, b.mass, b.center_of_mass, [], b.speed_max) for b in robot.bases)
-    assert cl.tipping_moments(Robot(robot.pattern, robot.platform, robot.cables, bases),
+    robot = ROBOTS["two bases"]()
+    bases = tuple(cl.Base(b.name, b.position, b.heading, b.mass, b.center_of_mass, [], b.speed_max)
+                  for b in robot.bases)
+    assert cl.tipping_moments(cl.Robot(robot.pattern, robot.platform, robot.cables, bases),
                               random_pose(robot, 0), np.ones(8)) == {}
