@@ -7,14 +7,14 @@
 """
 
 from . import errors
-from .control import ComputedTorque
+from .control import ComputedTorque, State
 from .errors import CdprError
 from .geometry import cable_directions, cable_lengths, cable_vectors
 from .kinematics import base_jacobian, forward_kinematics, jacobian
 from .pose import Pose
 from .robot import Base, Cable, Platform, Robot
 from .run import Run, run
-from .simulate import Simulator, State, open_simulator
+from .simulate import Simulator, open_simulator
 from .statics import gravity_wrench, stiffness, tipping_moments, tipping_rows, wrench_matrix
 from .tensions import TensionDistribution, distribute_tensions, tension_methods
 from .trajectory import Reference, Trajectory, hold, quintic

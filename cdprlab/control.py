@@ -5,16 +5,40 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from .arrays import Array, as_array, frozen
 from .errors import InvalidInput
-from .pose import rotation_vector
+from .pose import Pose, rotation_vector
 from .robot import Robot
-from .simulate.simulator import State
 from .trajectory import Reference
+
+
+class State(NamedTuple):
+    """What a controller may know at one instant.
+
+    time : [s]
+    robot : the robot, for its masses and points
+    position : (d,) of P in the world [m]
+    rotation : (d, d)
+    twist : (3 planar or 6 spatial,) [v; ω] of P in world axes [m/s, rad/s]
+    tensions : (m,) measured over the last step, zero before the first [N]
+    """
+
+    time: float
+    robot: Robot
+    position: Array
+    rotation: Array
+    twist: Array
+    tensions: Array
+
+    @property
+    def pose(self) -> Pose:
+        """The platform's pose."""
+        return Pose.of(self.position, self.rotation)
+
 
 Controller = Callable[[float, State, Reference], Array]
 """W τ of the cables, weight not subtracted: at rest it is minus the gravity wrench."""
@@ -33,8 +57,8 @@ class ComputedTorque:
     100.0
     """
 
-    kp: ArrayLike = 100.0
-    kd: ArrayLike = 100.0
+    kp: float | Array = 100.0
+    kd: float | Array = 100.0
 
     def __post_init__(self) -> None:
         for name in ("kp", "kd"):
@@ -48,7 +72,7 @@ class ComputedTorque:
         robot = state.robot
         error, rate = pose_error(state, reference), reference.twist - state.twist
         if robot.n_dof == rate.shape[0]:
-            correction = self.kd * rate + self.kp * error  # type: ignore[operator]
+            correction = self.kd * rate + self.kp * error
         else:
             basis = robot.pattern.basis(state.rotation)
             correction = basis @ (self.kd * (rate @ basis) + self.kp * (error @ basis))
@@ -82,20 +106,21 @@ def inverse_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: 
     if robot.dimension == 2:
         return _planar_dynamics(robot, rotation, twist, acceleration)
     platform = robot.platform
-    # Rotation in platform axes, where the inertia is constant.
+    # Rotation in platform axes, where the inertia is constant; small vectors as plain floats, which are
+    # several times quicker than arrays of three.
     spins = np.array([twist[3:], acceleration[3:]]) @ rotation
-    momentum = spins @ platform.inertia
-    moment = momentum[1] + _cross(spins[0], momentum[0])
-    wrench = np.empty(6)
-    wrench[:3] = acceleration[:3]
-    wrench[2] += robot.gravity
-    wrench[3:] = rotation @ moment
+    (wx, wy, wz), _ = spins.tolist()
+    (hx, hy, hz), (kx, ky, kz) = (spins @ platform.inertia).tolist()
+    moment = rotation @ np.array([kx + wy * hz - wz * hy, ky + wz * hx - wx * hz, kz + wx * hy - wy * hx])
+    ax, ay, az = acceleration[:3].tolist()
+    force = np.array([ax, ay, az + robot.gravity])
     if platform.is_off_center:
         center = platform.center_of_mass
-        wrench[:3] += rotation @ (_cross(spins[1], center) + _cross(spins[0], _cross(spins[0], center)))
-    wrench[:3] *= platform.mass
+        force += rotation @ (np.cross(spins[1], center) + np.cross(spins[0], np.cross(spins[0], center)))
+    force *= platform.mass
     if platform.is_off_center:
-        wrench[3:] += _cross(rotation @ center, wrench[:3])
+        moment += np.cross(rotation @ center, force)
+    wrench = np.concatenate((force, moment))
     return wrench if robot.n_dof == 6 else wrench @ robot.pattern.basis(rotation)
 
 
@@ -107,13 +132,6 @@ def _planar_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: 
     force *= platform.mass
     wrench = np.array([*force, platform.inertia * acceleration[2] + x * force[1] - y * force[0]])
     return wrench[:robot.n_dof]
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """a × b of two single vectors; np.cross takes ten times as long."""
-    ax, ay, az = a.tolist()
-    bx, by, bz = b.tolist()
-    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
 
 def _turn_between(turn: Array) -> Array | tuple[float, float, float]:

@@ -49,7 +49,7 @@ def cable_lengths(robot: Robot, pose: Pose) -> Array:
 
     >>> import cdprlab as cl
     >>> cable_lengths(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).round(3)[:2]
-    array([5.195, 4.338])
+    array([5.195, 4.358])
     """
     return np.linalg.norm(cable_vectors(robot, pose), axis=-1)
 

@@ -21,7 +21,7 @@ from .simulate.simulator import Simulator, open_simulator
 from .statics import wrench_matrix
 from .tensions.distribution import TensionDistribution, checked_distribution, solver_for
 from .trajectory import Reference
-from .world import Task, World
+from .world import World
 
 INFEASIBLE = ("relax", "stop", "hold")
 """Where the method finds no tensions: take the least wrench error, raise, or keep the last tensions."""
@@ -94,8 +94,8 @@ class Run:
         target.mkdir(parents=True, exist_ok=True)
         columns = self._columns()
         units = {name: unit for name, (_, unit) in columns.items()}
-        np.savez_compressed(target / "log.npz", units=np.array(json.dumps(units)),
-                            **{name: values for name, (values, _) in columns.items()})
+        arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}
+        np.savez_compressed(target / "log.npz", units=np.array(json.dumps(units)), **arrays)
         _write_csv(target / "log.csv", columns)
         self.world.save(target / "world.yaml")
         settings = {"task": self.task, "method": self.method, "cables": self.cables, **self.settings}
@@ -157,7 +157,7 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
         raise InvalidInput(f"infeasible must be one of {', '.join(INFEASIBLE)}, got {infeasible!r}")
     substeps, period = _control_steps(dt, control_period)
     length = job.duration + job.hold if duration is None else as_number(duration, "duration", "s", positive=True)
-    times = np.arange(max(1, round(length / period))) * period
+    times: Array = np.arange(max(1, round(length / period)), dtype=float) * period
     law = ComputedTorque() if controller is None else controller
     loop = _Loop(world.robot, method, infeasible, law, external_wrench, times.size)
     engine = simulator or open_simulator(world, cables, dt, **engine_options)

@@ -116,7 +116,7 @@ class _Polynomial:
 
         values = [polyval(t, polyder(self.coefficients, order) if order else self.coefficients)
                   for order in (0, 1, 2)]
-        x, rate, bend = (np.moveaxis(np.asarray(value), 0, -1) for value in values)
+        x, rate, bend = (np.moveaxis(np.asarray(value, dtype=np.float64), 0, -1) for value in values)
         return x, rate, bend
 
 

@@ -1,14 +1,15 @@
-"""The interface every engine keeps, and the state it reports."""
+"""The interface every engine keeps."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
+from ..control import State
 from ..errors import InvalidInput
 from ..pose import Pose
 from ..robot import Robot
@@ -19,30 +20,6 @@ CABLE_MODELS = {
     "force": "ideal massless cables as external forces: the baseline",
 }
 """What ``cables=`` may be, and what it means."""
-
-
-class State(NamedTuple):
-    """What a controller may know at one instant.
-
-    time : [s]
-    robot : the robot, for its masses and points
-    position : (d,) of P in the world [m]
-    rotation : (d, d)
-    twist : (3 planar or 6 spatial,) [v; ω] of P in world axes [m/s, rad/s]
-    tensions : (m,) measured over the last step, zero before the first [N]
-    """
-
-    time: float
-    robot: Robot
-    position: Array
-    rotation: Array
-    twist: Array
-    tensions: Array
-
-    @property
-    def pose(self) -> Pose:
-        """The platform's pose."""
-        return Pose.of(self.position, self.rotation)
 
 
 class Simulator(ABC):

@@ -20,12 +20,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
+from ..control import State
 from ..errors import InvalidInput, MissingDependency, SimulationDiverged
 from ..fast_statics import cable_statics
 from ..pose import Pose
 from ..robot import Robot
 from ..world import World
-from .simulator import Simulator, State
+from .simulator import Simulator
 
 DEFAULT_TIP_MASS = 1e-4  # kg
 
@@ -173,9 +174,10 @@ class SpatialSimulator(Simulator):
         x, y, z = place
         if not abs(x) + abs(y) + abs(z) < self._reach:  # also false for NaN
             self._diverged()
-        rotation = np.array(b.getMatrixFromQuaternion(quaternion)).reshape(3, 3)
+        # One array for all that was read: each conversion costs more than cutting it up.
+        values = np.array(place + b.getMatrixFromQuaternion(quaternion) + linear + angular)
         self.position, self.rotation, self.twist = self._frame.platform_motion(
-            np.array(place), rotation, np.array(linear + angular))
+            values[:3], values[3:12].reshape(3, 3), values[12:])
         self.directions, self.wrench_matrix, self.lengths = self._statics(self.position, self.rotation)
 
     def _diverged(self) -> None:

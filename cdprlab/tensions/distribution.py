@@ -11,18 +11,13 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array, frozen
 from ..errors import InfeasibleTensions, InvalidInput
 from . import pseudo_inverse, quadratic_program, relaxed
-from .method import Method, Solver
+from .method import LIMIT_TOLERANCE, RESIDUAL_TOLERANCE, Method, Solver
 
 METHODS: dict[str, Method] = {
     "quadratic_program": quadratic_program.METHOD,
     "pseudo_inverse": pseudo_inverse.METHOD,
     "relaxed": relaxed.METHOD,
 }
-
-# Equilibrium to 1e-8 of the wrench, limits to 1e-8 of the largest: a thousand times what rounding
-# leaves in a well-posed program, a thousandth of what a load cell sees.
-RESIDUAL_TOLERANCE = 1e-8
-LIMIT_TOLERANCE = 1e-8
 
 
 @dataclass(frozen=True, eq=False)

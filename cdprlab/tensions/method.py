@@ -7,6 +7,11 @@ from typing import Any, NamedTuple
 
 from ..arrays import Array
 
+# Equilibrium to 1e-8 of the wrench, limits to 1e-8 of the largest: a thousand times what rounding
+# leaves in a well-posed program, a thousandth of what a load cell sees.
+RESIDUAL_TOLERANCE = 1e-8
+LIMIT_TOLERANCE = 1e-8
+
 Solution = tuple[Array, str]
 """Tensions (m,) and '' or the reason why they are no solution; NaN where the method has no answer at all."""
 

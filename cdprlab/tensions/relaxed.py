@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
 from . import quadratic_program
-from .method import Method, Solution, Solver, around_fixed
-from .quadratic_program import independent_rows, min_norm
+from .method import RESIDUAL_TOLERANCE, Method, Solution, Solver, around_fixed
+from .quadratic_program import INFEASIBLE, independent_rows, min_norm
 
 # The first program's weight on ‖τ‖², relative to W's: small enough to find the right active limits,
 # large enough for a Cholesky factor in double precision. The second stage removes its bias.
@@ -33,13 +33,14 @@ def _relaxed(scale: Array, low: Array, high: Array) -> Solver:
     exact = quadratic_program.build(scale.shape[0], low, high)
 
     def solve(W: Array, w_e: Array) -> Solution:
-        balanced = exact(W, w_e)
-        if not balanced[1]:
-            return balanced
+        least_norm, reason = exact(W, w_e)
+        if not reason:
+            return least_norm, ""
         rows, goal = W * scale[:, None], -w_e * scale
         tau = _least_tension(rows, goal, _least_error(rows, goal, low, high), low, high)
         left = float(np.abs(W @ tau + w_e).max())
-        return tau, "" if left == 0 else f"no tensions within the limits balance the wrench; {left:.3g} N or N m is left"
+        balanced = left <= RESIDUAL_TOLERANCE * (1 + float(np.abs(w_e).max()))
+        return tau, "" if balanced else f"{INFEASIBLE}; {left:.3g} N or N m is left"
 
     return solve
 
