@@ -68,7 +68,7 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, te
     >>> robot, pose = cl.load_world("caroca").robot, cl.Pose([0, 0, 1])
     >>> found = distribute_tensions(cl.wrench_matrix(robot, pose), cl.gravity_wrench(robot, pose), 50, 10000)
     >>> bool(found.feasible), float(found.tensions.min().round(1))
-    (True, 318.1)
+    (True, 317.6)
     """
     W, w_e, low, high = _checked(W, w_e, tension_min, tension_max)
     batch = W.shape[:-2]
