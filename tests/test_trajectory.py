@@ -5,7 +5,8 @@ import pytest
 from scipy.linalg import expm
 
 import cdprlab as cl
-from cdprlab.pose import cross_matrix, rotation_vector
+from cdprlab.pose import cross_matrix, rotation_vector, rotation_vector_jacobian
+from cdprlab.trajectory import _jacobian_rate
 from robots import case
 
 BOUNDARY = ("start_twist", "end_twist", "start_acceleration", "end_acceleration")
@@ -59,6 +60,14 @@ def test_derivatives_where_the_turn_starts_small():
     for t in np.linspace(2 * h, 1 - 2 * h, 40):
         slope = (path(t + h).twist - path(t - h).twist) / (2 * h)
         np.testing.assert_allclose(path(t).acceleration, slope, atol=1e-8)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-6, 1e-3, 0.0099, 0.0101, 0.0499, 0.0501, 0.5, 2.0, 3.1])
+def test_rate_of_the_rotation_vector_jacobian(angle):
+    """Both sides of each border between series and quotient; h = 1e-4 leaves 1e-10 from h², 1e-12 from rounding."""
+    axis, rate, h = np.array([2, -1, 2]) / 3, np.array([0.9, 0.3, -0.4]), 1e-4
+    slope = rotation_vector_jacobian(angle * axis + h * rate) - rotation_vector_jacobian(angle * axis - h * rate)
+    np.testing.assert_allclose(_jacobian_rate(angle * axis, rate), slope / (2 * h), rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))
