@@ -69,6 +69,8 @@ def _in(unit: str) -> str:
 def _wanted(shape: tuple[int | str, ...], unit: str) -> str:
     if not shape:
         return f"a number{_in(unit)}"
+    if len(shape) == 1 and isinstance(shape[0], str):
+        return f"a list of numbers{_in(unit)}"
     if len(shape) == 1:
         return f"{shape[0]} numbers{_in(unit)}"
     return f"an array of shape ({', '.join(map(str, shape))}){_in(unit)}"

@@ -78,6 +78,8 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance:
     measured = as_array(lengths, "lengths", (robot.n_cables,), "m", batch=True)
     if (measured <= 0).any():
         raise InvalidInput(f"cable lengths must be positive [m], got {float(measured.min()):g}")
+    if not tolerance > 0:
+        raise InvalidInput(f"tolerance must be positive [m], got {tolerance!r}")
     if guess.dimension != robot.dimension:
         raise InvalidInput(f"a {robot.motion_pattern} robot lives in {robot.dimension} dimensions, "
                            f"the guess has {guess.dimension}")

@@ -109,8 +109,8 @@ class Cable:
         if self.tension_min > self.tension_max:
             raise InvalidInput(f"tension limits are crossed: smallest {self.tension_min:g} N > "
                                f"largest {self.tension_max:g} N", ("tension",))
-        if not self.speed_max > 0:
-            raise InvalidInput(f"speed must be positive [m/s], got {self.speed_max!r}", ("speed",))
+        if self.speed_max != float("inf"):
+            set_(self, "speed_max", as_number(self.speed_max, "speed", "m/s", positive=True, location=("speed",)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -416,6 +416,8 @@ def _checked_inertia(inertia: ArrayLike, d: int) -> Array:
             raise InvalidInput(f"inertia must be positive [kg m²], got {float(value):g}", ("inertia",))
         return value
     matrix = as_array(inertia, "inertia", (3, 3), "kg m²", location=("inertia",))
+    if not np.allclose(matrix, matrix.T, rtol=0, atol=1e-9 * np.abs(matrix).max()):
+        raise InvalidInput(f"inertia must be symmetric [kg m²], got {matrix.tolist()}", ("inertia",))
     principal = np.linalg.eigvalsh(matrix)
     # A body's principal moments obey the triangle inequality; 1e-9 covers rounding in a parallel-axis shift.
     if principal[0] <= 0 or principal[2] > (principal[0] + principal[1]) * (1 + 1e-9):
@@ -440,7 +442,9 @@ def _counter_clockwise(footprint: ArrayLike, d: int) -> Array:
     edges = np.roll(points, -1, axis=0) - points
     following = np.roll(edges, -1, axis=0)
     turns = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
-    if points.shape[0] < 3 or not ((turns > 0).all() or (turns < 0).all()):
+    # All corners turn one way, and all the way round once: a star goes round twice.
+    around = np.arctan2(turns, (edges * following).sum(axis=-1)).sum()
+    if points.shape[0] < 3 or not ((turns > 0).all() or (turns < 0).all()) or abs(around) > 7:
         raise InvalidInput("footprint must be the corners of a convex polygon in order, at least 3 contacts "
                            "and none on an edge", ("footprint",))
     return points if turns[0] > 0 else frozen(np.concatenate([points[:1], points[:0:-1]]))

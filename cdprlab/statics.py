@@ -64,7 +64,7 @@ def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: Ar
     >>> stiffness(robot, pose, np.full(8, 400.0), 1e5).shape
     (6, 6)
     """
-    tau = as_array(tensions, "tensions", (robot.n_cables,), "N", batch=True)
+    tau = _tensions(robot, pose, tensions)
     ea = as_array(axial_stiffness, "axial_stiffness", (), "N", batch=True)
     if ea.shape not in ((), (robot.n_cables,)):
         raise InvalidInput(f"axial_stiffness must be a number or {robot.n_cables} numbers [N], got shape {ea.shape}")
@@ -116,9 +116,19 @@ def tipping_moments(robot: Robot, pose: Pose, tensions: ArrayLike) -> dict[str, 
     >>> tipping_moments(cl.load_world("caroca").robot, cl.Pose([0, 0, 1]), np.full(8, 400.0))
     {}
     """
-    tau = as_array(tensions, "tensions", (robot.n_cables,), "N", batch=True)
+    tau = _tensions(robot, pose, tensions)
     return {name: (rows.matrix @ tau[..., None])[..., 0] + rows.offset
             for name, rows in tipping_rows(robot, pose).items()}
+
+
+def _tensions(robot: Robot, pose: Pose, tensions: ArrayLike) -> Array:
+    tau = as_array(tensions, "tensions", (robot.n_cables,), "N", batch=True)
+    try:
+        np.broadcast_shapes(tau.shape[:-1], pose.batch_shape)
+    except ValueError:
+        raise InvalidInput(f"tensions of batch shape {tau.shape[:-1]} and poses of batch shape "
+                           f"{pose.batch_shape} do not fit together") from None
+    return tau
 
 
 def _geometric_stiffness(robot: Robot, pose: Pose, tau: Array) -> Array:

@@ -1,10 +1,11 @@
-"""Lengths, directions and their batches."""
+"""Lengths, directions and their batches, and the parts robots are made of."""
 
 import numpy as np
 import pytest
 
 import cdprlab as cl
-from robots import BASED, ROBOTS, case, random_poses, robot_1r2t, robot_2t, robot_3t
+import robots
+from robots import BASED, ROBOTS, case, random_pose, random_poses, robot_1r2t, robot_2t, robot_3t
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -74,3 +75,64 @@ def test_a_cable_without_length_has_no_direction_and_says_which():
     assert cl.cable_lengths(robot, at_exit)[1, 1] == 0.0
     with pytest.raises(cl.errors.InvalidInput, match="cable 2 has no length"):
         cl.cable_directions(robot, at_exit)
+
+
+@pytest.mark.parametrize("name", ["3R3T", "1R2T"])
+def test_payload_is_the_two_body_computation(name):
+    robot, d = ROBOTS[name](), ROBOTS[name]().dimension
+    place, load = np.array([0.3, -0.2, -0.5])[:d], 7.0
+    robot = cl.Robot(robot.pattern, robots.platform(d), robot.cables)
+    body, both = robot.platform, robot.with_payload(load, place).platform
+    assert both.mass == body.mass + load
+    np.testing.assert_allclose(both.mass * both.center_of_mass, body.mass * body.center_of_mass + load * place)
+    # kinetic energy of any motion (v of P, ω): one body against two
+    rng = np.random.default_rng(3)
+
+    def energy(part, v, w):
+        at = v + turning(w, part.center_of_mass)
+        return (part.mass * at @ at + w @ np.atleast_2d(part.inertia) @ w) / 2
+
+    def turning(w, r):
+        return w[0] * np.array([-r[1], r[0]]) if d == 2 else np.cross(w, r)
+
+    for v, w in zip(rng.normal(size=(5, d)), rng.normal(size=(5, 1 if d == 2 else 3))):
+        load_speed = v + turning(w, place)
+        assert energy(both, v, w) == pytest.approx(energy(body, v, w) + load * load_speed @ load_speed / 2, rel=1e-12)
+    pose = random_pose(robot, 1)
+    weight = np.eye(d)[-1] * -load * robot.gravity
+    added = robots.in_rows(robot, pose, weight, robots.cross(pose.rotation @ place, weight))
+    np.testing.assert_allclose(cl.gravity_wrench(robot.with_payload(load, place), pose),
+                               cl.gravity_wrench(robot, pose) + added, atol=1e-10)
+
+
+SQUARE = [[1, 1], [-1, 1], [-1, -1], [1, -1]]
+STAR = [[np.cos(a), np.sin(a)] for a in 4 * np.pi / 5 * np.arange(5)]
+
+
+@pytest.mark.parametrize("make, says", [
+    (lambda: cl.Cable([0, 0, 1], [0, 0], 1, 2), "anchor_point"), (lambda: cl.Cable([0, 0], [0, 0], 3, 2), "crossed"),
+    (lambda: cl.Cable([0, 0], [0, 0], -1, 2), "at least 0"), (lambda: cl.Cable([0, 0], [0, 0], 1, 2, "fast"), "speed"),
+    (lambda: cl.Cable([0, 0], [0, 0], 1, 2, 0.0), "speed"),
+    (lambda: cl.Base("b", [0, 0], 0, 1, [0, 0, 0], STAR, [0, 0, 0]), "convex"),
+    (lambda: cl.Base("b", [0, 0], 0, 1, [0, 0, 0], [[0, 0], [1, 0], [2, 0]], [0, 0, 0]), "convex"),
+    (lambda: cl.Base("b", [0, 0], 0, 1, [0, 0, 0], SQUARE, [-1, 0, 0]), "negative"),
+    (lambda: cl.Base("b", [0, 0], 0, 1, [0, 0], [[1, 0], [1, 0]], [0, 0, 0]), "different x"),
+    (lambda: cl.Platform(1, np.diag([1, 1, 3]), [0] * 3, [1] * 3, [0] * 3), "no rigid body"),
+    (lambda: cl.Platform(1, np.eye(3) + np.eye(3, k=1) / 9, [0] * 3, [1] * 3, [0] * 3), "symmetric"),
+    (lambda: cl.Platform(1, -1.0, [0] * 2, [1] * 2, [0] * 2), "positive"),
+    (lambda: robots.build("3T", [[0, 0, 1]], [[0.1, 0, 0]]), "meet at P"),
+    (lambda: robots.build("2R3T", [[0, 0, 1]], [[0.1, 0.1, 0]]), "x′ axis"),
+    (lambda: robots.build("2T", [[0, 0, 1]], [[0, 0, 0]]), "exit_point"), (lambda: robots.build("2T", [], []), "cable"),
+    (lambda: robots.build("2T", [[0, 1]], [[0, 0]], carriers=["x"]), "unknown base 'x'"),
+    (lambda: robot_3t().with_bases({"x": [0, 0, 0]}), "no bases"),
+    (lambda: robot_3t().with_payload(-1, [0] * 3), "mass"),
+    (lambda: robots.two_bases().with_bases({"left": [0, 0]}), "'left'")])
+def test_parts_that_are_none(make, says):
+    with pytest.raises(cl.errors.InvalidInput) as raised:
+        make()
+    assert says in str(raised.value)
+
+
+def test_a_turned_inertia_with_rounding_is_one():
+    turn = cl.Pose([0, 0, 0], [0.3, -0.4, 0.5]).rotation
+    cl.Platform(1, turn @ np.diag([0.4, 0.5, 0.6]) @ turn.T, [0] * 3, [1] * 3, [0] * 3)

@@ -98,34 +98,6 @@ def test_planar_tipping_is_spatial_tipping_about_the_two_cross_edges(seed):
     np.testing.assert_allclose(contacts, edges[[0, 2]], rtol=1e-12)
 
 
-@pytest.mark.parametrize("name", ["3R3T", "1R2T"])
-def test_payload_is_the_two_body_computation(name):
-    robot, d = ROBOTS[name](), ROBOTS[name]().dimension
-    place, load = np.array([0.3, -0.2, -0.5])[:d], 7.0
-    robot = cl.Robot(robot.pattern, robots.platform(d), robot.cables)
-    body, both = robot.platform, robot.with_payload(load, place).platform
-    assert both.mass == body.mass + load
-    np.testing.assert_allclose(both.mass * both.center_of_mass, body.mass * body.center_of_mass + load * place)
-    # kinetic energy of any motion (v of P, ω): one body against two
-    rng = np.random.default_rng(3)
-
-    def energy(part, v, w):
-        at = v + turning(w, part.center_of_mass)
-        return (part.mass * at @ at + w @ np.atleast_2d(part.inertia) @ w) / 2
-
-    def turning(w, r):
-        return w[0] * np.array([-r[1], r[0]]) if d == 2 else np.cross(w, r)
-
-    for v, w in zip(rng.normal(size=(5, d)), rng.normal(size=(5, 1 if d == 2 else 3))):
-        load_speed = v + turning(w, place)
-        assert energy(both, v, w) == pytest.approx(energy(body, v, w) + load * load_speed @ load_speed / 2, rel=1e-12)
-    pose = random_pose(robot, 1)
-    weight = np.eye(d)[-1] * -load * robot.gravity
-    added = robots.in_rows(robot, pose, weight, robots.cross(pose.rotation @ place, weight))
-    np.testing.assert_allclose(cl.gravity_wrench(robot.with_payload(load, place), pose),
-                               cl.gravity_wrench(robot, pose) + added, atol=1e-10)
-
-
 @pytest.mark.parametrize("name", BASED)
 def test_bases_stand_under_their_own_weight(name):
     robot, pose = case(name, 1)
@@ -188,6 +160,13 @@ def test_tipping_agrees_with_wheel_reactions(name):
                 assert wheels_hold(robot, poses[i], base, tau[i]) == (worst < 0)
                 seen.add(bool(worst < 0))
     assert seen == {True, False}
+
+
+@pytest.mark.parametrize("function", [cl.tipping_moments, lambda *args: cl.stiffness(*args, 1e4)])
+@pytest.mark.parametrize("shape", [(7,), (2, 8)])
+def test_tensions_that_do_not_fit(function, shape):
+    with pytest.raises(cl.errors.InvalidInput, match="tensions"):
+        function(ROBOTS["two bases"](), random_poses(ROBOTS["two bases"](), 3, seed=0), np.ones(shape))
 
 
 def test_without_a_footprint_a_base_is_fastened():
