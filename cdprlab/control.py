@@ -70,13 +70,16 @@ class ComputedTorque:
 
     def __call__(self, t: float, state: State, reference: Reference) -> Array:
         robot = state.robot
-        error, rate = pose_error(state, reference), reference.twist - state.twist
-        if robot.n_dof == rate.shape[0]:
-            correction = self.kd * rate + self.kp * error
-        else:
+        rate, error = reference.twist - state.twist, pose_error(state, reference)
+        if robot.n_dof < rate.shape[0]:
             basis = robot.pattern.basis(state.rotation)
             correction = basis @ (self.kd * (rate @ basis) + self.kp * (error @ basis))
-        return inverse_dynamics(robot, state.rotation, state.twist, reference.acceleration + correction)
+        else:
+            rate *= self.kd
+            error *= self.kp
+            correction = rate + error
+        correction += reference.acceleration
+        return inverse_dynamics(robot, state.rotation, state.twist, correction)
 
 
 def pose_error(state: State, reference: Reference) -> Array:
@@ -84,11 +87,8 @@ def pose_error(state: State, reference: Reference) -> Array:
 
     Returns (3 planar or 6 spatial,) [m, rad].
     """
-    error = np.empty(state.twist.shape[0])
-    d = state.position.shape[0]
-    np.subtract(reference.pose.position, state.position, out=error[:d])
-    error[d:] = _turn_between(reference.pose.rotation @ state.rotation.T)
-    return error
+    shift = reference.pose.position - state.position
+    return np.array([*shift.tolist(), *_turn_between(reference.pose.rotation.dot(state.rotation.T))])
 
 
 def inverse_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: Array) -> Array:
@@ -108,10 +108,10 @@ def inverse_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: 
     platform = robot.platform
     # Rotation in platform axes, where the inertia is constant; small vectors as plain floats, which are
     # several times quicker than arrays of three.
-    spins = np.array([twist[3:], acceleration[3:]]) @ rotation
+    spins = np.array([twist[3:], acceleration[3:]]).dot(rotation)
     (wx, wy, wz), _ = spins.tolist()
-    (hx, hy, hz), (kx, ky, kz) = (spins @ platform.inertia).tolist()
-    moment = rotation @ np.array([kx + wy * hz - wz * hy, ky + wz * hx - wx * hz, kz + wx * hy - wy * hx])
+    (hx, hy, hz), (kx, ky, kz) = spins.dot(platform.inertia).tolist()
+    moment = rotation.dot([kx + wy * hz - wz * hy, ky + wz * hx - wx * hz, kz + wx * hy - wy * hx])
     ax, ay, az = acceleration[:3].tolist()
     force = np.array([ax, ay, az + robot.gravity])
     if platform.is_off_center:
@@ -134,14 +134,14 @@ def _planar_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: 
     return wrench[:robot.n_dof]
 
 
-def _turn_between(turn: Array) -> Array | tuple[float, float, float]:
+def _turn_between(turn: Array) -> list[float] | tuple[float, float, float]:
     """Rotation vector of one matrix: sin θ from its skew part, cos θ from its trace."""
     if turn.shape[0] == 2:
-        return rotation_vector(turn)
+        return rotation_vector(turn).tolist()
     (a, b, c), (d, e, f), (g, h, i) = turn.tolist()
     x, y, z = (h - f) / 2, (c - g) / 2, (d - b) / 2
     sine, cosine = math.sqrt(x * x + y * y + z * z), (a + e + i - 1) / 2
     if cosine < -0.99:
-        return rotation_vector(turn)  # near half a turn the skew part vanishes
+        return rotation_vector(turn).tolist()  # near half a turn the skew part vanishes
     factor = math.atan2(sine, cosine) / sine if sine > 1e-9 else 1.0
     return x * factor, y * factor, z * factor

@@ -184,8 +184,10 @@ class _Loop:
         self.method = method if isinstance(method, str) else ""
         self.solve = self._solver(method)
         self.relax = solver_for("relaxed", robot.n_dof, robot.tension_min, robot.tension_max)
-        self.steps = steps
-        self.rows: list[tuple[Array, ...]] = []
+        d, m = robot.dimension, robot.n_cables
+        self.widths = (d, d * d, 3 if d == 2 else 6, robot.n_dof, m, m, m)
+        self.table = np.empty((steps, sum(self.widths)))
+        self.last: Array | None = None
 
     def fly(self, engine: Simulator, reference: Reference, substeps: int, progress: Progress | None) -> float:
         """The loop itself; returns the elapsed time [s]."""
@@ -194,7 +196,7 @@ class _Loop:
         push = self.external_wrench
         if push is not None and not callable(push):
             engine.push(push)
-        steps, rows = self.steps, self.rows
+        steps, table, concatenate = self.table.shape[0], self.table, np.concatenate
         every = max(1, steps // 100)
         began = time.perf_counter()
         for k in range(steps):
@@ -205,7 +207,9 @@ class _Loop:
             tensions = self._tensions(engine.wrench_matrix, wanted, state.time)
             lengths = engine.lengths
             engine.step(tensions, substeps)
-            rows.append((state.position, state.rotation, state.twist, wanted, lengths, tensions, engine.tensions))
+            # One row of one table: kept as separate arrays, the log would push the loop out of the cache.
+            concatenate((state.position, state.rotation.ravel(), state.twist, wanted, lengths, tensions,
+                         engine.tensions), out=table[k])
             if progress is not None and ((k + 1) % every == 0 or k + 1 == steps):
                 progress(k + 1, steps)
         return time.perf_counter() - began
@@ -213,13 +217,14 @@ class _Loop:
     def _tensions(self, W: Array, wanted: Array, now: float) -> Array:
         tensions, reason = self.solve(W, -wanted)
         if not reason:
+            self.last = tensions
             return tensions
         if self.infeasible == "stop":
             raise InfeasibleTensions(f"at t = {now:.4g} s: {reason}; infeasible=\"relax\" goes on with the least "
                                      "wrench error inside the limits", self._judge(W, -wanted, tensions, reason))
-        if self.infeasible == "hold" and self.rows:
-            return self.rows[-1][5]
-        return self.relax(W, -wanted)[0]
+        if self.infeasible == "relax" or self.last is None:
+            self.last = self.relax(W, -wanted)[0]
+        return self.last
 
     def _judge(self, W: Array, w_e: Array, tensions: Array, reasons: Any) -> TensionDistribution:
         robot = self.robot
@@ -245,9 +250,11 @@ class _Loop:
 
     def log(self, world: World, task: str, method: str, cables: str, times: Array, factor: float, dt: float,
             period: float, settings: dict[str, Any]) -> Run:
-        columns = [frozen(np.array(column)) for column in zip(*self.rows)]
+        columns = [frozen(np.ascontiguousarray(part))
+                   for part in np.split(self.table, np.cumsum(self.widths)[:-1], axis=1)]
         positions, rotations, twists, wrenches, lengths, commanded, measured = columns
-        poses = Pose.of(positions, rotations)
+        d = world.robot.dimension
+        poses = Pose.of(positions, rotations.reshape(-1, d, d))
         # Judged by the law for the whole run at once: equilibrium with the wanted wrench, and the limits.
         judged = self._judge(wrench_matrix(world.robot, poses), -wrenches, commanded, "")
         return Run(world, task, method, cables, frozen(times), poses, twists, self.reference, commanded, measured,

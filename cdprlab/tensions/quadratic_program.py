@@ -56,12 +56,12 @@ def _least_norm(low: Array, high: Array) -> Callable[[Array, Array], Array | Non
     lows, highs = low.tolist(), high.tolist()
 
     def solve(W: Array, w_e: Array) -> Array | None:
-        factor, y, failed = dposv(W @ W.T, w_e)
+        factor, y, failed = dposv(W.dot(W.T), w_e)
         # The squared condition number must leave the residual below 1e-8: here it stays below about 1e-10.
         diagonal = factor.diagonal().tolist()
         if failed or min(diagonal) < 1e-3 * max(diagonal):
             return None
-        tau = -(y @ W)
+        tau = -y.dot(W)
         for low, t, high in zip(lows, tau.tolist(), highs):
             if not low <= t <= high:
                 return None
