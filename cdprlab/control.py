@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .arrays import Array, as_array, frozen
+from .arrays import Array, as_array
 from .errors import InvalidInput
 from .pose import Pose, rotation_vector
 from .robot import Robot
@@ -54,7 +54,7 @@ class ComputedTorque:
     Source: Okoli 2016, eq. (6.3)–(6.5), with the sign of f_g that (2.24) has, and the orientation included.
 
     >>> ComputedTorque(100, 100).kp
-    100.0
+    array(100.)
     """
 
     kp: float | Array = 100.0
@@ -65,8 +65,7 @@ class ComputedTorque:
             gain = as_array(getattr(self, name), name, (), batch=True)
             if (gain < 0).any():
                 raise InvalidInput(f"{name} must not be negative, got {gain.tolist()}")
-            # A float multiplies twice as fast as an array without axes.
-            object.__setattr__(self, name, frozen(gain) if gain.ndim else float(gain))
+            object.__setattr__(self, name, gain)
 
     def __call__(self, t: float, state: State, reference: Reference) -> Array:
         robot = state.robot
@@ -105,22 +104,21 @@ def inverse_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: 
     """
     if robot.dimension == 2:
         return _planar_dynamics(robot, rotation, twist, acceleration)
-    platform = robot.platform
+    platform, mass = robot.platform, robot.platform.mass
     # Rotation in platform axes, where the inertia is constant; small vectors as plain floats, which are
     # several times quicker than arrays of three.
-    spins = np.array([twist[3:], acceleration[3:]]).dot(rotation)
-    (wx, wy, wz), _ = spins.tolist()
-    (hx, hy, hz), (kx, ky, kz) = spins.dot(platform.inertia).tolist()
+    spin, spin_rate = twist[3:].dot(rotation), acceleration[3:].dot(rotation)
+    wx, wy, wz = spin.tolist()
+    hx, hy, hz = platform.inertia.dot(spin).tolist()
+    kx, ky, kz = platform.inertia.dot(spin_rate).tolist()
     moment = rotation.dot([kx + wy * hz - wz * hy, ky + wz * hx - wx * hz, kz + wx * hy - wy * hx])
     ax, ay, az = acceleration[:3].tolist()
-    force = np.array([ax, ay, az + robot.gravity])
+    wrench = np.array([mass * ax, mass * ay, mass * (az + robot.gravity), *moment.tolist()])
     if platform.is_off_center:
         center = platform.center_of_mass
-        force += rotation @ (np.cross(spins[1], center) + np.cross(spins[0], np.cross(spins[0], center)))
-    force *= platform.mass
-    if platform.is_off_center:
-        moment += np.cross(rotation @ center, force)
-    wrench = np.concatenate((force, moment))
+        swing = np.cross(spin_rate, center) + np.cross(spin, np.cross(spin, center))
+        wrench[:3] += mass * (rotation @ swing)
+        wrench[3:] += np.cross(rotation @ center, wrench[:3])
     return wrench if robot.n_dof == 6 else wrench @ robot.pattern.basis(rotation)
 
 

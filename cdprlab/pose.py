@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -85,10 +86,19 @@ class Pose:
     def __getitem__(self, index: Any) -> Pose:
         if not self.batch_shape:
             raise TypeError("a single Pose cannot be indexed")
-        # Parts of read-only arrays are read-only already.
-        pose = object.__new__(Pose)
-        object.__setattr__(pose, "position", self.position[index])
-        object.__setattr__(pose, "rotation", self.rotation[index])
+        return Pose._bare(self.position[index], self.rotation[index])
+
+    def __iter__(self) -> Iterator[Pose]:
+        if not self.batch_shape:
+            raise TypeError("a single Pose cannot be iterated")
+        return map(Pose._bare, self.position, self.rotation)
+
+    @classmethod
+    def _bare(cls, position: Array, rotation: Array) -> Pose:
+        """Around the arrays as they are: parts of read-only arrays are read-only already."""
+        pose = object.__new__(cls)
+        object.__setattr__(pose, "position", position)
+        object.__setattr__(pose, "rotation", rotation)
         return pose
 
     def __eq__(self, other: object) -> bool:

@@ -192,18 +192,17 @@ class _Loop:
     def fly(self, engine: Simulator, reference: Reference, substeps: int, progress: Progress | None) -> float:
         """The loop itself; returns the elapsed time [s]."""
         self.reference = reference
-        poses, twists, accelerations = reference
         push = self.external_wrench
         if push is not None and not callable(push):
             engine.push(push)
         steps, table, concatenate = self.table.shape[0], self.table, np.concatenate
         every = max(1, steps // 100)
         began = time.perf_counter()
-        for k in range(steps):
+        for k, wish in enumerate(map(Reference, *reference)):
             state = engine.state()
             if callable(push):
                 engine.push(push(state.time))
-            wanted = self.controller(state.time, state, Reference(poses[k], twists[k], accelerations[k]))
+            wanted = self.controller(state.time, state, wish)
             tensions = self._tensions(engine.wrench_matrix, wanted, state.time)
             lengths = engine.lengths
             engine.step(tensions, substeps)
