@@ -12,7 +12,7 @@ import pytest
 from cdprlab import Pose, World, distribute_tensions, gravity_wrench, load_world, wrench_matrix
 from cdprlab.errors import InvalidInput, WorldError
 from cdprlab.world import world_names, world_schema
-from cdprlab.world_writer import described
+from cdprlab.world.writer import described
 
 FILE = """\
 # a comment at the top

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .robot import Base, Cable, Platform, Robot
+from ..robot import Base, Cable, Platform, Robot
 
 if TYPE_CHECKING:
-    from .pose import Pose
-    from .world import World
+    from ..pose import Pose
+    from .model import World
 
 Block = dict[str, Any]
 
