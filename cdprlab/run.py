@@ -17,7 +17,7 @@ from .control import ComputedTorque, Controller
 from .errors import InfeasibleTensions, InvalidInput
 from .pose import Pose, rotation_vector
 from .robot import Robot
-from .simulate.simulator import Simulator, open_simulator
+from .simulate import Simulator, open_simulator
 from .statics import wrench_matrix
 from .tensions.distribution import TensionDistribution, checked_distribution, solver_for
 from .trajectory import Reference

@@ -1,0 +1,216 @@
+"""The parts of a robot: frozen `Cable`, `Platform`, `Base`, `Winch`, `Elasticity`, each checked as it is made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array, as_number, frozen
+from ..errors import InvalidInput
+
+
+@dataclass(frozen=True, eq=False)
+class Cable:
+    """One cable from its exit point A (frame or base) to its anchor point B (platform).
+
+    exit_point : (d,) in the world frame, or in the base's frame if ``base`` is given [m]
+    anchor_point : (d,) in the platform frame [m]
+    tension_min, tension_max : limits [N], 0 ≤ min ≤ max
+    speed_max : largest |l̇| [m/s]
+    base : name of the mobile base that carries the exit point
+    """
+
+    exit_point: Array
+    anchor_point: Array
+    tension_min: float
+    tension_max: float
+    speed_max: float = float("inf")
+    base: str | None = None
+
+    def __post_init__(self) -> None:
+        set_ = object.__setattr__
+        set_(self, "exit_point", as_array(self.exit_point, "exit_point", ("d",), "m", location=("exit_point",)))
+        d = self.exit_point.shape[0]
+        set_(self, "anchor_point", as_array(self.anchor_point, "anchor_point", (d,), "m", location=("anchor_point",)))
+        set_(self, "tension_min", as_number(self.tension_min, "smallest tension", "N", minimum=0.0,
+                                            location=("tension",)))
+        set_(self, "tension_max", as_number(self.tension_max, "largest tension", "N", minimum=0.0,
+                                            location=("tension",)))
+        if self.tension_min > self.tension_max:
+            raise InvalidInput(f"tension limits are crossed: smallest {self.tension_min:g} N > "
+                               f"largest {self.tension_max:g} N", ("tension",))
+        if self.speed_max != float("inf"):
+            set_(self, "speed_max", as_number(self.speed_max, "speed", "m/s", positive=True, location=("speed",)))
+
+
+@dataclass(frozen=True, eq=False)
+class Platform:
+    """The moving platform, a rigid body; its frame's origin is the reference point P.
+
+    mass : [kg]
+    inertia : (3, 3) about the center of mass in platform axes, or one number in the plane [kg m²]
+    center_of_mass : (d,) in the platform frame [m]
+    size : (d,) edges of the box that is drawn and collided [m]
+    center : (d,) where that box's center lies in the platform frame [m]
+    """
+
+    mass: float
+    inertia: Array
+    center_of_mass: Array
+    size: Array
+    center: Array
+
+    def __post_init__(self) -> None:
+        set_ = object.__setattr__
+        set_(self, "mass", as_number(self.mass, "mass", "kg", positive=True, location=("mass",)))
+        set_(self, "center_of_mass", as_array(self.center_of_mass, "center_of_mass", ("d",), "m",
+                                              location=("center_of_mass",)))
+        d = self.center_of_mass.shape[0]
+        for name in ("size", "center"):
+            set_(self, name, as_array(getattr(self, name), name, (d,), "m", location=(name,)))
+        set_(self, "inertia", _checked_inertia(self.inertia, d))
+        if (self.size <= 0).any():
+            raise InvalidInput(f"size must be positive along every edge [m], got {self.size.tolist()}", ("size",))
+
+    @cached_property
+    def is_off_center(self) -> bool:
+        """Whether the center of mass is not at P."""
+        return bool(self.center_of_mass.any())
+
+
+@dataclass(frozen=True, eq=False)
+class Base:
+    """A mobile base: it stands on the floor and carries exit points.
+
+    position : (2,) of the base's frame in the world: (x, y) on the floor, or in the plane [m]
+    heading : counter-clockwise angle [rad]
+    mass : [kg]
+    center_of_mass : (d,) in the base's frame [m]
+    footprint : (k, 2) floor contacts in the base's frame, counter-clockwise from the first listed [m]
+    speed_max : (3,) of (θ, ρ₁, ρ₂) [rad/s, m/s, m/s]; 0 holds that direction
+    """
+
+    name: str
+    position: Array
+    heading: float
+    mass: float
+    center_of_mass: Array
+    footprint: Array
+    speed_max: Array
+
+    def __post_init__(self) -> None:
+        set_ = object.__setattr__
+        set_(self, "position", as_array(self.position, "position", (2,), "m", location=("pose", "position")))
+        set_(self, "heading", as_number(self.heading, "heading", "rad", location=("pose", "heading")))
+        set_(self, "mass", as_number(self.mass, "mass", "kg", positive=True, location=("mass",)))
+        set_(self, "center_of_mass", as_array(self.center_of_mass, "center_of_mass", ("d",), "m",
+                                              location=("center_of_mass",)))
+        set_(self, "footprint", _counter_clockwise(self.footprint, self.center_of_mass.shape[0]))
+        set_(self, "speed_max", as_array(self.speed_max, "speed", (3,), location=("speed",)))
+        if (self.speed_max < 0).any():
+            raise InvalidInput(f"speed limits must not be negative, got {self.speed_max.tolist()}", ("speed",))
+
+    @property
+    def rotation(self) -> Array:
+        """(d, d) from the base's frame to the world."""
+        c, s = np.cos(self.heading), np.sin(self.heading)
+        rotation = np.eye(self.center_of_mass.shape[0])
+        rotation[:2, :2] = [[c, -s], [s, c]]
+        return rotation
+
+    @property
+    def origin(self) -> Array:
+        """(d,) of the base's frame in the world; spatial bases stand at z = 0 [m]."""
+        return np.concatenate([self.position, np.zeros(self.center_of_mass.shape[0] - 2)])
+
+    def to_world(self, points: Array) -> Array:
+        """(…, d) points of the base's frame in the world [m]."""
+        return self.origin + points @ self.rotation.T
+
+
+@dataclass(frozen=True)
+class Winch:
+    """What drives one cable: drum, gear and motor (FASTKIT's Table 1 is one).
+
+    drum_radius : [m]
+    gear_ratio : motor turns per drum turn
+    efficiency : of the gear, 0 to 1
+    torque : the motor's largest [N m]
+    coulomb, viscous : friction at the motor [N m], [N m s/rad]
+    """
+
+    drum_radius: float
+    gear_ratio: float = 1.0
+    efficiency: float = 1.0
+    torque: float = float("inf")
+    coulomb: float = 0.0
+    viscous: float = 0.0
+
+
+@dataclass(frozen=True)
+class Elasticity:
+    """How the cables stretch: axial stiffness EA [N] (k = EA / l) and damping, as a fraction of critical."""
+
+    axial_stiffness: float
+    damping: float = 0.0
+
+
+def inertia_matrix(values: ArrayLike, location: tuple[str | int, ...] = ()) -> Array:
+    """(3, 3) from three principal values or six: xx yy zz xy xz yz [kg m²].
+
+    >>> inertia_matrix([1, 2, 3, 0, 0, 0.5])[1]
+    array([0. , 2. , 0.5])
+    """
+    given = as_array(values, "inertia", ("k",), "kg m²", location=location)
+    if given.shape[0] not in (3, 6):
+        raise InvalidInput("inertia must be 3 numbers (principal) or 6 (xx yy zz xy xz yz) [kg m²], "
+                           f"got {given.shape[0]}", location)
+    matrix = np.diag(given[:3])
+    if given.shape[0] == 6:
+        for (row, column), value in zip(((0, 1), (0, 2), (1, 2)), given[3:]):
+            matrix[row, column] = matrix[column, row] = value
+    return matrix
+
+
+def _checked_inertia(inertia: ArrayLike, d: int) -> Array:
+    if d == 2:
+        value = as_array(inertia, "inertia", (), "kg m²", location=("inertia",))
+        if value <= 0:
+            raise InvalidInput(f"inertia must be positive [kg m²], got {float(value):g}", ("inertia",))
+        return value
+    matrix = as_array(inertia, "inertia", (3, 3), "kg m²", location=("inertia",))
+    if not np.allclose(matrix, matrix.T, rtol=0, atol=1e-9 * np.abs(matrix).max()):
+        raise InvalidInput(f"inertia must be symmetric [kg m²], got {matrix.tolist()}", ("inertia",))
+    principal = np.linalg.eigvalsh(matrix)
+    # A body's principal moments obey the triangle inequality; 1e-9 covers rounding in a parallel-axis shift.
+    if principal[0] <= 0 or principal[2] > (principal[0] + principal[1]) * (1 + 1e-9):
+        raise InvalidInput("inertia is no rigid body's: principal moments must be positive and none above the sum "
+                           f"of the others, got {principal.round(6).tolist()} kg m²", ("inertia",))
+    return matrix
+
+
+def _counter_clockwise(footprint: ArrayLike, d: int) -> Array:
+    """The contacts counter-clockwise from the first listed, whichever way round they were given."""
+    if np.size(footprint) == 0:
+        return frozen(np.zeros((0, 2)))
+    points = as_array(footprint, "footprint", ("k", 2), "m", location=("footprint",))
+    if d == 2:
+        return _planar_contacts(points)
+    edges = np.roll(points, -1, axis=0) - points
+    following = np.roll(edges, -1, axis=0)
+    turns = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
+    # All corners turn one way, and all the way round once: a star goes round twice.
+    around = np.arctan2(turns, (edges * following).sum(axis=-1)).sum()
+    if points.shape[0] < 3 or not ((turns > 0).all() or (turns < 0).all()) or abs(around) > 7:
+        raise InvalidInput("footprint must be the corners of a convex polygon in order, at least 3 contacts "
+                           "and none on an edge", ("footprint",))
+    return points if turns[0] > 0 else frozen(np.concatenate([points[:1], points[:0:-1]]))
+
+
+def _planar_contacts(points: Array) -> Array:
+    if points.shape[0] != 2 or points[0, 0] == points[1, 0]:
+        raise InvalidInput("a planar footprint is two contacts with different x", ("footprint",))
+    return points

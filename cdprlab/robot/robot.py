@@ -1,0 +1,194 @@
+"""A whole robot: its parts, arrays over its cables, and changed copies of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array, as_number, frozen
+from ..errors import InvalidInput
+from .parts import Base, Cable, Elasticity, Platform, Winch
+from .pattern import MotionPattern
+
+STANDARD_GRAVITY = 9.81
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """A cable-driven parallel robot: platform, cables, the bases some of them may stand on.
+
+    Raises InvalidInput where the parts do not fit: dimension, unknown base, an anchor point the motion
+    pattern forbids.
+
+    >>> import cdprlab as cl
+    >>> cl.load_world("caroca").robot
+    Robot(3R3T, 8 cables, 150 kg)
+    """
+
+    pattern: MotionPattern
+    platform: Platform
+    cables: tuple[Cable, ...]
+    bases: tuple[Base, ...] = ()
+    gravity: float = STANDARD_GRAVITY
+    winch: Winch | None = None
+    elasticity: Elasticity | None = None
+    _base_of: dict[str, int] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        set_ = object.__setattr__
+        set_(self, "cables", tuple(self.cables))
+        set_(self, "bases", tuple(self.bases))
+        set_(self, "gravity", as_number(self.gravity, "gravity", "m/s²", minimum=0.0, location=("gravity",)))
+        set_(self, "_base_of", {base.name: k for k, base in enumerate(self.bases)})
+        self._check_bases()
+        self._check_cables()
+
+    # --- counts -----------------------------------------------------------------------------------
+    @property
+    def n_cables(self) -> int:
+        """m."""
+        return len(self.cables)
+
+    @property
+    def n_dof(self) -> int:
+        """n."""
+        return self.pattern.n_dof
+
+    @property
+    def dimension(self) -> int:
+        """2 (planar) or 3 (spatial)."""
+        return self.pattern.dimension
+
+    @property
+    def motion_pattern(self) -> str:
+        """"1T", "2T", "1R2T", "3T", "2R3T" or "3R3T"."""
+        return self.pattern.name
+
+    # --- arrays over the cables -------------------------------------------------------------------
+    @cached_property
+    def exit_points(self) -> Array:
+        """(m, d) A_i in the world frame, at the bases' present poses [m]."""
+        return frozen(np.array([cable.exit_point if cable.base is None
+                                else self.base(cable.base).to_world(cable.exit_point) for cable in self.cables]))
+
+    @cached_property
+    def anchor_points(self) -> Array:
+        """(m, d) B_i in the platform frame [m]."""
+        return frozen(np.array([cable.anchor_point for cable in self.cables]))
+
+    @cached_property
+    def tension_min(self) -> Array:
+        """(m,) [N]."""
+        return frozen(np.array([cable.tension_min for cable in self.cables]))
+
+    @cached_property
+    def tension_max(self) -> Array:
+        """(m,) [N]."""
+        return frozen(np.array([cable.tension_max for cable in self.cables]))
+
+    @cached_property
+    def speed_max(self) -> Array:
+        """(m,) largest |l̇| [m/s]."""
+        return frozen(np.array([cable.speed_max for cable in self.cables]))
+
+    @cached_property
+    def base_indices(self) -> tuple[int, ...]:
+        """(m,) which base carries each cable, −1 for the frame."""
+        return tuple(-1 if cable.base is None else self._base_of[cable.base] for cable in self.cables)
+
+    # --- parts ------------------------------------------------------------------------------------
+    @property
+    def mass(self) -> float:
+        """Platform mass [kg]."""
+        return self.platform.mass
+
+    def base(self, name: str) -> Base:
+        """The base of that name; raises InvalidInput naming those there are."""
+        if name not in self._base_of:
+            raise InvalidInput(f"unknown base {name!r}; {_there_are(self._base_of)}")
+        return self.bases[self._base_of[name]]
+
+    # --- changed copies ---------------------------------------------------------------------------
+    def with_bases(self, poses: Mapping[str, ArrayLike]) -> Robot:
+        """A copy with some bases elsewhere.
+
+        poses : base name → (x, y, heading) [m, m, rad]
+        Raises InvalidInput for an unknown base.
+        """
+        moved = dict(zip(self._base_of, self.bases))
+        for name, pose in poses.items():
+            x, y, heading = as_array(pose, f"pose of base {name!r}", (3,))
+            moved[name] = replace(self.base(name), position=np.array([x, y]), heading=float(heading))
+        return replace(self, bases=tuple(moved.values()))
+
+    def with_payload(self, mass: float, position: ArrayLike) -> Robot:
+        """A copy that carries a point mass; mass, center of mass and inertia follow (parallel axes).
+
+        mass : [kg]
+        position : (d,) in the platform frame [m]
+
+        >>> import cdprlab as cl
+        >>> cl.load_world("caroca").robot.with_payload(50.0, [0, 0, -0.4]).platform.center_of_mass
+        array([ 0. ,  0. , -0.1])
+        """
+        load = as_number(mass, "payload mass", "kg", minimum=0.0)
+        place = as_array(position, "payload position", (self.dimension,), "m")
+        body = self.platform
+        total = body.mass + load
+        center = (body.mass * body.center_of_mass + load * place) / total
+        inertia = (body.inertia + _point_inertia(body.mass, body.center_of_mass - center)
+                   + _point_inertia(load, place - center))
+        return replace(self, platform=replace(body, mass=total, center_of_mass=center, inertia=inertia))
+
+    def __repr__(self) -> str:
+        bases = f", {len(self.bases)} bases" if self.bases else ""
+        return f"Robot({self.motion_pattern}, {self.n_cables} cables, {self.mass:g} kg{bases})"
+
+    # --- checks -----------------------------------------------------------------------------------
+    def _check_bases(self) -> None:
+        if len(self._base_of) != len(self.bases):
+            raise InvalidInput("two bases have the same name", ("bases",))
+        for k, base in enumerate(self.bases):
+            if base.center_of_mass.shape[0] != self.dimension:
+                raise InvalidInput(f"center_of_mass must be {self.dimension} numbers [m] in a "
+                                   f"{self.motion_pattern} robot", ("bases", k, "center_of_mass"))
+
+    def _check_cables(self) -> None:
+        if not self.cables:
+            raise InvalidInput("a robot needs at least one cable", ("cables",))
+        if self.platform.center_of_mass.shape[0] != self.dimension:
+            raise InvalidInput(f"platform vectors must be {self.dimension} numbers in a {self.motion_pattern} robot",
+                               ("platform",))
+        for i, cable in enumerate(self.cables):
+            try:
+                self._check_cable(cable)
+            except InvalidInput as error:
+                raise error.below("cables", i) from None
+
+    def _check_cable(self, cable: Cable) -> None:
+        if cable.exit_point.shape[0] != self.dimension:
+            raise InvalidInput(f"exit_point must be {self.dimension} numbers [m] in a {self.motion_pattern} robot, "
+                               f"got {cable.exit_point.shape[0]}", ("exit_point",))
+        if cable.base is not None and cable.base not in self._base_of:
+            raise InvalidInput(f"unknown base {cable.base!r}; {_there_are(self._base_of)}", ("base",))
+        anchor = cable.anchor_point
+        if not self.pattern.turns and anchor.any():
+            raise InvalidInput(f"in {self.motion_pattern} all cables meet at P: anchor_point must be "
+                               f"{[0] * self.dimension}, got {anchor.tolist()}", ("anchor_point",))
+        if self.motion_pattern == "2R3T" and anchor[1:].any():
+            raise InvalidInput("in 2R3T all anchor points lie on the platform's x′ axis: anchor_point must be "
+                               f"[x, 0, 0], got {anchor.tolist()}", ("anchor_point",))
+
+
+def _point_inertia(mass: float, place: Array) -> Array:
+    if place.shape[0] == 2:
+        return np.asarray(mass * (place @ place))
+    return mass * ((place @ place) * np.eye(3) - np.outer(place, place))
+
+
+def _there_are(names: Mapping[str, int]) -> str:
+    return f"there are {', '.join(names)}" if names else "this robot has no bases"
