@@ -55,7 +55,7 @@ class InfeasibleTensions(CdprError):
 
 
 class SimulationDiverged(CdprError):
-    """The engine lost the robot at ``time`` [s]; ``cable`` (from 1) is the one furthest off its anchor."""
+    """The engine lost the robot at ``time`` [s]; ``cable`` (from 1) pulled hardest."""
 
     def __init__(self, message: str, time: float, cable: int) -> None:
         super().__init__(message)

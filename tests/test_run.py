@@ -78,6 +78,21 @@ def test_orientation_is_tracked_too(caroca):
     assert np.abs(run.poses.rpy[-1] - [0.1, -0.05, 0.2]).max() < 1e-3
 
 
+def test_five_degrees_of_freedom_are_tracked():
+    """2R3T: a rod hung by its axis; the turn about the rod itself is nobody's."""
+    exits = [[-3, -2, 4], [-3, 2, 4], [3, -2, 4], [3, 2, 4], [-3, 0, 0.2], [3, 0, 0.2]]
+    cables = [{"exit_point": [float(x) for x in exit_point], "anchor_point": [x, 0.0, 0.0]}
+              for exit_point, x in zip(exits, [-0.5, -0.5, 0.5, 0.5, -0.5, 0.5])]
+    rod = cl.World.from_dict({
+        "name": "rod", "motion_pattern": "2R3T", "cables": cables, "cable_limits": {"tension": [5.0, 800.0]},
+        "platform": {"mass": 10.0, "size": [1.0, 0.1, 0.1], "pose": {"position": [0.0, 0.0, 1.5]}},
+        "tasks": {"default": {"kind": "quintic", "to": {"position": [0.4, 0.2, 1.8], "rpy": [0.0, -0.1, -0.1]},
+                              "duration": 2.0, "hold": 1.0}}})
+    run = cl.run(rod)
+    assert run.errors.shape[1] == 5 and run.feasible.all()
+    assert np.abs(run.errors).max() < 0.5e-3
+
+
 def test_control_period_may_be_longer(caroca):
     run = cl.run(caroca, control_period=0.01)
     assert run.time.size == 500

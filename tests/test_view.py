@@ -94,8 +94,10 @@ def test_one_commanded_and_one_measured_line_per_cable(flown):
 
 
 def test_cables_carry_their_numbers(flown):
-    for panel in view.plot_tensions(flown).axes:
-        assert {text.get_text() for text in panel.texts} >= {str(cable) for cable in range(1, 9)}
+    """In the upper panel, whose lines are apart; the lower one says that it is drawn alike."""
+    above, below = view.plot_tensions(flown).axes
+    assert {text.get_text() for text in above.texts} >= {str(cable) for cable in range(1, 9)}
+    assert below.get_title(loc="right") == "cables drawn as above"
 
 
 def test_end_labels_do_not_overlap(flown):

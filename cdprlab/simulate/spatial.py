@@ -183,12 +183,12 @@ class SpatialSimulator(Simulator):
 
     def _diverged(self) -> None:
         now = self._steps * self.dt
-        # The constraint that gave way most; with forces instead of legs, the hardest pulling cable.
-        worst = int(np.nanargmax(np.abs(self.tensions))) if np.isfinite(self.tensions).any() else 0
+        pulls = np.where(np.isfinite(self.tensions), np.abs(self.tensions), np.inf)
+        worst = int(pulls.argmax())
         raise SimulationDiverged(
-            f"the simulation diverged at t = {now:.4g} s: the platform left the scene; cable {worst + 1} carried the "
-            f"most, {self.tensions[worst]:.3g} N; take a smaller dt or lower gains (K_d dt must stay below 2)",
-            now, worst + 1)
+            f"the simulation diverged at t = {now:.4g} s: the platform left the scene; cable {worst + 1} pulled "
+            f"hardest, {self.tensions[worst]:.3g} N; take a smaller dt or lower gains (K_d times the control period "
+            "must stay below 2)", now, worst + 1)
 
     def _set_substeps(self, substeps: int) -> None:
         if substeps < 1:
