@@ -2,7 +2,7 @@
 
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -107,6 +107,13 @@ def test_end_labels_do_not_overlap(flown):
         labels = [text for text in panel.texts if text.get_text().isdigit()]
         bottoms = sorted((text.get_window_extent().y0, text.get_window_extent().y1) for text in labels)
         assert all(after[0] >= before[1] - 2 for before, after in pairwise(bottoms))
+
+
+def test_a_long_title_stays_inside_the_figure(flown):
+    long = replace(flown, world=replace(flown.world, title="a robot with a rather long description " * 3))
+    figure = view.plot_tensions(long)
+    figure.canvas.draw()
+    assert figure._suptitle.get_window_extent().x1 <= figure.bbox.x1
 
 
 def test_limits_are_drawn_in_range_and_told_off_scale(flown):

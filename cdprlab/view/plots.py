@@ -113,7 +113,10 @@ def _figure(run: Any, size: tuple[float, float], rows: int, **options: Any) -> t
 
 def _finish(figure: Figure, axes: Sequence[Axes], run: Any) -> None:
     """Title, one time axis for panels above each other."""
-    figure.suptitle(_title(run), x=0.01, ha="left", fontsize=13, color=INK)
+    title = _title(run)
+    # About 10 characters of 13 pt text fit an inch; a longer title is set smaller rather than cut off.
+    size = 13 * min(1.0, 10 * figure.get_figwidth() / len(title))
+    figure.suptitle(title, x=0.01, ha="left", fontsize=size, color=INK)
     end = float(run.time[-1]) if len(run.time) and run.time[-1] > 0 else 1.0
     for panel in axes:
         panel.set_xlim(0.0, end)
