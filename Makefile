@@ -42,7 +42,7 @@ test: $(VENV)/.tests  ## style, types, tests and doctests
 	$(BIN)/python -m pytest
 
 lab: $(VENV)/.students  ## JupyterLab
-	$(BIN)/jupyter lab
+	$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root)
 
 bench: $(VENV)/.tests  ## speed, as ratios to what it stands on
 	$(BIN)/python -m pytest tests/benchmarks --benchmark-enable

@@ -24,7 +24,10 @@ def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: st
     array([1., 2.])
     """
     try:
-        array = np.array(value, dtype=np.float64)
+        given = np.asarray(value)
+        if given.dtype.kind not in "iuf":   # text that reads as a number is still text, and True no length
+            given = _numbers_only(given)
+        array = np.array(given, dtype=np.float64)
     except (TypeError, ValueError):
         raise InvalidInput(f"{name} must be {_wanted(shape, unit)}, got {value!r}", location) from None
     if not _fits(array.shape, shape, batch):
@@ -53,6 +56,13 @@ def as_number(value: Any, name: str, unit: str = "", *, minimum: float | None = 
     if minimum is not None and number < minimum:
         raise InvalidInput(f"{name} must be at least {minimum:g}{_in(unit)}, got {number:g}", location)
     return number
+
+
+def _numbers_only(given: Array) -> Array:
+    """Raises TypeError unless it is empty or holds Python numbers (object arrays of a mixture do)."""
+    if given.size and not (given.dtype.kind == "O" and all(isinstance(item, int | float) for item in given.flat)):
+        raise TypeError
+    return given
 
 
 def _fits(given: tuple[int, ...], wanted: tuple[int | str, ...], batch: bool) -> bool:

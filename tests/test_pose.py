@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 import cdprlab as cl
+from cdprlab.errors import InvalidInput
 from cdprlab.pose import cross_matrix, rotation_from_vector, rotation_vector, rotation_vector_jacobian
 from robots import differences
 
@@ -138,3 +139,9 @@ def test_rotation_vector_jacobian_is_the_derivative(v):
 def test_rotation_vector_jacobian_of_a_batch():
     vectors = random_vectors(2)
     np.testing.assert_array_equal(rotation_vector_jacobian(vectors), [rotation_vector_jacobian(v) for v in vectors])
+
+
+@pytest.mark.parametrize("position", [["1", "2", "3"], [True, False, True], ["x", 0, 0], [[1, 2], [3]], [None] * 3])
+def test_only_numbers_are_numbers(position):
+    with pytest.raises(InvalidInput, match="position must be"):
+        cl.Pose(position)
