@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -12,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from .arrays import Array, as_number, frozen
+from .arrays import Array, as_array, as_number, frozen
 from .control import ComputedTorque, Controller
 from .errors import InfeasibleTensions, InvalidInput
 from .pose import Pose, rotation_vector
@@ -202,7 +203,7 @@ class _Loop:
             state = engine.state()
             if callable(push):
                 engine.push(push(state.time))
-            wanted = self.controller(state.time, state, wish)
+            wanted = np.asarray(self.controller(state.time, state, wish), dtype=np.float64)
             tensions = self._tensions(engine.wrench_matrix, wanted, state.time)
             lengths = engine.lengths
             engine.step(tensions, substeps)
@@ -214,6 +215,11 @@ class _Loop:
         return time.perf_counter() - began
 
     def _tensions(self, W: Array, wanted: Array, now: float) -> Array:
+        if self.last is None:
+            wanted = as_array(wanted, "the controller's wrench", (self.robot.n_dof,), "N, N m")
+        if not math.isfinite(wanted.dot(wanted)):   # solvers answer NaN with nonsense rather than an error
+            raise InvalidInput(f"the controller asked for the wrench {wanted.tolist()} at t = {now:.4g} s; "
+                               "it must be finite")
         tensions, reason = self.solve(W, -wanted)
         if not reason:
             self.last = tensions

@@ -115,6 +115,15 @@ def test_own_controller_and_own_method(caroca):
     assert run.position_errors.max() < 1e-3 and run.method == "projection"
 
 
+@pytest.mark.parametrize("wrench, message", [
+    (lambda t: [0.0, 0.0, 1.0], "controller's wrench must be 6 numbers"),
+    (lambda t: np.full(6, np.nan if t > 0.01 else 0.0), r"asked for the wrench .*nan.* must be finite"),
+])
+def test_a_controller_that_makes_no_sense_is_named(caroca, wrench, message):
+    with pytest.raises(InvalidInput, match=message):
+        cl.run(caroca, duration=0.05, controller=lambda t, state, reference: wrench(t))
+
+
 def test_external_wrench_is_felt(caroca):
     """A steady push f leaves the error f / (m K_p) of a proportional law."""
     caroca = with_task(caroca, "still", cl.world.Task("hold", caroca.pose, caroca.pose, 6.0))
