@@ -70,13 +70,17 @@ class ComputedTorque:
     def __call__(self, t: float, state: State, reference: Reference) -> Array:
         robot = state.robot
         rate, error = reference.twist - state.twist, pose_error(state, reference)
-        if robot.n_dof < rate.shape[0]:
-            basis = robot.pattern.basis(state.rotation)
-            correction = basis @ (self.kd * (rate @ basis) + self.kp * (error @ basis))
-        else:
-            rate *= self.kd
-            error *= self.kp
-            correction = rate + error
+        try:
+            if robot.n_dof < rate.shape[0]:
+                basis = robot.pattern.basis(state.rotation)
+                correction = basis @ (self.kd * (rate @ basis) + self.kp * (error @ basis))
+            else:
+                rate *= self.kd   # in place: this runs a thousand times a second
+                error *= self.kp
+                correction = rate + error
+        except ValueError:
+            raise InvalidInput(f"kp and kd must be numbers or {robot.n_dof} of them for a {robot.motion_pattern} "
+                               f"robot, got shapes {np.shape(self.kp)} and {np.shape(self.kd)}") from None
         correction += reference.acceleration
         return inverse_dynamics(robot, state.rotation, state.twist, correction)
 

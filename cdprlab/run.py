@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -217,13 +216,13 @@ class _Loop:
     def _tensions(self, W: Array, wanted: Array, now: float) -> Array:
         if self.last is None:
             wanted = as_array(wanted, "the controller's wrench", (self.robot.n_dof,), "N, N m")
-        if not math.isfinite(wanted.dot(wanted)):   # solvers answer NaN with nonsense rather than an error
-            raise InvalidInput(f"the controller asked for the wrench {wanted.tolist()} at t = {now:.4g} s; "
-                               "it must be finite")
         tensions, reason = self.solve(W, -wanted)
         if not reason:
             self.last = tensions
             return tensions
+        if not np.isfinite(wanted).all():
+            raise InvalidInput(f"the controller asked for the wrench {wanted.tolist()} at t = {now:.4g} s; "
+                               "it must be finite")
         if self.infeasible == "stop":
             raise InfeasibleTensions(f"at t = {now:.4g} s: {reason}; infeasible=\"relax\" goes on with the least "
                                      "wrench error inside the limits", self._judge(W, -wanted, tensions, reason))

@@ -60,8 +60,8 @@ def test_one_cut_cable_carries_nothing():
         simulator.step(np.full(8, 300.0))
         tensions = simulator.state().tensions
         assert tensions[2] == 0
-        # The others' reactions are there, up to the tips' own inertia.
-        np.testing.assert_allclose(np.delete(tensions, 2), 300.0, atol=0.05)
+        # The others' reactions are there, up to the tips' inertia: 1e-4 kg at no more than 100 m/s².
+        np.testing.assert_allclose(np.delete(tensions, 2), 300.0, atol=0.01)
         with pytest.raises(InvalidInput, match="index"):
             simulator.cut([8])
 
@@ -73,8 +73,8 @@ def test_rest_agrees_with_statics_at_rotated_poses_off_center():
     world = with_task(world, "still", cl.world.Task("hold", pose, pose, 1.0))
     run = cl.run(world, "still")
     balance = cl.wrench_matrix(world.robot, pose) @ run.measured_tensions[-1] + cl.gravity_wrench(world.robot, pose)
-    # 0.01 N: the tips' weight of 8e-3 N in all, and what is left of the start-up transient.
-    np.testing.assert_allclose(balance, 0, atol=0.02)
+    # The eight tips weigh 8e-3 N in all, at arms below 1 m.
+    np.testing.assert_allclose(balance, 0, atol=0.01)
 
 
 def test_push_moves_a_free_body_by_newton():

@@ -87,20 +87,17 @@ class SpatialSimulator(Simulator):
             tensions = np.where(self._cut, 0.0, tensions)
         if self._push is not None:
             self._apply(self._push)
-        before = self.directions
         if self._legs:
             self._pull(tensions)
-            self._bullet.stepSimulation(self._client)
-            self._steps += substeps
-            self._read()
-            # The reaction belongs to the geometry its (sub)step began with.
-            self.tensions = self._reactions(before if substeps == 1 else self.directions)
         else:
             self._apply(self.robot.pattern.basis(self.rotation) @ (self.wrench_matrix @ tensions))
-            self._bullet.stepSimulation(self._client)
-            self._steps += substeps
-            self._read()
-            self.tensions = np.array(tensions)
+        before = self.directions
+        self._bullet.stepSimulation(self._client)
+        self._steps += substeps
+        self._read()
+        # A reaction belongs to the geometry its (sub)step began with.
+        self.tensions = (self._reactions(before if substeps == 1 else self.directions) if self._legs
+                         else np.array(tensions))
 
     def state(self) -> State:
         return State(self._steps * self.dt, self.robot, self.position, self.rotation, self.twist, self.tensions)

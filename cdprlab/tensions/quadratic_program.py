@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from .method import Method, Solution, Solver, around_fixed
+from .method import LIMIT_TOLERANCE, RESIDUAL_TOLERANCE, Method, Solution, Solver, around_fixed
 
 INFEASIBLE = "no tensions within the limits balance the wrench"
 
@@ -39,6 +39,8 @@ def _quadprog(n: int, tension_min: Array, tension_max: Array) -> Solver:
         tau = least_norm(W, w_e)
         if tau is not None:
             return tau, ""
+        if not np.isfinite(w_e).all():   # quadprog answers NaN with numbers
+            return np.full(m, np.nan), "the wrench is not finite"
         constraints[:, :n] = W.T
         np.negative(w_e, out=bounds[:n])
         try:
@@ -57,13 +59,14 @@ def _least_norm(low: Array, high: Array) -> Callable[[Array, Array], Array | Non
 
     def solve(W: Array, w_e: Array) -> Array | None:
         factor, y, failed = dposv(W.dot(W.T), w_e)
-        # The squared condition number must leave the residual below 1e-8: here it stays below about 1e-10.
+        # W Wᵀ has W's condition squared, of which the factor's diagonal is an estimate: 1e-3 leaves residuals of
+        # about 1e6 ε = 1e-10, and what is worse conditioned goes to the program.
         diagonal = factor.diagonal().tolist()
         if failed or min(diagonal) < 1e-3 * max(diagonal):
             return None
         tau = -y.dot(W)
-        for low, t, high in zip(lows, tau.tolist(), highs):
-            if not low <= t <= high:
+        for smallest, tension, largest in zip(lows, tau.tolist(), highs):
+            if not smallest <= tension <= largest:
                 return None
         return tau
 
@@ -100,12 +103,12 @@ def _without_dependent_rows(W: Array, w_e: Array, low: Array, high: Array) -> So
     """What is left when the direct call fails: dependent rows of W, a single point, or truly no solution."""
     nothing = np.full(W.shape[1], np.nan)
     rows, values, outside = independent_rows(W, -w_e)
-    if outside > 1e-8 * (1 + np.abs(w_e).max()):
+    if outside > RESIDUAL_TOLERANCE * (1 + np.abs(w_e).max()):
         return nothing, (f"the cables cannot exert this wrench at any tension: W has rank {rows.shape[0]} of "
                          f"{W.shape[0]}, and {outside:.3g} N or N m lies outside its range")
     found = min_norm(rows, values, low, high)
     if found is None:   # one last tension on the very border is lost to rounding: half of what the check forgives
-        slack = 5e-9 * high.max()
+        slack = LIMIT_TOLERANCE / 2 * high.max()
         found = min_norm(rows, values, low - slack, high + slack)
     return (nothing, INFEASIBLE) if found is None else (found, "")
 
@@ -120,8 +123,9 @@ def _other_solver(low: Array, high: Array, solver: str) -> Solver:
 
     def solve(W: Array, w_e: Array) -> Solution:
         rows, values, outside = independent_rows(W, -w_e)
-        found = None if outside > 1e-8 * (1 + np.abs(w_e).max()) else qpsolvers.solve_qp(
-            np.eye(m), np.zeros(m), A=rows, b=values, lb=np.array(low), ub=np.array(high), solver=solver)
+        reachable = outside <= RESIDUAL_TOLERANCE * (1 + np.abs(w_e).max())
+        found = qpsolvers.solve_qp(np.eye(m), np.zeros(m), A=rows, b=values, lb=np.array(low), ub=np.array(high),
+                                   solver=solver) if reachable else None
         return (np.full(m, np.nan), INFEASIBLE) if found is None else (found, "")
 
     return solve
