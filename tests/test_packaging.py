@@ -10,7 +10,7 @@ import pytest
 
 CHECKOUT = Path(__file__).parent.parent
 HEAVY = ("pybullet", "pymunk", "matplotlib", "ipywidgets", "k3d", "scipy", "quadprog", "qpsolvers", "codac",
-         "pydantic", "ruamel", "PIL", "tqdm")
+         "pydantic", "ruamel", "PIL", "tqdm", "numba", "joblib")
 BLOCKED = "import sys; sys.modules['pybullet'] = None\n"
 
 
