@@ -1,0 +1,25 @@
+"""Explorers: sliders, a picture that answers at once, and the numbers as text. ipywidgets loads when first used."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+_HOMES = {
+    "Choice": "explorer",
+    "Explorer": "explorer",
+    "Slider": "explorer",
+}
+"""Public name → the file of this folder it lives in; one line each."""
+
+__all__ = sorted(_HOMES)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"there is no widget {name!r}; there are {', '.join(sorted(_HOMES))}")
+    return getattr(import_module(f".{_HOMES[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return __all__
