@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from .arrays import Array, as_array
 from .errors import InvalidInput
+from .fast_control import applies_to, computed_torque
 from .pose import Pose, rotation_vector
 from .robot import Robot
 from .trajectory import Reference
@@ -59,6 +59,7 @@ class ComputedTorque:
 
     kp: float | Array = 100.0
     kd: float | Array = 100.0
+    _six_gains: tuple[list[float], list[float]] | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("kp", "kd"):
@@ -66,23 +67,27 @@ class ComputedTorque:
             if (gain < 0).any():
                 raise InvalidInput(f"{name} must not be negative, got {gain.tolist()}")
             object.__setattr__(self, name, gain)
+        six = all(np.shape(gain) in ((), (6,)) for gain in (self.kp, self.kd))
+        gains = (np.broadcast_to(self.kp, 6).tolist(), np.broadcast_to(self.kd, 6).tolist()) if six else None
+        object.__setattr__(self, "_six_gains", gains)
 
     def __call__(self, t: float, state: State, reference: Reference) -> Array:
         robot = state.robot
-        rate, error = reference.twist - state.twist, pose_error(state, reference)
+        if self._six_gains is not None and applies_to(robot):
+            wrench = computed_torque(*self._six_gains, state, reference)
+            if wrench is not None:
+                return wrench
+        return self._wrench(robot, state, reference)
+
+    def _wrench(self, robot: Robot, state: State, reference: Reference) -> Array:
+        basis = robot.pattern.basis(state.rotation)
+        rate, error = (reference.twist - state.twist) @ basis, pose_error(state, reference) @ basis
         try:
-            if robot.n_dof < rate.shape[0]:
-                basis = robot.pattern.basis(state.rotation)
-                correction = basis @ (self.kd * (rate @ basis) + self.kp * (error @ basis))
-            else:
-                rate *= self.kd   # in place: this runs a thousand times a second
-                error *= self.kp
-                correction = rate + error
+            correction = basis @ (self.kd * rate + self.kp * error)
         except ValueError:
             raise InvalidInput(f"kp and kd must be numbers or {robot.n_dof} of them for a {robot.motion_pattern} "
                                f"robot, got shapes {np.shape(self.kp)} and {np.shape(self.kd)}") from None
-        correction += reference.acceleration
-        return inverse_dynamics(robot, state.rotation, state.twist, correction)
+        return inverse_dynamics(robot, state.rotation, state.twist, reference.acceleration + correction)
 
 
 def pose_error(state: State, reference: Reference) -> Array:
@@ -90,8 +95,8 @@ def pose_error(state: State, reference: Reference) -> Array:
 
     Returns (3 planar or 6 spatial,) [m, rad].
     """
-    shift = reference.pose.position - state.position
-    return np.array([*shift.tolist(), *_turn_between(reference.pose.rotation.dot(state.rotation.T))])
+    turn = rotation_vector(reference.pose.rotation @ state.rotation.T)
+    return np.concatenate([reference.pose.position - state.position, turn])
 
 
 def inverse_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: Array) -> Array:
@@ -109,20 +114,13 @@ def inverse_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: 
     if robot.dimension == 2:
         return _planar_dynamics(robot, rotation, twist, acceleration)
     platform, mass = robot.platform, robot.platform.mass
-    # Rotation in platform axes, where the inertia is constant; small vectors as plain floats, which are
-    # several times quicker than arrays of three.
-    spin, spin_rate = twist[3:].dot(rotation), acceleration[3:].dot(rotation)
-    wx, wy, wz = spin.tolist()
-    hx, hy, hz = platform.inertia.dot(spin).tolist()
-    kx, ky, kz = platform.inertia.dot(spin_rate).tolist()
-    moment = rotation.dot([kx + wy * hz - wz * hy, ky + wz * hx - wx * hz, kz + wx * hy - wy * hx])
-    ax, ay, az = acceleration[:3].tolist()
-    wrench = np.array([mass * ax, mass * ay, mass * (az + robot.gravity), *moment.tolist()])
-    if platform.is_off_center:
-        center = platform.center_of_mass
-        swing = np.cross(spin_rate, center) + np.cross(spin, np.cross(spin, center))
-        wrench[:3] += mass * (rotation @ swing)
-        wrench[3:] += np.cross(rotation @ center, wrench[:3])
+    # Turning in platform axes, where the inertia is constant.
+    spin, spin_rate = twist[3:] @ rotation, acceleration[3:] @ rotation
+    moment = platform.inertia @ spin_rate + np.cross(spin, platform.inertia @ spin)
+    center = platform.center_of_mass
+    swing = np.cross(spin_rate, center) + np.cross(spin, np.cross(spin, center))
+    force = mass * (acceleration[:3] + [0, 0, robot.gravity] + rotation @ swing)
+    wrench = np.concatenate([force, rotation @ moment + np.cross(rotation @ center, force)])
     return wrench if robot.n_dof == 6 else wrench @ robot.pattern.basis(rotation)
 
 
@@ -134,16 +132,3 @@ def _planar_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: 
     force *= platform.mass
     wrench = np.array([*force, platform.inertia * acceleration[2] + x * force[1] - y * force[0]])
     return wrench[:robot.n_dof]
-
-
-def _turn_between(turn: Array) -> list[float] | tuple[float, float, float]:
-    """Rotation vector of one matrix: sin θ from its skew part, cos θ from its trace."""
-    if turn.shape[0] == 2:
-        return rotation_vector(turn).tolist()
-    (a, b, c), (d, e, f), (g, h, i) = turn.tolist()
-    x, y, z = (h - f) / 2, (c - g) / 2, (d - b) / 2
-    sine, cosine = math.sqrt(x * x + y * y + z * z), (a + e + i - 1) / 2
-    if cosine < -0.99:
-        return rotation_vector(turn).tolist()  # near half a turn the skew part vanishes
-    factor = math.atan2(sine, cosine) / sine if sine > 1e-9 else 1.0
-    return x * factor, y * factor, z * factor

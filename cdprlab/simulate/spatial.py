@@ -76,7 +76,7 @@ class SpatialSimulator(Simulator):
         self._push: Array | None = None
         self._steps = 0
         self.tensions = np.zeros(self.robot.n_cables)
-        self._reach = 20 * (1 + float(np.abs(self.robot.exit_points).max() + np.abs(start.position).max()))
+        self._reach = 5 * (1 + float(np.abs(self.robot.exit_points).max() + np.abs(start.position).max()))
         self._read()
         return self.state()
 
@@ -183,8 +183,8 @@ class SpatialSimulator(Simulator):
         pulls = np.where(np.isfinite(self.tensions), np.abs(self.tensions), np.inf)
         worst = int(pulls.argmax())
         raise SimulationDiverged(
-            f"the simulation diverged at t = {now:.4g} s: the platform left the scene; cable {worst + 1} pulled "
-            f"hardest, {self.tensions[worst]:.3g} N; take a smaller dt or lower gains (K_d times the control period "
+            f"the simulation diverged at t = {now:.4g} s: the platform left the scene; cable {worst + 1} carried "
+            f"most, {self.tensions[worst]:.3g} N; take a smaller dt or lower gains (K_d times the control period "
             "must stay below 2)", now, worst + 1)
 
     def _set_substeps(self, substeps: int) -> None:
