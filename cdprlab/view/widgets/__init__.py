@@ -9,6 +9,7 @@ _HOMES = {
     "Choice": "explorer",
     "Explorer": "explorer",
     "Slider": "explorer",
+    "equilibrium_explorer": "equilibrium",
 }
 """Public name → the file of this folder it lives in; one line each."""
 

@@ -1,0 +1,90 @@
+"""Move a point load, push it, tighten its cables: does the force polygon close, does every cable pull?"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..equilibrium import EXIT_POINTS, SIZE, Equilibrium, draw_panels, equilibrium, panels, point_load
+from ..style import house_style
+from .explorer import Choice, Explorer, Slider, Values
+
+
+class EquilibriumExplorer(Explorer):
+    """A 10 kg load in a vertical plane on two, three or four cables; see `equilibrium_explorer`.
+
+    n_cables : at the start
+    internal : whether the internal tension λ can be moved
+    """
+
+    def __init__(self, n_cables: int = 2, internal: bool = True) -> None:
+        self._robots = {m: point_load(m) for m in EXIT_POINTS}
+        controls: list[Slider | Choice] = [
+            Choice("cables", "number of cables m", tuple(EXIT_POINTS), start=point_load(n_cables).n_cables),
+            # Ends short of the exit points at x = ±2 m, where a cable would have no length.
+            Slider("x", "load x", "m", -1.8, 1.8, 0.0, 0.1),
+            Slider("y", "load y", "m", 0.2, 3.4, 1.0, 0.1),
+            Slider("push_x", "push f_x", "N", -150.0, 150.0, 0.0, 5.0),
+            Slider("push_y", "push f_y", "N", -150.0, 150.0, 0.0, 5.0),
+        ]
+        if internal:
+            controls.append(Slider("internal", "internal tension λ", "N", -200.0, 200.0, 0.0, 5.0))
+        super().__init__(controls, title="Forces on a point load", size=SIZE)
+
+    def state(self, values: Values) -> Equilibrium:
+        """The balance of forces at the controls' values."""
+        return equilibrium(self._robots[values["cables"]], *_load(values), values.get("internal", 0.0))
+
+    def build(self, figure: Figure) -> None:
+        self._axes = panels(figure)
+        # Something to lay out: the axes keep the room that this takes.
+        draw_panels(self._axes, self._robots[3], [0, 1], [0, 0], equilibrium(self._robots[3], [0, 1], internal=100.0))
+
+    def draw(self, values: Values) -> None:
+        with house_style():
+            draw_panels(self._axes, self._robots[values["cables"]], *_load(values), self.state(values))
+
+    def numbers(self, values: Values) -> dict[str, Any]:
+        state = self.state(values)
+        columns = zip(state.tensions + 0.0, state.null_vector + 0.0, state.slack)
+        rows = [f"{i:>5}  {tension:>10.1f}  {h:>6.2f}" + ("  slack!" if slack else "")
+                for i, (tension, h, slack) in enumerate(columns, start=1)]
+        return {
+            "redundancy r = m − n": state.tensions.size - 2,
+            "w_e [N]": "({:.1f}, {:.1f})".format(*state.w_e),
+            "‖W τ + w_e‖ [N]": f"{np.linalg.norm(state.residual):.1e}",
+            "cable       τ [N]       h": "\n".join(rows),
+            "In words": _wrapped(state.words()),
+        }
+
+    def describe(self, values: Values) -> str:
+        return f"{self.title} on {values['cables']} cables at ({values['x']:g}, {values['y']:g}) m: " \
+               + self.state(values).words()
+
+
+def equilibrium_explorer(n_cables: int = 2, internal: bool = True) -> EquilibriumExplorer:
+    """Sliders for load, push and internal tension; robot, force polygon and tensions, W τ + w_e = 0 in pictures.
+
+    n_cables : 2, 3 or 4, at the start
+    internal : whether the internal tension λ of τ = −W⁺ w_e + λ h can be moved
+    Raises InvalidInput for another number of cables.
+
+    >>> explorer = equilibrium_explorer(3)
+    >>> explorer.set(x=0.5, internal=100)
+    >>> bool(explorer.state(explorer.values).closed)
+    True
+    """
+    return EquilibriumExplorer(n_cables, internal)
+
+
+def _load(values: Values) -> tuple[list[float], list[float]]:
+    """Position [m] and push [N]."""
+    return [values["x"], values["y"]], [values["push_x"], values["push_y"]]
+
+
+def _wrapped(text: str) -> str:
+    import textwrap
+
+    return "\n".join(textwrap.wrap(text, 34))
