@@ -9,7 +9,9 @@ _HOMES = {
     "Choice": "explorer",
     "Explorer": "explorer",
     "Slider": "explorer",
+    "pose_explorer": "pose_explorer",
     "equilibrium_explorer": "equilibrium",
+    "forward_kinematics_explorer": "forward_kinematics",
 }
 """Public name → the file of this folder it lives in; one line each."""
 
