@@ -1,9 +1,12 @@
-"""What a tension distribution method is: built once for its limits, then solved for one W and w_e at a time."""
+"""What a tension distribution method is: solved for a batch at once, or built for its limits and solved one by one."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array
 
@@ -12,11 +15,22 @@ from ..arrays import Array
 RESIDUAL_TOLERANCE = 1e-8
 LIMIT_TOLERANCE = 1e-8
 
+INFEASIBLE = "no tensions within the limits balance the wrench"
+OUT_OF_RANGE = "the cables cannot exert this wrench at any tension: it lies outside the range of W"
+
+Texts = NDArray[np.object_]
+
 Solution = tuple[Array, str]
 """Tensions (m,) and '' or the reason why they are no solution; NaN where the method has no answer at all."""
 
 Solver = Callable[[Array, Array], Solution]
 """``(W, w_e) → tensions, reason`` for one (n, m) wrench matrix and (n,) external wrench."""
+
+Answers = tuple[Array, Texts]
+"""Tensions (k, m) and reasons (k,) of a batch."""
+
+BatchSolver = Callable[[Array, Array, Array, Array], Answers]
+"""``(W, w_e, tension_min, tension_max) → Answers``: (k, n, m), (k, n), and limits (k, m) or (1, m) for all."""
 
 
 class Method(NamedTuple):
@@ -25,18 +39,55 @@ class Method(NamedTuple):
     build : ``(n, tension_min, tension_max, **options) → Solver``; checks its options, allocates once
     complete : whether it finds a distribution whenever one exists
     summary : one line for menus and tables
+    batch : ``(**options) → BatchSolver`` of the vectorized methods
     """
 
     build: Callable[..., Solver]
     complete: bool
     summary: str
+    batch: Callable[..., BatchSolver] | None = None
 
     def options(self) -> tuple[str, ...]:
-        """Names of the options ``build`` takes."""
+        """Names of the options ``build`` and ``batch`` take."""
         import inspect
 
-        parameters: Any = inspect.signature(self.build).parameters.values()
+        parameters: Any = inspect.signature(self.batch or self.build).parameters.values()
         return tuple(p.name for p in parameters if p.kind is p.KEYWORD_ONLY)
+
+
+def vectorized(batch: Callable[..., BatchSolver], *, complete: bool, summary: str) -> Method:
+    """The method of a batch solver; one wrench is then a batch of one."""
+
+    def build(n: int, tension_min: Array, tension_max: Array, **options: Any) -> Solver:
+        solve_batch, low, high = batch(**options), tension_min[None], tension_max[None]
+
+        def solve(W: Array, w_e: Array) -> Solution:
+            tensions, reasons = solve_batch(W[None], w_e[None], low, high)
+            tau = tensions[0]
+            return tau, reasons[0] or broken_limit(tau, tension_min, tension_max)
+
+        return solve
+
+    return Method(build, complete, summary, batch)
+
+
+def no_reasons(count: int) -> Texts:
+    """(count,) of ''."""
+    return np.full(count, "", dtype=object)
+
+
+def broken_limit(tau: Array, low: Array, high: Array) -> str:
+    """The cable that leaves its limits by most, in words; '' if all keep them."""
+    excess = np.maximum(low - tau, tau - high)
+    worst = int(excess.argmax())
+    if excess[worst] <= LIMIT_TOLERANCE * high.max():
+        return ""
+    return f"cable {worst + 1} would need {tau[worst]:.4g} N, allowed {low[worst]:g} to {high[worst]:g} N"
+
+
+def fixed_cables(low: Array, high: Array) -> NDArray[np.bool_]:
+    """Which cables have no choice: limits closer than a tenth of what the result's check forgives are one number."""
+    return high - low <= 1e-9 * high.max(axis=-1, keepdims=True)
 
 
 def around_fixed(build: Callable[[Array, Array], Solver], low: Array, high: Array) -> Solver:
@@ -44,8 +95,7 @@ def around_fixed(build: Callable[[Array, Array], Solver], low: Array, high: Arra
 
     build : ``(tension_min, tension_max) → Solver`` for any number of cables
     """
-    # Limits closer than this are one number: a tenth of what the result's check forgives.
-    free = high - low > 1e-9 * high.max()
+    free = ~fixed_cables(low, high)
     if free.all():
         return build(low, high)
     inner = build(low[free], high[free]) if free.any() else None

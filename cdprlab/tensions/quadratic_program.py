@@ -8,9 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from .method import LIMIT_TOLERANCE, RESIDUAL_TOLERANCE, Method, Solution, Solver, around_fixed
-
-INFEASIBLE = "no tensions within the limits balance the wrench"
+from .method import INFEASIBLE, LIMIT_TOLERANCE, RESIDUAL_TOLERANCE, Method, Solution, Solver, around_fixed
 
 
 def build(n: int, tension_min: Array, tension_max: Array, *, solver: str = "quadprog") -> Solver:

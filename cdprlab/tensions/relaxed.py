@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
 from . import quadratic_program
-from .method import RESIDUAL_TOLERANCE, Method, Solution, Solver, around_fixed
-from .quadratic_program import INFEASIBLE, independent_rows, min_norm
+from .method import INFEASIBLE, RESIDUAL_TOLERANCE, Method, Solution, Solver, around_fixed
+from .quadratic_program import independent_rows, min_norm
 
 # The first program's weight on ‖τ‖², relative to W's: small enough to find the right active limits,
 # large enough for a Cholesky factor in double precision. The second stage removes its bias.

@@ -1,0 +1,123 @@
+"""The result that checks itself: every method's tensions are judged by equilibrium and limits, whatever it says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array, frozen
+from ..errors import InfeasibleTensions
+from .method import LIMIT_TOLERANCE, OUT_OF_RANGE, RESIDUAL_TOLERANCE, Texts, broken_limit
+
+
+class Problem(NamedTuple):
+    """What was asked: W (…, n, m), w_e (…, n), limits (m,) or (…, m)."""
+
+    W: Array
+    w_e: Array
+    low: Array
+    high: Array
+
+
+@dataclass(frozen=True, eq=False)
+class TensionDistribution:
+    """Tensions and what they are worth: ``feasible`` alone says whether they may be used.
+
+    tensions : (…, m) clipped to the limits when feasible, else the method's own last answer [N]
+    feasible : (…) equilibrium holds and every limit is kept
+    residual : (…, n) W τ + w_e [N, N m]
+    margin : (…) distance to the nearest limit, negative outside [N]
+    method : its name
+    complete : whether the method finds a distribution whenever one exists
+    """
+
+    tensions: Array
+    feasible: Any
+    residual: Array
+    margin: Any
+    method: str
+    complete: bool
+    _problem: Problem = field(repr=False)
+    _said: Any = field(repr=False)
+
+    @cached_property
+    def reason(self) -> Any:
+        """'' when feasible, else why not; an array in a batch. An incomplete method adds what the LP says."""
+        texts = np.full(np.shape(self.feasible), "", dtype=object)
+        bad = ~np.asarray(self.feasible)
+        if bad.any():
+            problem = Problem(*(part[bad] for part in self._broadcast()))
+            tensions, said = self.tensions[bad], np.broadcast_to(np.array(self._said, dtype=object), bad.shape)[bad]
+            texts[bad] = _reasons(problem, tensions, self.residual[bad], said, ask_program=not self.complete)
+        return texts if texts.ndim else texts[()]
+
+    def require(self) -> TensionDistribution:
+        """Itself if all is feasible; raises InfeasibleTensions, carrying it, if not."""
+        if np.all(self.feasible):
+            return self
+        bad = np.argwhere(~np.atleast_1d(self.feasible))
+        reason = np.atleast_1d(self.reason)[tuple(bad[0])]
+        share = f"{len(bad)} of {np.size(self.feasible)} wrenches: " if np.ndim(self.feasible) else ""
+        raise InfeasibleTensions(f"{share}{reason}; method 'relaxed' gives the least wrench error inside the limits",
+                                 self)
+
+    def _broadcast(self) -> Problem:
+        batch, (W, w_e, low, high) = np.shape(self.feasible), self._problem
+        return Problem(np.broadcast_to(W, (*batch, *W.shape[-2:])), np.broadcast_to(w_e, (*batch, w_e.shape[-1])),
+                       *(np.broadcast_to(limit, self.tensions.shape) for limit in (low, high)))
+
+
+def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions: Array, reasons: Any,
+                         method: str, complete: bool = False) -> TensionDistribution:
+    """Judges tensions by the law, whatever their method says: equilibrium residual and limits.
+
+    Arrays as in `distribute_tensions`; tensions (…, m) with the whole batch shape; reasons : str or (…) of str
+    """
+    problem = Problem(W, w_e, low, high)
+    if tensions.ndim == 1:
+        return _judge_one(problem, tensions, reasons, method, complete)
+    residual = (W @ tensions[..., None])[..., 0]
+    residual += w_e
+    margin = np.minimum(tensions - low, high - tensions).min(axis=-1)
+    slack = LIMIT_TOLERANCE * high.max(axis=-1)
+    error = np.maximum(residual.max(axis=-1), -residual.min(axis=-1))
+    wrench = np.maximum(w_e.max(axis=-1), -w_e.min(axis=-1))
+    feasible = (error <= RESIDUAL_TOLERANCE * (1 + wrench)) & (margin >= -slack)
+    clipped = np.minimum(np.maximum(tensions, low), high)
+    if not feasible.all():
+        clipped = np.where(feasible[..., None], clipped, tensions)
+    margin = np.where(feasible, np.maximum(margin, 0.0), margin)
+    return TensionDistribution(frozen(clipped), feasible, frozen(residual), margin, method, complete, problem, reasons)
+
+
+def _judge_one(problem: Problem, tensions: Array, reason: str, method: str, complete: bool) -> TensionDistribution:
+    """The same for one wrench, on plain numbers: numpy's fixed cost per call would be most of it."""
+    W, w_e, low, high = problem
+    residual = W.dot(tensions) + w_e
+    lows, taus, highs = low.tolist(), tensions.tolist(), high.tolist()
+    margin = min(min(tau - least, most - tau) for least, tau, most in zip(lows, taus, highs))
+    wrench = max(map(abs, w_e.tolist()))
+    balanced = max(map(abs, residual.tolist())) <= RESIDUAL_TOLERANCE * (1 + wrench)
+    feasible = balanced and margin >= -LIMIT_TOLERANCE * max(highs)
+    if not all(tau == tau for tau in taus):   # NaN hides from min and max
+        feasible, margin = False, float("nan")
+    if feasible and margin < 0:
+        tensions, margin = np.minimum(np.maximum(tensions, low), high), 0.0
+    return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method, complete, problem, reason)
+
+
+def _reasons(problem: Problem, tensions: Array, residual: Array, said: Texts, *, ask_program: bool) -> Texts:
+    texts = said.copy()
+    for k in np.flatnonzero(said == ""):
+        missed = f"the wrench is missed by {np.abs(residual[k]).max():.3g} N or N m"
+        texts[k] = broken_limit(tensions[k], problem.low[k], problem.high[k]) or missed
+    if ask_program:
+        from . import linear_program
+
+        asked = np.flatnonzero(texts != OUT_OF_RANGE)
+        program = linear_program.batch()(*(part[asked] for part in problem))[1]
+        texts[asked] += np.where(program == "", "; the LP says a distribution exists", "; the LP says none exists")
+    return texts

@@ -1,0 +1,53 @@
+"""Least sum of tensions inside the limits: min Σ τ subject to W τ + w_e = 0, τ_min ≤ τ ≤ τ_max."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Array
+from .method import INFEASIBLE, OUT_OF_RANGE, RESIDUAL_TOLERANCE, Answers, BatchSolver, Solution, vectorized
+from .polygon import LOWEST, polygon_points
+
+
+def batch() -> BatchSolver:
+    """A corner of the feasible set: with up to two redundant cables the best of the polygon's, else by HiGHS.
+
+    Among equally good corners of a polygon that with the smaller tension in cable 1, then 2, …
+    Source: Okoli 2016, eq. (6.24); Huangfu and Hall 2018 (HiGHS).
+    """
+
+    def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
+        tensions, reasons, spare = polygon_points(W, w_e, low, high, LOWEST)
+        lows, highs = (np.broadcast_to(limit, tensions.shape) for limit in (low, high))
+        for k in np.flatnonzero((spare > 2) & (reasons == "")):
+            tensions[k], reasons[k] = _highs(W[k], w_e[k], lows[k], highs[k])
+        return tensions, reasons
+
+    return solve
+
+
+def _highs(W: Array, w_e: Array, low: Array, high: Array) -> Solution:
+    from scipy.optimize import linprog
+
+    found = linprog(np.ones(low.size), A_eq=W, b_eq=-w_e, bounds=np.stack([low, high], axis=1), method="highs-ds")
+    if found.status == 0:
+        return _sharpened(W, w_e, low, high, found.x), ""
+    best = np.linalg.lstsq(W, -w_e, rcond=None)[0]
+    reachable = np.abs(W @ best + w_e).max() <= RESIDUAL_TOLERANCE * (1 + np.abs(w_e).max())
+    return np.full(low.size, np.nan), INFEASIBLE if reachable else OUT_OF_RANGE
+
+
+def _sharpened(W: Array, w_e: Array, low: Array, high: Array, tau: Array) -> Array:
+    """The same corner to rounding: the program leaves 1e-7 of equilibrium, ten times what the check allows."""
+    close = 1e-6 * (1 + high.max())
+    at_low, at_high = tau - low < close, high - tau < close
+    held = at_low | at_high
+    sharp = np.where(at_low, low, np.where(at_high, high, tau))
+    sharp[~held] = np.linalg.lstsq(W[:, ~held], -w_e - W[:, held] @ sharp[held], rcond=None)[0]
+    inside = (sharp >= low - close).all() and (sharp <= high + close).all()
+    balanced = np.abs(W @ sharp + w_e).max() <= np.abs(W @ tau + w_e).max()
+    return sharp if inside and balanced else tau
+
+
+METHOD = vectorized(batch, complete=True,
+                    summary="min Σ τ inside the limits: least total tension, jumps between corners")

@@ -1,0 +1,60 @@
+"""The polygon of feasible tensions of up to two redundant cables: the doors to the compiled kernels."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from .method import INFEASIBLE, OUT_OF_RANGE, Texts, no_reasons
+
+CENTROID, LOWEST, HIGHEST = 0, 1, 2
+"""What `polygon_points` picks: the area's centroid, or the corner of least or largest sum of tensions."""
+
+
+def polygon_points(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[Array, Texts, NDArray[np.int64]]:
+    """One point of each polygon (segment, point) {τ : W τ + w_e = 0, low ≤ τ ≤ high}.
+
+    W (k, n, m); w_e (k, n); low, high (k or 1, m)
+    Returns tensions (k, m), NaN where there is no answer; reasons (k,); redundancy r = m − rank W (k,).
+    Where r > 2 there is neither an answer nor a reason.
+    """
+    from . import kernels
+
+    tensions, found, spare = kernels.polygons(_plain(W), _plain(w_e), _plain(low), _plain(high), pick)
+    reasons = no_reasons(tensions.shape[0])
+    if found.any():
+        reasons[found == kernels.EMPTY] = INFEASIBLE
+        reasons[found == kernels.OUT_OF_RANGE] = OUT_OF_RANGE
+    return tensions, reasons, spare
+
+
+def closest_tensions(W: Array, w_e: Array, target: Array,
+                     held: NDArray[np.bool_]) -> tuple[Array, Texts, NDArray[np.int64]]:
+    """target − W⁺ (w_e + W target): the nearest tensions that balance the wrench, held cables kept at their target.
+
+    target, held : (k or 1, m)
+    Returns tensions (k, m), reasons (k,), redundancy left to the cables not held (k,); limits play no part.
+    Outside the range of W the least-squares answer.
+    """
+    from . import kernels
+
+    tensions, spare, reachable = kernels.closest(_plain(W), _plain(w_e), _plain(target), _plain(held))
+    reasons = no_reasons(tensions.shape[0])
+    if not reachable.all():
+        off = ~reachable
+        reasons[off] = OUT_OF_RANGE
+        wish, keep = (np.broadcast_to(part, tensions.shape)[off] for part in (target, held))
+        free = np.where(keep[:, None, :], 0.0, W[off])
+        missed = w_e[off] + (W[off] @ wish[..., None])[..., 0]
+        tensions[off] = wish - (np.linalg.pinv(free) @ missed[..., None])[..., 0]
+    return tensions, reasons, spare
+
+
+def _plain(array: Any) -> Any:
+    """Contiguous and read-only: the kernels are compiled for one kind of array."""
+    plain = np.ascontiguousarray(array).view()
+    plain.setflags(write=False)
+    return plain
