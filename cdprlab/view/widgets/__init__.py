@@ -9,11 +9,14 @@ _HOMES = {
     "Choice": "explorer",
     "Explorer": "explorer",
     "Slider": "explorer",
-    "pose_explorer": "pose_explorer",
+    "pose_explorer": "pose",
+    "run_player": "player",
+    "hanging_explorer": "hanging_explorer",
     "equilibrium_explorer": "equilibrium",
     "forward_kinematics_explorer": "forward_kinematics",
 }
-"""Public name → the file of this folder it lives in; one line each."""
+"""Public name → the file of this folder it lives in; one line each. No file is named as what it exports: once
+imported, the file itself would answer to that name."""
 
 __all__ = sorted(_HOMES)
 

@@ -1,4 +1,4 @@
-"""The base of every explorer: sliders above, picture and numbers below, mistakes in plain sight.
+"""The base of every explorer: a picture, sliders and numbers beside it, mistakes in plain sight.
 
 A subclass says three things: ``build`` makes the picture's artists once, ``draw`` moves them, ``numbers`` tells in
 text what the picture shows. Needs no kernel and no browser: `set` moves the sliders, `text` and `picture` answer.
@@ -17,6 +17,8 @@ from matplotlib.figure import Figure
 from ...errors import CdprError, InvalidInput
 from ..picture import Picture
 from ..style import house_style
+
+_NUMBERS_STYLE = "line-height: 1.35; margin: 0.5em 0 0 0.5em; font-size: 12px; overflow-x: auto"
 
 Values = dict[str, Any]
 """Control name → its value, in the control's unit."""
@@ -115,6 +117,7 @@ class Explorer:
     controls : Slider and Choice, in the order shown
     title : above the picture
     size : of the picture [inch at 100 pixels]
+    Further widgets go below the sliders (``panel.children += (…,)``) or below the picture (``stage``).
 
     A move calls ``numbers`` and then ``draw``. A mistake in either is shown in red where the numbers are and raised
     again; the next move works as if nothing had happened.
@@ -215,9 +218,8 @@ class Explorer:
     def close(self) -> None:
         """Let go of everything; safe to call twice."""
         self._callbacks.clear()
-        for slider in self.sliders.values():
-            slider.unobserve_all()
-        for part in (*self.sliders.values(), self._image, self._numbers, self._mistake, *self._boxes, self.widget):
+        for part in _tree(self.widget):
+            part.unobserve_all()
             for model in (getattr(part, "style", None), part.layout, part):
                 if model is not None:
                     model.close()
@@ -236,11 +238,12 @@ class Explorer:
         self.sliders = {name: control.widget() for name, control in self.controls.items()}
         self._image = ipywidgets.Image(format="png", layout={"max_width": "100%", "object_fit": "contain"})
         self._numbers, self._mistake = ipywidgets.HTML(), ipywidgets.HTML()
-        controls = ipywidgets.VBox(list(self.sliders.values()))
-        answer = ipywidgets.HBox([self._image, self._numbers],
-                                 layout={"flex_flow": "row wrap", "align_items": "flex-start"})
-        self._boxes = (controls, answer)
-        self.widget = ipywidgets.VBox([controls, self._mistake, answer])
+        title = ipywidgets.HTML(f"<b>{html.escape(self.title)}</b>")
+        self.panel = ipywidgets.VBox(list(self.sliders.values()))
+        self.stage = ipywidgets.VBox([self._image])
+        beside = ipywidgets.VBox([self.panel, self._mistake, self._numbers], layout={"max_width": "100%"})
+        wrapping = {"flex_flow": "row wrap", "align_items": "flex-start"}
+        self.widget = ipywidgets.VBox([title, ipywidgets.HBox([self.stage, beside], layout=wrapping)])
         for slider in self.sliders.values():
             slider.observe(self._moved, names="value")
 
@@ -257,7 +260,7 @@ class Explorer:
         except Exception as error:
             self._show_mistake(error)
         self.text = text
-        self._numbers.value = f'<pre style="line-height: 1.35; margin: 0 0 0 1em">{html.escape(text)}</pre>'
+        self._numbers.value = f'<pre style="{_NUMBERS_STYLE}">{html.escape(text)}</pre>'
         self._image.value, self._image.tooltip = picture, description
         self._mistake.value = ""
         for callback in tuple(self._callbacks):
@@ -272,9 +275,14 @@ class Explorer:
         self.text = f"{kind}{error}"
         self._mistake.value = (f'<div role="alert" style="color: #A32A00; font-weight: bold; white-space: pre-wrap">'
                                f"{html.escape(self.text)}\n"
-                               '<span style="font-weight: normal">The picture below is the one before this move; '
+                               '<span style="font-weight: normal">The picture is the one before this move; '
                                "mend the function it calls, or move on.</span></div>")
         raise error
+
+
+def _tree(widget: Any) -> list[Any]:
+    """A widget and all it holds."""
+    return [widget, *(part for child in getattr(widget, "children", ()) for part in _tree(child))]
 
 
 def as_text(numbers: Mapping[str, Any] | str) -> str:

@@ -1,0 +1,62 @@
+"""From space to the plane of a picture: a mild perspective that turns about the vertical, in plain numpy."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Array
+
+_DISTANCE = 3.5
+"""Of the eye, in radii of what is seen: near enough for depth, far enough for parallel edges to look it."""
+
+
+class Projection:
+    """A camera that looks at the middle of some points.
+
+    points : (k, d) everything that shall be seen [m]; planar points stay as they are
+    azimuth : where the eye stands, 0 on the −y side, counter-clockwise from above [deg]
+    elevation : of the eye above the horizon [deg]
+
+    >>> view = Projection(np.array([[0.0, 0.0, 0.0], [2.0, 2.0, 2.0]]))
+    >>> view.flat(np.array([1.0, 1.0, 1.0]))
+    array([0., 0.])
+    """
+
+    def __init__(self, points: Array, azimuth: float = 25.0, elevation: float = 22.0) -> None:
+        self.center = (points.min(axis=0) + points.max(axis=0)) / 2
+        self.radius = max(float(np.linalg.norm(points - self.center, axis=1).max()), 1e-3)
+        self.elevation = elevation
+        self.turn(azimuth)
+
+    def turn(self, azimuth: float) -> None:
+        """Walk around: ``azimuth`` [deg]."""
+        a, e = np.deg2rad([azimuth, self.elevation])
+        right = np.array([np.cos(a), np.sin(a), 0.0])
+        towards_eye = np.array([np.sin(a) * np.cos(e), -np.cos(a) * np.cos(e), np.sin(e)])
+        self.axes = np.stack([right, np.cross(towards_eye, right), towards_eye])
+
+    @property
+    def eye(self) -> Array:
+        """(3,) where the camera stands [m]."""
+        return np.asarray(self.center + _DISTANCE * self.radius * self.axes[2])
+
+    def flat(self, points: Array) -> Array:
+        """Where points appear.
+
+        points : (…, d) [m]
+        Returns (…, 2), to the right and up, in meters at the distance of the middle.
+        """
+        if points.shape[-1] == 2:
+            return points
+        local = (points - self.center) @ self.axes.T
+        # What comes nearer than a third of the distance stays there: nothing may pass behind the eye.
+        depth = np.minimum(local[..., 2] / (_DISTANCE * self.radius), 2 / 3)
+        return np.asarray(local[..., :2] / (1 - depth[..., None]))
+
+    def bounds(self, points: Array, azimuths: Array) -> Array:
+        """(2, 2) lowest and highest picture coordinates over a walk around."""
+        if points.shape[-1] == 2:
+            return np.stack([points.min(axis=0), points.max(axis=0)])
+        views = [Projection(points, azimuth, self.elevation) for azimuth in azimuths]
+        seen = np.concatenate([view.flat(points) for view in views])
+        return np.stack([seen.min(axis=0), seen.max(axis=0)])

@@ -1,0 +1,176 @@
+"""A spatial robot in three dimensions, to be turned with the mouse: k3d in the notebook, changed in place."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import k3d
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array
+from ..errors import InvalidInput
+from ..geometry import anchor_offsets
+from ..pose import Pose
+from ..simulate.camera import (
+    BOX,
+    INK,
+    OBSTACLE,
+    PLATFORM,
+    SLACK_COLOR,
+    STEEL,
+    TENSION_COLORS,
+    default_limits,
+    tension_colors,
+)
+from ..world import World
+from .outlines import box_corners, box_faces, floor_height, floor_segments, frame_segments, landmarks, scene_boxes
+
+_FLOOR = (200, 205, 211)
+
+
+def scene(world: World, pose: Pose | None = None, tensions: ArrayLike | None = None) -> Any:
+    """The robot and what is around it as a k3d plot, cables colored by tension, with the tensions as text.
+
+    world : a spatial World
+    pose : single Pose; default the world's
+    tensions : (m,) [N]; default none given, all cables grey
+    Returns k3d.Plot.
+    Raises InvalidInput for a planar world or a pose that does not fit.
+
+    >>> import cdprlab as cl
+    >>> scene(cl.load_world("caroca"), tensions=[200.0] * 8).height
+    460
+    """
+    return RobotScene(world, pose, tensions).plot
+
+
+class RobotScene:
+    """The k3d objects of a world: made once, then moved by ``move``.
+
+    world, pose, tensions : see ``scene``
+    limits : tensions of the first and last color [N]; default 0 and the smaller of weight and largest limit
+
+    >>> import cdprlab as cl
+    >>> opened = RobotScene(cl.load_world("caroca"))
+    >>> opened.move(cl.Pose([0.0, 0.0, 1.0]), [300.0] * 8)
+    >>> opened.platform.model_matrix[:3, 3]
+    array([0., 0., 1.], dtype=float32)
+    """
+
+    def __init__(self, world: World, pose: Pose | None = None, tensions: ArrayLike | None = None,
+                 limits: tuple[float, float] | None = None) -> None:
+        if world.robot.dimension != 3:
+            raise InvalidInput(f"world {world.name!r} is planar; the k3d scene shows spatial robots, "
+                               "pose_explorer and run_player's view=\"picture\" show planar ones too")
+        self.world, self.robot = world, world.robot
+        self.limits = limits or default_limits(world.robot)
+        start = world.pose if pose is None else pose
+        points = landmarks(world.robot, world.scene, start)
+        self.unit = 0.004 * float(np.linalg.norm(np.ptp(points, axis=0)))
+        self.plot = k3d.plot(height=460, grid_visible=False, camera_auto_fit=False, axes=["x [m]", "y [m]", "z [m]"])
+        self._add_surroundings(points)
+        self._add_robot(start)
+        self.legend = k3d.text2d("", position=(0.01, 0.02), is_html=True, size=0.8, label_box=True, color=_rgb(INK))
+        self.plot += self.legend
+        self.move(start, np.full(world.robot.n_cables, np.nan) if tensions is None else tensions)
+        self.plot.camera = _camera(points)
+
+    def move(self, pose: Pose, tensions: ArrayLike) -> None:
+        """Another pose, other tensions: attributes of the same objects change.
+
+        pose : single spatial Pose
+        tensions : (m,) [N]; cables without positive tension (or NaN) are grey
+        """
+        if pose.dimension != 3 or pose.batch_shape:
+            raise InvalidInput(f"a scene takes a single spatial Pose, got {pose!r}")
+        tau = np.broadcast_to(np.asarray(tensions, dtype=float), (self.robot.n_cables,))
+        colors = tension_colors(tau, self.limits)
+        anchors = pose.position + anchor_offsets(self.robot, pose)
+        for line, anchor, exit_point, color in zip(self.cables, anchors, self.robot.exit_points, colors):
+            line.vertices = np.array([exit_point, anchor], dtype=np.float32)
+            line.color = _rgb(color)
+        for label, place in zip(self.numbers, 0.6 * self.robot.exit_points + 0.4 * anchors):
+            label.position = [float(x) for x in place]
+        self.anchors.positions = anchors.astype(np.float32)
+        matrix = np.eye(4, dtype=np.float32)
+        matrix[:3, :3], matrix[:3, 3] = pose.rotation, pose.position
+        self.platform.model_matrix = matrix
+        self.legend.text = legend_html(tau, self.limits)
+
+    def close(self) -> None:
+        """Let go of plot and objects; safe to call twice."""
+        for thing in self.plot.objects:
+            thing.close()
+        self.plot.close()
+
+    # --- objects, made once ---------------------------------------------------------------------------
+    def _add_surroundings(self, points: Array) -> None:
+        robot, around = self.robot, self.world.scene
+        height = floor_height(robot, around)
+        for segments, color, width, name in ((floor_segments(points, height), _FLOOR, 0.5, "floor"),
+                                             (frame_segments(robot, around), STEEL, 2.0, "frame")):
+            if len(segments):
+                ends = segments.reshape(-1, 3).astype(np.float32)
+                pairs = np.arange(len(ends), dtype=np.uint32).reshape(-1, 2)
+                self.plot += k3d.lines(ends, pairs, indices_type="segment", color=_rgb(color), name=name,
+                                       width=width * self.unit, shader="mesh")
+        for box, corners in zip(around.boxes, scene_boxes(around)):
+            self.plot += _solid(corners, OBSTACLE if box.kind == "obstacle" else BOX, box.name or box.kind, 0.6)
+        self.plot += k3d.points(robot.exit_points.astype(np.float32), point_size=5 * self.unit, color=_rgb(INK),
+                                name="exit points")
+
+    def _add_robot(self, pose: Pose) -> None:
+        body = self.robot.platform
+        self.platform = _solid(box_corners(body.size, body.center, Pose([0, 0, 0])), PLATFORM, "platform", 0.8)
+        ends = np.zeros((2, 3), dtype=np.float32)
+        self.cables = [k3d.line(ends, color=_rgb(SLACK_COLOR), width=1.2 * self.unit, shader="mesh",
+                                name=f"cable {k + 1}") for k in range(self.robot.n_cables)]
+        self.numbers = [k3d.text(str(k + 1), position=[0, 0, 0], color=_rgb(INK), size=0.8, label_box=False,
+                                 reference_point="cc", name=f"number {k + 1}") for k in range(self.robot.n_cables)]
+        self.anchors = k3d.points(np.zeros((1, 3), dtype=np.float32), point_size=3 * self.unit, color=_rgb(INK),
+                                  name="anchor points")
+        for thing in (self.platform, *self.cables, *self.numbers, self.anchors):
+            self.plot += thing
+
+
+def legend_html(tensions: Array, limits: tuple[float, float]) -> str:
+    """The color scale with its ends [N], and every cable's tension as a number."""
+    blocks = "".join(f'<span style="color: {_css(color)}">■</span>' for color in TENSION_COLORS)
+    grey = f'<span style="color: {_css(SLACK_COLOR)}">■</span>'
+    lines = [f"tension [N]: {limits[0]:.0f} {blocks} {limits[1]:.0f}, slack {grey}"]
+    if np.isfinite(tensions).any():
+        shown = [f'<span style="color: {_css(color)}">■</span> {k + 1}: {tension_text(tau)}'
+                 for k, (tau, color) in enumerate(zip(tensions, tension_colors(tensions, limits)))]
+        lines += shown
+    return "<br>".join(lines)
+
+
+def tension_text(tension: float) -> str:
+    """A tension as a number, or that there is none."""
+    return f"{tension:.1f}" if tension > 0 else "slack"
+
+
+def _solid(corners: Array, color: tuple[int, int, int], name: str, opacity: float) -> Any:
+    """A box from its corners, two triangles a face."""
+    faces = box_faces(3)
+    triangles = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]).astype(np.uint32)
+    return k3d.mesh(corners.astype(np.float32), triangles, color=_rgb(color), opacity=opacity, flat_shading=True,
+                    side="double", name=name)
+
+
+def _camera(points: Array) -> list[float]:
+    """Eye, target and up of a view that holds all points, as k3d takes them."""
+    center = (points.min(axis=0) + points.max(axis=0)) / 2
+    reach = float(np.linalg.norm(np.ptp(points, axis=0)))
+    eye = center + 1.05 * reach * np.array([0.45, -0.85, 0.35])
+    return [float(x) for x in (*eye, *center, 0, 0, 1)]
+
+
+def _rgb(color: Any) -> int:
+    red, green, blue = (int(c) for c in color)
+    return red << 16 | green << 8 | blue
+
+
+def _css(color: Any) -> str:
+    return f"#{_rgb(color):06X}"
