@@ -27,12 +27,10 @@ from ..pose import Pose
 from ..robot import Robot
 from ..world import World
 from .planar_bases import DrivenBases
+from .planar_camera import BASE_HEIGHT, CORNERS, PlanarCamera
 from .simulator import Simulator
 
 _FRICTION = 0.5
-_CORNERS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-BASE_HEIGHT = 0.25
-"""[m] A mobile base's deck, which is drawn and collides."""
 
 
 class PlanarSimulator(Simulator):
@@ -44,6 +42,9 @@ class PlanarSimulator(Simulator):
     dt : time step [s]
     solver_iterations : of Chipmunk's constraint solver
     """
+
+    _lengths: list[float]
+    _directions: list[tuple[float, float]]
 
     def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *,
                  solver_iterations: int = 30) -> None:
@@ -147,8 +148,6 @@ class PlanarSimulator(Simulator):
         return total
 
     def render(self, width: int = 640, height: int = 480) -> Any:
-        from .planar_camera import PlanarCamera
-
         if self._camera is None:
             self._camera = PlanarCamera(self.world)
         tensions = self.tensions
@@ -297,8 +296,8 @@ class PlanarSimulator(Simulator):
         body.position = (start.position + start.rotation @ robot.platform.center_of_mass).tolist()
         body.angle = float(start.angle)
         self._platform = body._body
-        half, middle = robot.platform.size / 2, robot.platform.center - robot.platform.center_of_mass
-        space.add(body, self._solid(body, [(middle + half * side).tolist() for side in _CORNERS]))
+        outline = robot.platform.center - robot.platform.center_of_mass + CORNERS * robot.platform.size
+        space.add(body, self._solid(body, outline))
         if robot.motion_pattern == "1T":
             self._run_on_a_rail(float(start.position[1]))
         self._make_scene()
@@ -313,14 +312,11 @@ class PlanarSimulator(Simulator):
         self._space.add(rail)
 
     def _make_scene(self) -> None:
-        m, scene, ground = self._pymunk, self.world.scene, self._space.static_body
-        floor = m.Poly(ground, [(x, scene.floor_height + y) for x in (-1e3, 1e3) for y in (-1.0, 0.0)])
-        floor.friction = _FRICTION
-        self._space.add(floor)
+        scene, ground = self.world.scene, self._space.static_body
+        self._space.add(self._solid(ground, [(x, scene.floor_height + y) for x in (-1e3, 1e3) for y in (-1.0, 0.0)]))
         for box in scene.boxes:
             turn = Pose([0.0, 0.0], angle=box.yaw).rotation
-            corners = [(box.position + turn @ (box.size / 2 * side)).tolist() for side in _CORNERS]
-            self._space.add(self._solid(ground, corners))
+            self._space.add(self._solid(ground, box.position + CORNERS * box.size @ turn.T))
 
     def _base_body(self, k: int) -> Any:
         """Kinematic: it drives as told and no cable moves it. Its deck, over the footprint, is solid."""
@@ -337,8 +333,8 @@ class PlanarSimulator(Simulator):
             body.position, body.angle = (x - vx * self.dt, y - vy * self.dt), heading - spin * self.dt
             self._space.reindex_shapes_for_body(body)
 
-    def _solid(self, body: Any, corners: list[Any]) -> Any:
-        shape = self._pymunk.Poly(body, corners)
+    def _solid(self, body: Any, corners: ArrayLike) -> Any:
+        shape = self._pymunk.Poly(body, np.asarray(corners, dtype=float).tolist())
         shape.friction = _FRICTION
         return shape
 

@@ -13,6 +13,7 @@ from PIL.PngImagePlugin import PngInfo
 from ..arrays import Array
 from ..errors import InvalidInput
 from ..simulate.camera import INK, SLACK_COLOR, TRAIL, Camera, extents, tension_colors
+from ..simulate.planar_camera import PlanarCamera
 from .style import AXIS_COLORS
 
 LARGEST_FILE = 3_000_000
@@ -26,7 +27,7 @@ _ECONOMIES = ((1, 128), (1, 80), (2, 80), (3, 64), (4, 64), (8, 48), (16, 48))
 def save_film(run: Any, path: str | Path, seconds: float | None = None, fps: int = 12, width: int = 640) -> Path:
     """An animated GIF of a run, below ``LARGEST_FILE``: fewer colors, then fewer pictures, where it must be.
 
-    run : Run of a spatial world
+    run : Run
     path : ends in .gif
     seconds : length of the film [s]; default that of the run, at most 12
     fps : pictures per second
@@ -64,7 +65,8 @@ def still(run: Any, path: str | Path, t: float = 0.0, width: int = 960) -> Path:
 # --- frames -----------------------------------------------------------------------------------------------
 def _frames(run: Any, times: Array, width: int) -> Iterator[Image.Image]:
     """One picture for each time [s]."""
-    camera, ticks = Camera(run.world), _ticks(run)
+    camera: Camera | PlanarCamera = PlanarCamera(run.world) if run.world.engine == "planar" else Camera(run.world)
+    ticks = _ticks(run)
     limits = float(ticks[0]), float(ticks[-1])
     scale = width / 640
     height = 2 * round(215 * scale)
@@ -76,7 +78,8 @@ def _frames(run: Any, times: Array, width: int) -> Iterator[Image.Image]:
         frame.paste(Image.fromarray(picture), (0, round(30 * scale)))
         drawing = ImageDraw.Draw(frame)
         _write_title(drawing, run, float(run.time[index]), width, scale)
-        _draw_axes(drawing, camera, width, height, scale)
+        if isinstance(camera, Camera):  # a planar picture has its grid
+            _draw_axes(drawing, camera, width, height, scale)
         _draw_scale(drawing, ticks, width, height + round(30 * scale), scale)
         yield frame
 
@@ -186,8 +189,9 @@ def _checked_path(path: str | Path, ending: str) -> Path:
 
 
 def _caption(run: Any) -> str:
+    side = "front" if run.world.engine == "planar" else "front and above"
     return (f"{run.world.title}, task {run.task}: platform, frame and {run.world.robot.n_cables} cables colored by "
-            "tension, seen from the front and above.")
+            f"tension, seen from the {side}.")
 
 
 def _font(size: float) -> Any:
