@@ -11,7 +11,7 @@ _HOMES = {
     "Slider": "explorer",
     "pose_explorer": "pose",
     "run_player": "player",
-    "hanging_explorer": "hanging_explorer",
+    "hanging_explorer": "hanging",
     "equilibrium_explorer": "equilibrium",
     "forward_kinematics_explorer": "forward_kinematics",
 }
