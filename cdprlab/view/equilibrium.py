@@ -225,7 +225,7 @@ def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
         panel.plot(*np.transpose([corners[-1], corners[0]]), color=SLACK, linestyle=(0, (1, 2)))
         _label(panel, "open!", (corners[0] + corners[-1]) / 2, np.array([1.0, 0.0]), SLACK)
     low, high = corners.min(axis=0), corners.max(axis=0)
-    reach = 0.85 * max(float((high - low).max()), 1.0)
+    reach = 0.95 * max(float((high - low).max()), 1.0)
     middle = (low + high) / 2
     panel.set(xlim=middle[0] + reach * np.array([-1, 1]), ylim=middle[1] + reach * np.array([-1, 1]),
               aspect="equal", xlabel="f_x [N]", ylabel="f_y [N]")
@@ -255,6 +255,7 @@ def _label(panel: Axes, text: str, place: Any, side: Array, color: str) -> None:
     """Text beside a point, on the side of a unit vector."""
     x, y = side.tolist()
     panel.annotate(text, (place[0], place[1]), (7 * x, 7 * y), textcoords="offset points", color=color,
+                   bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.5},
                    ha="left" if x > 0.3 else "right" if x < -0.3 else "center",
                    va="bottom" if y > 0.3 else "top" if y < -0.3 else "center")
 
