@@ -25,11 +25,11 @@ ifneq ($(and $(PYTHON),$(wildcard $(BIN)/python)),)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help run test lab bench requirements clean
+.PHONY: help run test lab lessons student-zip bench requirements clean
 run test bench: export OMP_NUM_THREADS = 1
 
 help:  ## this list
-	@grep -hE '^[a-z]+:.*##' Makefile | sed -E 's/^([a-z]+):.*## */  make \1\t/' | expand -t 24
+	@grep -hE '^[a-z-]+:.*##' Makefile | sed -E 's/^([a-z]+):.*## */  make \1\t/' | expand -t 24
 
 run: $(VENV)/.students  ## the CAROCA along its trajectory; table on the screen, pictures and log in out/caroca/
 	$(BIN)/python -m cdprlab run caroca
@@ -41,8 +41,15 @@ test: $(VENV)/.tests  ## style, types, tests and doctests
 	  else echo "types: checked on Python 3.11 only"; fi
 	$(BIN)/python -m pytest
 
-lab: $(VENV)/.students  ## JupyterLab
-	$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root)
+lab: $(VENV)/.students  ## JupyterLab with your own copies of the lessons, in my_lessons/
+	$(BIN)/python lessons/my_lessons.py my_lessons
+	cd my_lessons && "$(abspath $(BIN))/jupyter" lab $(if $(filter 0,$(shell id -u)),--allow-root)
+
+lessons: $(VENV)/.tests  ## for instructors: the lessons without their solutions, from lessons/source/
+	$(BIN)/python lessons/source/release.py
+
+student-zip: lessons  ## for instructors: what students get, dist/cdprlab-students.zip
+	$(BIN)/python lessons/source/student_zip.py
 
 bench: $(VENV)/.tests  ## speed, as ratios to what it stands on
 	$(BIN)/python -m pytest tests/benchmarks --benchmark-enable
