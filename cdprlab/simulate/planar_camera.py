@@ -128,6 +128,8 @@ class PlanarCamera:
         font: Any = ImageFont.load_default(size=max(8.0, 12.5 * width / 640))
         left, bottom = _margins(width)
         xs, ys = self._ticks(width, height)
+        drawing.rectangle([0, height - bottom, width, height], fill=PAPER)
+        drawing.rectangle([0, 0, left, height], fill=PAPER)
         unit_at = width - 4 - 1.3 * drawing.textlength("x [m]", font=font)
         for x, at in ((x, float(self.project([x, 0.0], width, height)[0])) for x in xs):
             if left < at < unit_at:
@@ -187,8 +189,9 @@ class _Page:
 
     def draw_base(self, base: Base, exits: list[Array]) -> None:
         """A deck on two wheels, and a mast up to its exit points."""
+        foot = BASE_HEIGHT if len(base.footprint) else 0.0
         for point in exits:
-            self.line(base.to_world(np.array([[point[0], 0.0], point])), STEEL, 6.0)
+            self.line(base.to_world(np.array([[point[0], foot], point])), STEEL, 6.0)
         if len(base.footprint):
             left, right = sorted(base.footprint[:, 0].tolist())
             self.solid(base.to_world(np.array([[left, 0.05], [right, 0.05], [right, BASE_HEIGHT],
@@ -231,7 +234,7 @@ def _extents(world: World) -> tuple[Array, Array]:
     poses = [world.pose, *(end for task in world.tasks.values() for end in (task.start, task.end))]
     groups = [robot.exit_points, *(_corners(robot, pose) for pose in poses)]
     groups += [box.position + CORNERS * box.size for box in scene.boxes]
-    groups += [base.to_world(base.footprint) for base in robot.bases if len(base.footprint)]
+    groups += [base.to_world(np.concatenate([base.footprint, np.zeros((1, 2))])) for base in robot.bases]
     if scene.frame is not None:
         groups.append(scene.frame)
     points = np.concatenate(groups)
