@@ -37,7 +37,8 @@ DURATION = "duration * np.max(np.abs(speeds) / speed_max)"
 WRONG_ANSWERS: dict[str, list[tuple[str, str]]] = {
     "cable-vectors-answer": [
         ("forgets the rotation", VECTORS.format("exit_points - position - anchor_points")),
-        ("turns the anchor points the wrong way round", VECTORS.format("exit_points - position - anchor_points @ rotation")),
+        ("turns the anchor points the wrong way round",
+         VECTORS.format("exit_points - position - anchor_points @ rotation")),
         ("runs from exit to anchor", VECTORS.format("position + anchor_points @ rotation.T - exit_points")),
         ("adds the anchor points", VECTORS.format("exit_points - position + anchor_points @ rotation.T")),
     ],
@@ -49,7 +50,8 @@ WRONG_ANSWERS: dict[str, list[tuple[str, str]]] = {
         ("forgets the root",
          LENGTHS.format("lengths = (vectors**2).sum(axis=-1)\n    return vectors / lengths[..., None], lengths")),
         ("directions from exit to anchor",
-         LENGTHS.format("lengths = np.linalg.norm(vectors, axis=-1)\n    return -vectors / lengths[..., None], lengths")),
+         LENGTHS.format("lengths = np.linalg.norm(vectors, axis=-1)\n"
+                        "    return -vectors / lengths[..., None], lengths")),
         ("right for a single pose only",
          LENGTHS.format("lengths = np.sqrt((vectors**2).sum(axis=1))\n    return (vectors.T / lengths).T, lengths")),
     ],
