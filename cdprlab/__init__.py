@@ -7,6 +7,7 @@
 """
 
 from . import errors
+from .configurations import ConfigurationSequence, classify_configurations, plan_configurations
 from .control import ComputedTorque, State
 from .errors import CdprError
 from .geometry import cable_directions, cable_lengths, cable_vectors
@@ -24,9 +25,10 @@ from .world import World, load_world, world_names, world_schema
 __version__ = "0.1.0"
 
 __all__ = [
-    "Base", "Cable", "CdprError", "ComputedTorque", "Platform", "Pose", "Reference", "Robot", "Run", "Simulator",
-    "State", "TensionDistribution", "Trajectory", "World", "base_jacobian", "cable_directions", "cable_lengths",
-    "cable_vectors", "distribute_tensions", "errors", "forward_kinematics", "gravity_wrench", "hold", "jacobian",
-    "load_world", "open_simulator", "plot", "quintic", "run", "stiffness", "tension_methods", "tipping_moments",
-    "tipping_rows", "world_names", "world_schema", "wrench_matrix",
+    "Base", "Cable", "CdprError", "ComputedTorque", "ConfigurationSequence", "Platform", "Pose", "Reference", "Robot",
+    "Run", "Simulator", "State", "TensionDistribution", "Trajectory", "World", "base_jacobian", "cable_directions",
+    "cable_lengths", "cable_vectors", "classify_configurations", "distribute_tensions", "errors", "forward_kinematics",
+    "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator", "plan_configurations", "plot", "quintic",
+    "run", "stiffness", "tension_methods", "tipping_moments", "tipping_rows", "world_names", "world_schema",
+    "wrench_matrix",
 ]

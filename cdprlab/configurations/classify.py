@@ -1,0 +1,109 @@
+"""Which triplets hold a point mass at a position: certainly, perhaps, or certainly not."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array, as_number
+from ..errors import InvalidInput
+from ..robot import Robot
+from .configuration import Configuration, counterclockwise, triplets
+from .forms import FORMS, side_range
+from .region import Region, region
+
+INSIDE, UNCERTAIN, OUTSIDE = "inside", "uncertain", "outside"
+
+
+def classify_configurations(robot: Robot, position: ArrayLike, position_uncertainty: float = 0.05,
+                            exit_uncertainty: float = 0.02, *, form: str = "corners") -> dict[Configuration, str]:
+    """Each triplet of cables → "inside", "uncertain" or "outside" at a position.
+
+    Inside: for every exit point and position within the uncertainties the three sides (A_j − A_i) × (M − A_i) seen from
+    above are positive and M is below the plane of the exits. Outside: one of these is negative for all of them.
+
+    robot : a point mass (3T) on three cables or more
+    position : (3,) M, or a Pose [m]
+    position_uncertainty, exit_uncertainty : half widths of the boxes around M and around each A_i [m]
+    form : how the range of the sides is computed: "corners" (exact), "translated", "natural", "contractor"
+    Raises InvalidInput for another kind of robot, a bad position, negative uncertainties or an unknown form.
+    Source: Ramadour and Merlet 2014, sections III and IV.A (δ_a and δ_b as section V has them).
+
+    >>> import cdprlab as cl
+    >>> robot = cl.load_world("point_mass").robot
+    >>> classify_configurations(robot, [0.5, 0.1, 1.0])[1, 2, 3]
+    'inside'
+    """
+    M = as_position(position)
+    spread = _half_width(position_uncertainty, "position_uncertainty"), _half_width(exit_uncertainty,
+                                                                                    "exit_uncertainty")
+    if form not in FORMS:
+        raise InvalidInput(f"interval form must be one of {', '.join(FORMS)}, got {form!r}")
+    return {chosen: _class(robot.exit_points[chosen.indices], M, *spread, form) for chosen in triplets(robot)}
+
+
+def taut_configurations(robot: Robot, position: ArrayLike, tolerance: float = 1e-6) -> tuple[Configuration, ...]:
+    """Every set of one, two or three cables that alone holds a weight at a position, nothing uncertain.
+
+    One cable holds what hangs straight below its exit point, two what hangs below the line between theirs, three what
+    hangs inside their triangle; a set is listed only if all its cables are needed.
+
+    position : (3,) or a Pose [m]
+    tolerance : how far off the vertical plane or line still counts as on it [m]
+    Raises InvalidInput as `classify_configurations`.
+
+    >>> import cdprlab as cl
+    >>> robot = cl.load_world("point_mass").robot
+    >>> all(len(chosen) <= 3 for chosen in taut_configurations(robot, [0.5, 0.1, 1.0]))
+    True
+    """
+    triplets(robot)
+    M, exits = as_position(position), robot.exit_points
+    return tuple(Configuration(np.array(chosen) + 1) for k in (1, 2, 3)
+                 for chosen in combinations(range(robot.n_cables), k) if _holds(exits[list(chosen)], M, tolerance))
+
+
+def _holds(exits: Array, M: Array, tolerance: float) -> bool:
+    """Whether these exit points' cables all pull and balance a weight at M."""
+    up = exits - M
+    # Tensions over lengths: a combination of the cable vectors that is one unit of height.
+    shares = np.linalg.lstsq(up.T, np.array([0.0, 0.0, 1.0]), rcond=None)[0]
+    rise = float(up[:, 2].max())
+    off = np.abs(shares @ up - [0, 0, 1]).max() * abs(rise)
+    # A share of the height: below tolerance/span the cable would be slack but for the tolerance.
+    needed = tolerance / max(float(np.ptp(exits[:, :2], axis=0).max()), rise, tolerance)
+    return rise > 0 and bool(off <= tolerance and (shares * rise > needed).all())
+
+
+def _class(exits: Array, M: Array, position_uncertainty: float, exit_uncertainty: float, form: str) -> str:
+    low, high = certainty(exits, M, position_uncertainty, exit_uncertainty, form)
+    return INSIDE if low > 0 else OUTSIDE if high < 0 else UNCERTAIN
+
+
+def certainty(exits: Array, M: Array, position_uncertainty: float, exit_uncertainty: float,
+              form: str) -> tuple[float, float]:
+    """Smallest lower and smallest upper end of the four conditions' ranges; sides in the given interval form."""
+    exact = region(exits, exit_uncertainty, position_uncertainty)
+    if form == "corners":
+        low, high = exact.certainty(M)
+        return float(low), float(high)
+    below = Region(exact.normals[3:], exact.offsets[3:], exact.spreads[3:]).certainty(M)
+    a = counterclockwise(exits)[:, :2]
+    sides = [side_range(a[i], a[j], M[:2], exit_uncertainty, position_uncertainty, form)
+             for i, j in ((0, 1), (1, 2), (2, 0))]
+    return min(float(below[0]), *(low for low, _ in sides)), min(float(below[1]), *(high for _, high in sides))
+
+
+def as_position(position: Any) -> Array:
+    """(3,) from coordinates or a Pose."""
+    return as_array(getattr(position, "position", position), "position", (3,), "m")
+
+
+def _half_width(value: float, name: str) -> float:
+    width = as_number(value, name, "m")
+    if width < 0:
+        raise InvalidInput(f"{name} is the half width of a box and must not be negative, got {width:g} m")
+    return width

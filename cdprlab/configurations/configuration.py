@@ -1,0 +1,58 @@
+"""Cable configurations: which cables of a point-mass robot are taut."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from ..errors import InvalidInput
+from ..robot import Robot
+
+Indices = NDArray[np.intp]
+
+
+class Configuration(tuple[int, ...]):
+    """The taut cables, numbered from 1 as in the literature; equal to the plain tuple of these numbers.
+
+    >>> Configuration((1, 2, 3)), Configuration((1, 2, 3)) == (1, 2, 3)
+    (A123, True)
+    """
+
+    __slots__ = ()
+
+    def __new__(cls, cables: Iterable[int]) -> Configuration:
+        return super().__new__(cls, sorted(cables))
+
+    @property
+    def indices(self) -> Indices:
+        """Positions in the robot's arrays, from 0."""
+        return np.array(self, dtype=np.intp) - 1
+
+    def __repr__(self) -> str:
+        return "A" + (",".join if max(self, default=0) > 9 else "".join)(map(str, self))
+
+    __str__ = __repr__
+
+
+def triplets(robot: Robot) -> tuple[Configuration, ...]:
+    """Every choice of three cables.
+
+    Raises InvalidInput unless the robot is a point mass in space (3T) on at least three cables.
+    """
+    if robot.motion_pattern != "3T":
+        raise InvalidInput("cable configurations are those of a point mass in space (motion pattern 3T), this robot "
+                           f"is {robot.motion_pattern}")
+    if robot.n_cables < 3:
+        raise InvalidInput(f"a fully constrained point needs three cables, this robot has {robot.n_cables}")
+    return tuple(Configuration(chosen) for chosen in combinations(range(1, robot.n_cables + 1), 3))
+
+
+def counterclockwise(exits: Array) -> Array:
+    """(3, 3) exit points of a triplet, in counter-clockwise order seen from above."""
+    a, b, c = exits[:, :2]
+    left = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0
+    return exits if left else exits[::-1]

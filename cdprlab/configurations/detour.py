@@ -1,0 +1,109 @@
+"""Ways around what a straight way cannot pass safely: the crossing of the diagonals, and ends amid an edge."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from itertools import product
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array
+from ..robot import Robot
+from .classify import as_position
+from .configuration import Configuration, triplets
+from .region import Region, region
+from .sequence import UNSAFE_CHANGE, ConfigurationSequence, location_score, plan_configurations
+
+_SHARES = np.linspace(0.05, 0.95, 19)
+_OFFSETS = np.arange(1, 41) * 0.05  # m, to either side
+_STEP, _FARTHEST = 0.02, 1.0  # m
+
+
+def plan_detour(robot: Robot, start: ArrayLike, goal: ArrayLike, *, position_uncertainty: float = 0.05,
+                exit_uncertainty: float = 0.02) -> ConfigurationSequence | None:
+    """The shortest way over one waypoint whose every change is safe; the straight way if that is safe already.
+
+    Near the crossing of two diagonals no triplet is certain, so a straight way across it has no safe sequence; the
+    waypoint leads past it, at the height of the way. A start or goal that is not certainly inside any triplet is left
+    for, or reached from, the nearest point at its height that is (the literature's M₀); such a sequence is not `safe`.
+
+    robot, start, goal, position_uncertainty, exit_uncertainty : as for `plan_configurations`
+    Returns a ConfigurationSequence whose steps include the waypoint, or None where no waypoint helps.
+    Raises InvalidInput as `plan_configurations`.
+    Source: Ramadour and Merlet 2014, sections IV.A (step 1) and VII, which leaves the crossing open.
+
+    >>> import cdprlab as cl
+    >>> robot = cl.load_world("point_mass").robot
+    >>> straight = plan_configurations(robot, [-1, 0, 1], [1, 0, 1])[0]
+    >>> around = plan_detour(robot, [-1, 0, 1], [1, 0, 1])
+    >>> straight.safe, around.safe
+    (False, True)
+    """
+    plan = partial(plan_configurations, robot, position_uncertainty=position_uncertainty,
+                   exit_uncertainty=exit_uncertainty)
+    S, G = as_position(start), as_position(goal)
+    plan(S, G)  # says what is wrong with the ends, if anything
+    regions = {c: region(robot.exit_points[c.indices], exit_uncertainty, position_uncertainty)
+               for c in triplets(robot)}
+    inner = _safe_start(regions, S), _safe_start(regions, G)
+    if inner[0] is None or inner[1] is None:
+        return None
+    core = _between(lambda a, b: [sequence for sequence in plan(a, b) if sequence.safe], inner[0], inner[1], regions)
+    return core and _with_ends(core, S, G, robot)
+
+
+def _safe_start(regions: dict[Configuration, Region], position: Array) -> Array | None:
+    """The nearest position at the same height that is certainly inside a triplet."""
+    if _certain(regions, position):
+        return position
+    turns = np.linspace(0, 2 * np.pi, 73)[:-1]
+    for radius in np.arange(_STEP, _FARTHEST, _STEP):
+        for x, y in zip(np.cos(turns) * radius, np.sin(turns) * radius):
+            if _certain(regions, position + [x, y, 0]):
+                return position + np.array([x, y, 0])
+    return None
+
+
+def _certain(regions: dict[Configuration, Region], position: Array) -> set[Configuration]:
+    return {c for c, known in regions.items() if known.certainty(position)[0] > 0}
+
+
+def _between(safe: Callable[[Array, Array], list[ConfigurationSequence]], S: Array, G: Array,
+             regions: dict[Configuration, Region]) -> ConfigurationSequence | None:
+    if direct := safe(S, G):
+        return direct[0]
+    side = np.array([-(G - S)[1], (G - S)[0], 0.0])
+    side = side / np.linalg.norm(side) if side.any() else np.array([1.0, 0.0, 0.0])
+    points = [S + share * (G - S) + sign * offset * side
+              for share, offset, sign in product(_SHARES, _OFFSETS, (1, -1))]
+    points = [V for V in points if _certain(regions, V)]
+    for V in sorted(points, key=lambda V: float(np.linalg.norm(V - S) + np.linalg.norm(G - V))):
+        if legs := [(a, b) for a in safe(S, V) for b in safe(V, G)]:
+            return min((_joined(a, b) for a, b in legs), key=lambda sequence: sequence.score)
+    return None
+
+
+def _joined(a: ConfigurationSequence, b: ConfigurationSequence) -> ConfigurationSequence:
+    """One sequence of two legs; where both are in the same configuration, the waypoint is one step."""
+    same = a.steps[-1][1] == b.steps[0][1]
+    steps, places = a.steps + b.steps[same:], a.location_scores + b.location_scores[same:]
+    changes = a.transition_scores + (() if same else (0,)) + b.transition_scores
+    return ConfigurationSequence(steps, places, changes, sum(places) + sum(changes), a.safe and b.safe)
+
+
+def _with_ends(core: ConfigurationSequence, S: Array, G: Array, robot: Robot) -> ConfigurationSequence:
+    """The nominal S and G added where the core starts or ends beside them: the load hangs there on two cables."""
+    steps, places = list(core.steps), list(core.location_scores)
+    loose = 0
+    for position, at in ((S, 0), (G, len(steps))):
+        end = steps[min(at, len(steps) - 1)]
+        if not np.array_equal(position, end[0]):
+            at = at and len(steps)
+            steps.insert(at, (position, end[1]))
+            places.insert(at, location_score(robot.exit_points[end[1].indices], position))
+            loose += 1
+    changes = core.transition_scores + (UNSAFE_CHANGE,) * loose
+    return ConfigurationSequence(tuple(steps), tuple(places), changes, sum(places) + sum(changes),
+                                 core.safe and not loose)

@@ -1,0 +1,198 @@
+"""What measurements say about the configuration: lengths with errors, noisy tensions, marks on the cables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..arrays import Array, as_array, as_number
+from ..errors import InvalidInput
+from ..robot import Robot
+from .accuracy import position_sensitivity
+from .classify import as_position, certainty
+from .configuration import Configuration, triplets
+
+_LONGEST_SLACK = 4.0  # m
+
+
+def compatible_configurations(robot: Robot, lengths: ArrayLike, length_error: float = 0.01, *,
+                              exit_uncertainty: float = 0.0) -> tuple[Configuration, ...]:
+    """Every configuration of one, two or three taut cables that measured lengths ± error do not exclude.
+
+    Taut cables give the position: ‖M − A_i‖ = ρ_i; the others must reach it, ρ_l ≥ ‖M − A_l‖, and the taut ones must
+    hold the load. A configuration is dropped only if no lengths within the error allow it.
+
+    lengths : (m,) measured, slack included [m]
+    length_error : ± of each [m]; exit_uncertainty : half width of the box around each A_i [m]
+    Raises InvalidInput for another kind of robot or wrong numbers.
+    Source: Ramadour and Merlet 2014, eq. (1)–(3) and the end of section II.
+
+    >>> import cdprlab as cl
+    >>> robot = cl.load_world("point_mass").robot
+    >>> lengths = cl.cable_lengths(robot, cl.Pose([0.5, 0.1, 1.0])) + [0, 0, 0, 0.2]
+    >>> compatible_configurations(robot, lengths)
+    (A123,)
+    """
+    triplets(robot)
+    rho = as_array(lengths, "lengths", (robot.n_cables,), "m")
+    # A displaced exit point shows as a length error of at most the diagonal of its box.
+    error = as_number(length_error, "length_error", "m") + np.sqrt(3) * as_number(exit_uncertainty,
+                                                                                  "exit_uncertainty", "m")
+    exits = robot.exit_points
+    return tuple(Configuration(np.array(chosen) + 1) for k in (1, 2, 3)
+                 for chosen in combinations(range(robot.n_cables), k)
+                 if _possible(exits, rho, list(chosen), error, exit_uncertainty))
+
+
+def slack_length(robot: Robot, position: ArrayLike, configuration: Iterable[int], length_error: float = 0.01, *,
+                 exit_uncertainty: float = 0.0) -> float:
+    """The smallest length, added to every other cable, that leaves only one configuration compatible [m].
+
+    position : (3,) or a Pose [m]; configuration : three cables, numbered from 1
+    length_error : ± of each measured length [m]; exit_uncertainty : half width of the box around each A_i [m]
+    Raises InvalidInput where no such length up to 4 m exists: the position is too near the triangle's edge.
+    Source: Ramadour and Merlet 2014, section VI, where it is 0.20 m throughout.
+
+    >>> import cdprlab as cl
+    >>> robot = cl.load_world("point_mass").robot
+    >>> 0.02 < slack_length(robot, [0.5, 0.1, 1.0], (1, 2, 3)) < 0.2
+    True
+    """
+    chosen, M = Configuration(configuration), as_position(position)
+    if chosen not in triplets(robot):
+        raise InvalidInput(f"configuration must be three of the cables 1 to {robot.n_cables}, got {tuple(chosen)}")
+    rho = np.linalg.norm(robot.exit_points - M, axis=1)
+    others = np.ones(robot.n_cables)
+    others[chosen.indices] = 0.0
+
+    def certain(slack: float) -> bool:
+        found = compatible_configurations(robot, rho + slack * others, length_error, exit_uncertainty=exit_uncertainty)
+        return found == (chosen,)
+
+    if not certain(_LONGEST_SLACK):
+        raise InvalidInput(f"no slack makes {chosen} certain at {M.tolist()} with lengths known to ± {length_error:g} "
+                           "m: the position is too near an edge of its triangle")
+    low, high = 0.0, _LONGEST_SLACK
+    while high - low > 1e-4:  # a tenth of a millimetre: winches do not know better
+        middle = (low + high) / 2
+        low, high = (low, middle) if certain(middle) else (middle, high)
+    return high
+
+
+def taut_cables(tensions: ArrayLike, noise: float, smallest: float = 1.0) -> NDArray[np.str_]:
+    """"taut", "slack" or "unsure" for each cable, from N noisy tension readings: mean ± 3 noise / √N against a limit.
+
+    tensions : (N, m) [N]; noise : standard deviation of one reading [N]
+    smallest : mean tension from which a cable counts as taut [N]
+    Raises InvalidInput for a noise that is not positive.
+
+    >>> taut_cables([[50.2, 0.3], [49.7, -0.4], [50.1, 0.2]], noise=0.3).tolist()
+    ['taut', 'slack']
+    """
+    readings = as_array(tensions, "tensions", (np.shape(tensions)[-1],), "N", batch=True)
+    spread = 3 * as_number(noise, "noise", "N", positive=True) / np.sqrt(max(1, len(readings)))
+    mean = readings.mean(axis=0)
+    return np.where(mean - spread > smallest, "taut", np.where(mean + spread < smallest, "slack", "unsure"))
+
+
+def reset_by_marks(readings: ArrayLike, marks: Iterable[tuple[int, float]]) -> Array:
+    """Cable length from a drum that drifts, put right by each mark that passes the exit point.
+
+    readings : (N,) length as the drum's turns give it [m]
+    marks : (sample, true length [m]) of each mark seen, in order of time
+    Returns (N,): the reading plus the last mark's correction; before the first mark the reading itself.
+    Source: Ramadour and Merlet 2014, section II (foils glued to the cable at known lengths).
+
+    >>> reset_by_marks([2.00, 2.11, 2.22, 2.33], [(1, 2.10)]).round(2)
+    array([2.  , 2.1 , 2.21, 2.32])
+    """
+    raw = as_array(readings, "readings", (), "m", batch=True)
+    length = raw.copy()
+    for sample, true in marks:
+        if not 0 <= sample < raw.shape[0]:
+            raise InvalidInput(f"a mark's sample must be 0 to {raw.shape[0] - 1}, got {sample}")
+        length[sample:] = raw[sample:] + (true - raw[sample])
+    return length
+
+
+# --- positions from lengths, with their error ---------------------------------------------------------------
+def _possible(exits: Array, rho: Array, chosen: list[int], error: float, exit_uncertainty: float) -> bool:
+    """Whether taut cables ``chosen`` can carry the load alone, given all lengths ± error."""
+    place = (_below_one, _below_two, _below_three)[len(chosen) - 1](exits[chosen], rho[chosen], error)
+    if place is None:
+        return False
+    M, radius = place
+    reach = rho + error - np.linalg.norm(exits - M, axis=1) + np.sqrt(3) * radius
+    if (np.delete(reach, chosen) < 0).any():
+        return False
+    return len(chosen) < 3 or certainty(exits[chosen], M, radius, exit_uncertainty, "corners")[1] >= 0
+
+
+def _below_one(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:
+    return exits[0] - [0, 0, rho[0]], error
+
+
+def _below_two(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:
+    """In the vertical plane of both exits, the lower of the two meeting points."""
+    a, edge = exits[0], exits[1] - exits[0]
+    across = np.linalg.norm(edge[:2])
+    if across == 0:
+        return None
+    plane = np.array([edge[:2] @ edge[:2] / across, edge[2]])
+    corners = [_lower_meeting(plane, rho + error * np.array(signs)) for signs in
+               ((0, 0), (1, 1), (1, -1), (-1, 1), (-1, -1))]
+    points = np.array([point for point in corners if point is not None])
+    # Between the exits, or as good as: a cable beyond would have to push.
+    inside = [0 <= share <= across for share in points[:, 0]] if len(points) else []
+    if not any(inside):
+        return None
+    middle = points.mean(axis=0)
+    flat = np.append(edge[:2] / across * middle[0], middle[1])
+    return a + flat, float(np.abs(points - middle).max())
+
+
+def _lower_meeting(b: Array, rho: Array) -> Array | None:
+    """Lower intersection of circles about 0 and b in a vertical plane."""
+    d = float(np.hypot(*b))
+    along = (d**2 + rho[0]**2 - rho[1]**2) / (2 * d)
+    height = rho[0]**2 - along**2
+    if height < 0:
+        return None
+    unit, normal = b / d, np.array([b[1], -b[0]]) / d
+    return unit * along + normal * np.sqrt(height)
+
+
+def _below_three(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:
+    """The lower point at these lengths, and a bound for its error (a fixed point of sensitivity times length error)."""
+    M = _trilaterate(exits, rho)
+    if M is None:
+        return None
+    radius = 0.0
+    for _ in range(50):
+        grown = float(position_sensitivity(exits, M, radius)) * error
+        if not grown < 1.0:
+            return M, 1.0  # nearly singular: a metre's uncertainty excludes nothing
+        if grown <= radius * (1 + 1e-6):
+            break
+        radius = grown * 1.01
+    return M, radius
+
+
+def _trilaterate(exits: Array, rho: Array) -> Array | None:
+    a, b, c = exits
+    x = (b - a) / np.linalg.norm(b - a)
+    y = (c - a) - x * (x @ (c - a))
+    if not y.any():
+        return None
+    y = y / np.linalg.norm(y)
+    u = (rho[0]**2 - rho[1]**2 + (b - a) @ (b - a)) / (2 * np.linalg.norm(b - a))
+    v = (rho[0]**2 - rho[2]**2 + (c - a) @ (c - a) - 2 * u * (x @ (c - a))) / (2 * (y @ (c - a)))
+    # Lengths that just do not meet are off by their error: the nearest point in the plane stands for them.
+    depth = np.sqrt(max(0.0, rho[0]**2 - u**2 - v**2))
+    down = np.cross(x, y)
+    down = -down if down[2] > 0 else down
+    point: Array = a + u * x + v * y + depth * down
+    return point

@@ -1,0 +1,251 @@
+"""Sequences of cable configurations along a straight way: where to change, how good each is, which is safest."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from itertools import combinations, pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array
+from ..errors import InvalidInput
+from ..robot import Robot
+from .accuracy import position_sensitivity
+from .classify import as_position
+from .configuration import Configuration, triplets
+from .region import region
+
+METHODS = ("stability", "accuracy")
+UNSAFE_CHANGE = 4
+"""Score of a change that passes an under-constrained configuration."""
+
+_EDGE = 1e-9  # m² and m³: a way along an edge is in both triangles
+_GRID, _ZOOMS = 101, 4
+
+Step = tuple[Array, Configuration]
+
+
+@dataclass(frozen=True, eq=False)
+class ConfigurationSequence:
+    """One way to go: positions and the configuration each is reached in, with scores; lower is better.
+
+    steps : (position (3,) [m], Configuration) of S, of each change twice (old and new), and of G
+    location_scores : one a step: 0 (amid its triangle) to 4, or with method "accuracy" [m/m]
+    transition_scores : one a change: 0 safe, 4 where a cable may be missing
+    score : their sum; with "accuracy" the largest location score
+    safe : every position certainly inside its triangle, every change where both configurations certainly hold
+    """
+
+    steps: tuple[Step, ...]
+    location_scores: tuple[float, ...]
+    transition_scores: tuple[float, ...]
+    score: float
+    safe: bool
+    method: str = "stability"
+
+    @property
+    def configurations(self) -> tuple[Configuration, ...]:
+        """In order, each once."""
+        return tuple(c for k, (_, c) in enumerate(self.steps) if k == 0 or c != self.steps[k - 1][1])
+
+    def __str__(self) -> str:
+        way = " → ".join(map(str, self.configurations))
+        return f"{way}: score {self.score:.3g}, {'safe' if self.safe else 'not safe'}"
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """The straight way from S to G, and where on it each triplet holds."""
+
+    exits: Array
+    start: Array
+    end: Array
+    position_uncertainty: float
+    exit_uncertainty: float
+    nominal: dict[Configuration, tuple[float, float]] = field(init=False)
+    certain: dict[Configuration, tuple[float, float]] = field(init=False)
+
+    def __post_init__(self) -> None:
+        nominal, certain = {}, {}
+        for chosen in (Configuration(c) for c in combinations(range(1, len(self.exits) + 1), 3)):
+            a = self.exits[chosen.indices]
+            if (window := region(a).window(self.start, self.end, _EDGE)) is not None:
+                nominal[chosen] = window
+                sure = region(a, self.exit_uncertainty, self.position_uncertainty).window(self.start, self.end)
+                if sure is not None:
+                    certain[chosen] = sure
+        object.__setattr__(self, "nominal", nominal)
+        object.__setattr__(self, "certain", certain)
+
+    def at(self, share: float | Array) -> Array:
+        share = np.asarray(share)[..., None]
+        return (1 - share) * self.start + share * self.end  # exact at both ends
+
+    def ends(self, windows: dict[Configuration, tuple[float, float]], end: int) -> set[Configuration]:
+        """Configurations whose window holds S (0) or G (1)."""
+        return {chosen for chosen, window in windows.items() if window[end] == end}
+
+    def overlap(self, old: Configuration, new: Configuration) -> tuple[float, float, bool] | None:
+        """Where old may become new: the certain window if there is one, else the nominal overlap; and which it is."""
+        for windows, slack in ((self.certain, 0.0), (self.nominal, _EDGE)):
+            if old in windows and new in windows:
+                first = max(windows[old][0], windows[new][0])
+                last = min(windows[old][1], windows[new][1])
+                if first <= last + slack:
+                    return min(first, last) if slack else first, last, windows is self.certain
+        return None
+
+    def shared_edge(self, old: Configuration, new: Configuration) -> float | None:
+        """Where the way crosses, in plan, the edge between the exits of the two cables both configurations have."""
+        common = sorted(set(old) & set(new))
+        if len(common) != 2:
+            return None
+        a, b = self.exits[np.array(common) - 1, :2]
+        d, edge = (self.end - self.start)[:2], b - a
+        turn = d[0] * edge[1] - d[1] * edge[0]
+        if abs(turn) < _EDGE:
+            return None
+        share, along = np.linalg.solve(np.stack([d, -edge], axis=1), a - self.start[:2])
+        return float(share) if 0 <= share <= 1 and 0 <= along <= 1 else None
+
+
+def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike, method: str = "stability", *,
+                        position_uncertainty: float = 0.05, exit_uncertainty: float = 0.02
+                        ) -> list[ConfigurationSequence]:
+    """Ranked sequences of configurations from S straight to G with the fewest changes; best first.
+
+    A change is safe where the old and the new configuration are both certainly inside; there, "stability" takes the
+    point where the smaller of their min d / max d (plan distances to the three exits) is largest, "accuracy" where the
+    larger of their position sensitivities is smallest. Without such a point it lies at the edge both share, or amid
+    the nominal overlap where that is not crossed, and scores 4; "accuracy" does not take it at all.
+
+    robot : a point mass (3T) on three cables or more
+    start, goal : (3,) S and G, or Pose [m]
+    method : "stability" or "accuracy"
+    position_uncertainty, exit_uncertainty : half widths of the boxes around M and each A_i [m]
+    Returns list of ConfigurationSequence; empty, the reason logged, where the method allows none.
+    Raises InvalidInput for an unknown method, or a start or goal that no three cables hold.
+    Source: Ramadour and Merlet 2014, section IV, scores as in section V.
+
+    >>> import cdprlab as cl
+    >>> robot = cl.load_world("point_mass").robot
+    >>> print(plan_configurations(robot, [-1, 0.3, 1], [1, 0.3, 1])[0])
+    A134 → A234: score 4, safe
+    """
+    if method not in METHODS:
+        raise InvalidInput(f"method must be one of {', '.join(METHODS)}, got {method!r}")
+    triplets(robot)
+    way = _Way(robot.exit_points, as_position(start), as_position(goal), position_uncertainty, exit_uncertainty)
+    for name, end in (("start", 0), ("goal", 1)):
+        if not way.ends(way.nominal, end):
+            place = (way.start, way.end)[end].tolist()
+            raise InvalidInput(f"no three cables hold a load at the {name} {place}: it must lie below the exit points "
+                               "and, seen from above, between them")
+    chains = _fewest_changes(way)
+    found = [sequence for chain in chains for sequence in _sequence(way, chain, method)]
+    if not found:
+        logging.getLogger(__name__).warning(
+            "no sequence: %s has no change where both configurations are certainly inside, which method 'accuracy' "
+            "asks for", ", ".join("→".join(map(str, chain)) for chain in chains))
+    return sorted(found, key=lambda sequence: (not sequence.safe if method == "accuracy" else 0, sequence.score))
+
+
+def _fewest_changes(way: _Way) -> list[tuple[Configuration, ...]]:
+    """All chains of configurations from S to G of the smallest length; certain ends first, else nominal ones."""
+    for ends in (way.certain, way.nominal):
+        goals = way.ends(ends, 1)
+        chains: list[tuple[Configuration, ...]] = [(c,) for c in way.ends(ends, 0)]
+        for _ in range(len(way.nominal)):
+            if done := [chain for chain in chains if chain[-1] in goals]:
+                return sorted(done)
+            chains = [(*chain, new) for chain in chains for new in way.nominal
+                      if new not in chain and _places(way, (*chain, new)) is not None]
+    return []
+
+
+def _places(way: _Way, chain: tuple[Configuration, ...]) -> list[tuple[float, float, bool]] | None:
+    """For each change of a chain the part of the way it may take, so that the changes come in order; None if none."""
+    overlaps = [way.overlap(old, new) for old, new in pairwise(chain)]
+    places: list[tuple[float, float, bool]] = []
+    earliest = 0.0
+    for k, overlap in enumerate(overlaps):
+        if overlap is None:
+            return None
+        earliest = max(earliest, overlap[0])
+        latest = min(o[1] for o in overlaps[k:] if o is not None)
+        if earliest > latest + _EDGE:
+            return None
+        places.append((min(earliest, latest), latest, overlap[2]))
+    return places
+
+
+def _sequence(way: _Way, chain: tuple[Configuration, ...], method: str) -> Iterator[ConfigurationSequence]:
+    places = _places(way, chain)
+    if places is None or (method == "accuracy" and not all(safe for *_, safe in places)):
+        return
+    grade = _distance_ratio if method == "stability" else _sensitivity
+    shares, reached = [], 0.0
+    for (first, last, safe), old, new in zip(places, chain, chain[1:]):
+        reached = _switch(way, old, new, max(first, reached), last, safe, grade)
+        shares.append(reached)
+    points = [(share, c) for k, share in enumerate([0.0, *shares]) for c in chain[max(k - 1, 0):k + 1]]
+    points.append((1.0, chain[-1]))
+    steps = tuple((way.at(share), c) for share, c in points)
+    scores = [grade(way, c, np.array([share]))[0] for share, c in points]
+    changes = tuple(0 if safe else UNSAFE_CHANGE for *_, safe in places)
+    certain = chain[0] in way.ends(way.certain, 0) and chain[-1] in way.ends(way.certain, 1)
+    if method == "stability":
+        locations = tuple(_from_ratio(ratio) for ratio in scores)
+        yield ConfigurationSequence(steps, locations, changes, sum(locations) + sum(changes),
+                                    certain and not any(changes), method)
+    else:
+        values = tuple(-float(score) for score in scores)
+        yield ConfigurationSequence(steps, values, changes, max(values), certain, method)
+
+
+def location_score(exits: Array, position: Array) -> int:
+    """⌊5 (1 − min d / max d)⌋ of the plan distances to a configuration's exits: 0 amid them, 4 below one of them.
+
+    exits : (3, 3) [m]; position : (3,) [m]
+
+    >>> location_score(np.array([[0, 0, 3], [4, 0, 3], [0, 4, 3.0]]), np.array([1, 1, 0.0]))
+    2
+    """
+    d = np.linalg.norm(position[:2] - exits[:, :2], axis=-1)
+    return _from_ratio(d.min() / d.max())
+
+
+def _from_ratio(ratio: float) -> int:
+    # A ratio that is a fifth but for rounding is a fifth; below an exit point the score is 5 by the formula, 4 by the
+    # range the paper gives.
+    return min(4, int(np.floor(5 * (1 - ratio) + 1e-9)))
+
+
+def _switch(way: _Way, old: Configuration, new: Configuration, first: float, last: float, safe: bool,
+            grade: Callable[[_Way, Configuration, Array], Array]) -> float:
+    """Where on the way to change, as a share of it."""
+    if not safe:
+        edge = way.shared_edge(old, new)
+        return edge if edge is not None and first - _EDGE <= edge <= last + _EDGE else (first + last) / 2
+    low, high = first, last
+    for _ in range(_ZOOMS):  # both grades are smooth: a grid, then finer ones around its best point
+        shares = np.linspace(low, high, _GRID)
+        best = float(shares[np.minimum(grade(way, old, shares), grade(way, new, shares)).argmax()])
+        width = (high - low) / (_GRID - 1)
+        low, high = max(first, best - width), min(last, best + width)
+    return best
+
+
+def _distance_ratio(way: _Way, chosen: Configuration, shares: Array) -> Array:
+    """min d / max d over the plan distances to the configuration's exits."""
+    d = np.linalg.norm(way.at(shares)[:, None, :2] - way.exits[chosen.indices, :2], axis=-1)
+    return d.min(axis=1) / d.max(axis=1)
+
+
+def _sensitivity(way: _Way, chosen: Configuration, shares: Array) -> Array:
+    """Minus the position sensitivity: larger is better, as with the ratio."""
+    return -position_sensitivity(way.exits[chosen.indices], way.at(shares), way.position_uncertainty,
+                                 way.exit_uncertainty)
