@@ -55,9 +55,9 @@ bench: $(VENV)/.tests  ## speed, as ratios to what it stands on
 	$(BIN)/python -m pytest tests/benchmarks --benchmark-enable
 
 requirements:  ## pin again what is installed (needs uv)
-	$(UV) pip compile --universal --python-version 3.11 --upgrade --no-annotate --quiet --no-emit-index-url \
+	$(UV) pip compile --universal --python-version 3.11 --upgrade --no-annotate --quiet --no-emit-index-url --no-emit-package pip \
 	  --custom-compile-command "make requirements" --extra lab pyproject.toml --output-file requirements.txt
-	$(UV) pip compile --universal --python-version 3.11 --upgrade --no-annotate --quiet --no-emit-index-url \
+	$(UV) pip compile --universal --python-version 3.11 --upgrade --no-annotate --quiet --no-emit-index-url --no-emit-package pip \
 	  --custom-compile-command "make requirements" --constraint requirements.txt --group tests \
 	  --output-file tests/requirements.txt
 	echo "-e ." >> requirements.txt
