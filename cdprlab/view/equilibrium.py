@@ -166,9 +166,15 @@ def draw_equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 
         return figure
 
 
-def panels(figure: matplotlib.figure.Figure) -> list[Axes]:
-    """Three axes side by side: robot, force polygon, tensions."""
-    return list(figure.subplots(1, 3, gridspec_kw={"width_ratios": [1.25, 1.15, 0.8]}))
+def panels(figure: matplotlib.figure.Figure, stacked: bool = False) -> list[Axes]:
+    """Three axes, robot, force polygon and tensions, side by side.
+
+    stacked : the last two above each other, which leaves room beside the figure
+    """
+    if not stacked:
+        return list(figure.subplots(1, 3, gridspec_kw={"width_ratios": [1.25, 1.15, 0.8]}))
+    grid = figure.add_gridspec(2, 2, width_ratios=[1.3, 1.0], height_ratios=[1.35, 1.0])
+    return [figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])]
 
 
 def draw_panels(axes: list[Axes], robot: Robot, position: ArrayLike, push: ArrayLike, state: Equilibrium) -> None:
@@ -245,9 +251,10 @@ def _draw_bars(panel: Axes, state: Equilibrium) -> None:
                        va="top" if slack else "bottom", color=color if slack else INK)
     panel.axhline(0, color=INK, linewidth=1)
     panel.grid(axis="x", visible=False)
+    low, high = min(0.0, float(state.tensions.min())), max(0.3 * top, float(state.tensions.max()))
+    room = high - low  # for two lines of text below a bar, for one above
     panel.set(xlim=(0.4, m + 0.6), xticks=range(1, m + 1), xlabel="cable", ylabel="tension [N]",
-              ylim=(-0.15 * top + 1.35 * min(0.0, float(state.tensions.min())),
-                    1.15 * max(0.3 * top, float(state.tensions.max()))))
+              ylim=(low - (0.4 if state.slack.any() else 0.1) * room, high + 0.2 * room))
     panel.set_title("Tensions", y=1.02)
 
 

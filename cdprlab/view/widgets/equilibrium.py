@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..equilibrium import EXIT_POINTS, SIZE, Equilibrium, draw_panels, equilibrium, panels, point_load
+from ..equilibrium import EXIT_POINTS, Equilibrium, draw_panels, equilibrium, panels, point_load
 from ..style import house_style
 from .explorer import Choice, Explorer, Slider, Values
 
@@ -31,14 +31,14 @@ class EquilibriumExplorer(Explorer):
         ]
         if internal:
             controls.append(Slider("internal", "internal tension λ", "N", -200.0, 200.0, 0.0, 5.0))
-        super().__init__(controls, title="Forces on a point load", size=SIZE)
+        super().__init__(controls, title="Forces on a point load", size=(7.8, 5.2))
 
     def state(self, values: Values) -> Equilibrium:
         """The balance of forces at the controls' values."""
         return equilibrium(self._robots[values["cables"]], *_load(values), values.get("internal", 0.0))
 
     def build(self, figure: Figure) -> None:
-        self._axes = panels(figure)
+        self._axes = panels(figure, stacked=True)
         # Something to lay out: the axes keep the room that this takes.
         draw_panels(self._axes, self._robots[3], [0, 1], [0, 0], equilibrium(self._robots[3], [0, 1], internal=100.0))
 
