@@ -79,18 +79,22 @@ def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions
     problem = Problem(W, w_e, low, high)
     if tensions.ndim == 1:
         return _judge_one(problem, tensions, reasons, method, complete)
-    residual = (W @ tensions[..., None])[..., 0]
+    residual = np.einsum("...ij,...j->...i", W, tensions)
     residual += w_e
-    margin = np.minimum(tensions - low, high - tensions).min(axis=-1)
-    slack = LIMIT_TOLERANCE * high.max(axis=-1)
-    error = np.maximum(residual.max(axis=-1), -residual.min(axis=-1))
-    wrench = np.maximum(w_e.max(axis=-1), -w_e.min(axis=-1))
-    feasible = (error <= RESIDUAL_TOLERANCE * (1 + wrench)) & (margin >= -slack)
-    clipped = np.minimum(np.maximum(tensions, low), high)
-    if not feasible.all():
-        clipped = np.where(feasible[..., None], clipped, tensions)
-    margin = np.where(feasible, np.maximum(margin, 0.0), margin)
+    margin = -_largest(np.maximum(low - tensions, tensions - high))
+    feasible = _largest(np.abs(residual)) <= RESIDUAL_TOLERANCE * (1 + _largest(np.abs(w_e)))
+    feasible &= margin >= -LIMIT_TOLERANCE * high.max(axis=-1)
+    if feasible.all():
+        clipped, margin = np.clip(tensions, low, high), np.maximum(margin, 0.0)
+    else:
+        clipped = np.where(feasible[..., None], np.clip(tensions, low, high), tensions)
+        margin = np.where(feasible, np.maximum(margin, 0.0), margin)
     return TensionDistribution(frozen(clipped), feasible, frozen(residual), margin, method, complete, problem, reasons)
+
+
+def _largest(values: Array) -> Array:
+    """max over the last axis, which is short: numpy is several times faster along a long one."""
+    return np.ascontiguousarray(np.moveaxis(values, -1, 0)).max(axis=0)
 
 
 def _judge_one(problem: Problem, tensions: Array, reason: str, method: str, complete: bool) -> TensionDistribution:

@@ -18,6 +18,9 @@ from .polygon import CENTROID, LOWEST
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+# Fused multiply-adds, and divisions by zero that give inf: nothing that would let NaN or rounding pass.
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
+
 FOUND, EMPTY, OUT_OF_RANGE, TOO_REDUNDANT = 0, 1, 2, 3
 """Why `polygons` has no answer: no tensions inside the limits; none at all; more than a polygon (r > 2)."""
 
@@ -26,14 +29,16 @@ _DEPENDENT = 1e-12
 # Limits are met when missed by rounding only; and if nothing meets them, by half of what the result's check forgives.
 _ROUNDING, _BORDER = 1e-13, 5e-9
 _OFF_RANGE = 1e-8
+# A polygon of less area than this, relative to its length squared, is a segment: rounding leaves about 1e-16.
+_THIN = 1e-12
 
 
 def compiled(function: Function) -> Function:
     """Compiled on first use; kept on disk where a folder can be written, else compiled anew in each process."""
     try:
-        return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
+        return cast(Function, numba.njit(cache=True, **_OPTIONS)(function))
     except RuntimeError:   # numba found no folder for its cache
-        return cast(Function, numba.njit(error_model="numpy")(function))
+        return cast(Function, numba.njit(**_OPTIONS)(function))
 
 
 @compiled
@@ -148,135 +153,151 @@ def closest(W: Array, w_e: Array, target: Array, held: Any) -> tuple[Array, Any,
 
 
 @compiled
-def _clip(x: Array, y: Array, t: Array, count: int, limit: float, sign: float, miss: float) -> int:
-    """Cuts a convex polygon in place where sign · t > limit + miss, t linear over it (Sutherland and Hodgman 1974)."""
-    old = x.shape[0] // 2
-    for k in range(count):
-        x[old + k], y[old + k], t[old + k] = x[k], y[k], t[k]
-    kept, before = 0, old + count - 1
-    for now in range(old, old + count):
-        over, over_before = sign * t[now] - limit, sign * t[before] - limit
+def _clip(corners: Array, first: int, count: int, limit: float, sign: float, miss: float) -> int:
+    """Cuts a convex polygon where sign · t > limit + miss, t linear over it (Sutherland and Hodgman 1974).
+
+    corners[first:first + count] are (x, y, t); those kept go to the other half of the array; returns how many.
+    """
+    to = begin = corners.shape[0] // 2 - first
+    before = first + count - 1
+    over_before = sign * corners[before, 2] - limit
+    for now in range(first, first + count):
+        over = sign * corners[now, 2] - limit
         if (over > miss) != (over_before > miss):
             share = over_before / (over_before - over)
-            share = min(max(share, 0.0), 1.0)
-            x[kept] = x[before] + share * (x[now] - x[before])
-            y[kept] = y[before] + share * (y[now] - y[before])
-            t[kept] = t[before] + share * (t[now] - t[before])
-            kept += 1
+            for a in range(3):
+                corners[to, a] = corners[before, a] + share * (corners[now, a] - corners[before, a])
+            to += 1
         if over <= miss:
-            x[kept], y[kept], t[kept] = x[now], y[now], t[now]
-            kept += 1
+            for a in range(3):
+                corners[to, a] = corners[now, a]
+            to += 1
         before = now
-    return kept
+        over_before = over
+    return to - begin
 
 
 @compiled
-def _polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, slack: float, miss: float,
-             x: Array, y: Array, t: Array) -> int:
-    """Corners (x, y) of {λ : low ≤ c + D λ ≤ high}, counter-clockwise; a segment has 2 or more, a point 1 or more."""
-    m = c.shape[0]
-    x[0], y[0], count = 0.0, 0.0, 1
-    for j in range(m):
-        if owner[j] == -1 and D[j, 0] == 1.0 and D[j, 1] == 0.0:
-            x[0], x[1], y[1], count = low[j] - slack, high[j] + slack, 0.0, 2
-        elif owner[j] == -1:
-            x[2], x[3] = x[1], x[0]
-            y[0], y[1], y[2], y[3] = low[j] - slack, low[j] - slack, high[j] + slack, high[j] + slack
-            count = 4
-    for j in range(m):
-        if owner[j] == -1:
-            continue
-        least, most = np.inf, -np.inf
-        for k in range(count):
-            t[k] = c[j] + D[j, 0] * x[k] + D[j, 1] * y[k]
-            least, most = min(least, t[k]), max(most, t[k])
-        if least < low[j] - slack - miss:
-            count = _clip(x, y, t, count, slack - low[j], -1.0, miss)
-        if most > high[j] + slack + miss and count:
-            count = _clip(x, y, t, count, high[j] + slack, 1.0, miss)
-        if count == 0:
-            break
-    return count
+def _polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, row: int, slack: float, miss: float,
+             corners: Array) -> tuple[int, int]:
+    """Corners, in order, of {λ : low[row] ≤ c + D λ ≤ high[row]}; a segment has 2 or more, a point 1 or more.
+
+    Returns where in ``corners`` they begin, and how many they are.
+    """
+    first: Any = np.int64(0)   # for bare literals _clip would be compiled a second time
+    count: Any = np.int64(1)
+    for a in range(2):
+        corners[0, a] = corners[1, a] = 0.0
+    for j in range(c.shape[0]):
+        if owner[j] == -1:   # from a point to a segment, from a segment to a rectangle
+            axis = count // 2
+            for k in range(count):
+                corners[2 * count - 1 - k, 0] = corners[k, 0]
+                corners[k, axis] = low[row, j] - slack
+                corners[2 * count - 1 - k, axis] = high[row, j] + slack
+            count *= 2
+    for j in range(c.shape[0]):
+        if owner[j] != -1 and count > 0:
+            least, most = low[row, j] - slack, high[row, j] + slack
+            too_low = too_high = False
+            for k in range(first, first + count):
+                value = c[j] + D[j, 0] * corners[k, 0] + D[j, 1] * corners[k, 1]
+                corners[k, 2] = value
+                too_low |= value < least - miss
+                too_high |= value > most + miss
+            if too_low:
+                count = _clip(corners, first, count, -least, -1.0, miss)
+                first = corners.shape[0] // 2 - first
+            if too_high and count > 0:
+                count = _clip(corners, first, count, most, 1.0, miss)
+                first = corners.shape[0] // 2 - first
+    return first, count
 
 
 @compiled
-def _centroid(x: Array, y: Array, count: int) -> tuple[float, float]:
+def _farthest(corners: Array, first: int, count: int, origin: int) -> int:
+    """The corner farthest from one of them."""
+    far, extent = origin, 0.0
+    for k in range(first, first + count):
+        reach = (corners[k, 0] - corners[origin, 0]) ** 2 + (corners[k, 1] - corners[origin, 1]) ** 2
+        if reach > extent:
+            far, extent = k, reach
+    return far
+
+
+@compiled
+def _centroid(corners: Array, first: int, count: int, point: Array) -> None:
     """Area centroid by a fan of triangles; the middle of the longest chord where there is no area to speak of."""
-    area, sum_x, sum_y = 0.0, 0.0, 0.0
-    for k in range(1, count - 1):
-        piece = (x[k] - x[0]) * (y[k + 1] - y[0]) - (y[k] - y[0]) * (x[k + 1] - x[0])
-        piece = max(piece, 0.0)
-        area += piece
-        sum_x += piece * (x[k] + x[k + 1] - 2 * x[0])
-        sum_y += piece * (y[k] + y[k + 1] - 2 * y[0])
-    extent = 0.0
-    for k in range(1, count):
-        extent = max(extent, (x[k] - x[0]) ** 2 + (y[k] - y[0]) ** 2)
-    if area > 1e-12 * extent:
-        return x[0] + sum_x / (3 * area), y[0] + sum_y / (3 * area)
-    first, second, longest = 0, 0, 0.0
-    for a in range(count):
-        for b in range(a):
-            chord = (x[a] - x[b]) ** 2 + (y[a] - y[b]) ** 2
-            if chord > longest:
-                first, second, longest = a, b, chord
-    return (x[first] + x[second]) / 2, (y[first] + y[second]) / 2
+    far = _farthest(corners, first, count, first)
+    extent = (corners[far, 0] - corners[first, 0]) ** 2 + (corners[far, 1] - corners[first, 1]) ** 2
+    other = _farthest(corners, first, count, far)
+    area, point[0], point[1] = 0.0, 0.0, 0.0
+    for k in range(first + 1, first + count - 1):
+        piece = ((corners[k, 0] - corners[first, 0]) * (corners[k + 1, 1] - corners[first, 1])
+                 - (corners[k, 1] - corners[first, 1]) * (corners[k + 1, 0] - corners[first, 0]))
+        if piece > 0:
+            area += piece
+            for a in range(2):
+                point[a] += piece * (corners[k, a] + corners[k + 1, a] - 2 * corners[first, a])
+    for a in range(2):
+        if area > _THIN * extent:
+            point[a] = corners[first, a] + point[a] / (3 * area)
+        else:
+            point[a] = (corners[far, a] + corners[other, a]) / 2
 
 
 @compiled
-def _corner(c: Array, D: Array, x: Array, y: Array, count: int, sign: float,
-            close: float) -> tuple[float, float]:
+def _corner(D: Array, corners: Array, first: int, count: int, sign: float, close: float, point: Array) -> None:
     """The corner of least sign · Σ τ; among equals the one whose first tensions are least, in any basis the same."""
-    m, best, least = c.shape[0], 0, np.inf
-    for k in range(count):
-        total = 0.0
-        for i in range(m):
-            total += sign * (c[i] + D[i, 0] * x[k] + D[i, 1] * y[k])
-        before = total < least - close
-        if not before and total <= least + close:
-            for i in range(m):
-                change = D[i, 0] * (x[k] - x[best]) + D[i, 1] * (y[k] - y[best])
-                if abs(change) > close:
-                    before = change < 0
-                    break
-        if before:
-            best, least = k, total
-    return x[best], y[best]
+    best = first
+    for k in range(first + 1, first + count):
+        x, y, total = corners[k, 0] - corners[best, 0], corners[k, 1] - corners[best, 1], 0.0
+        for i in range(D.shape[0]):
+            total += sign * (D[i, 0] * x + D[i, 1] * y)
+        i = 0
+        while abs(total) <= close and i < D.shape[0]:
+            total = D[i, 0] * x + D[i, 1] * y
+            i += 1
+        if total < 0:
+            best = k
+    point[0], point[1] = corners[best, 0], corners[best, 1]
 
 
 @compiled
 def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[Array, Any, Any]:
     """One point of each polygon of feasible tensions: the centroid, or the corner of least or largest sum.
 
-    W (k, n, m); w_e (k, n); low, high (k or 1, m); pick CENTROID, LOWEST or HIGHEST
+    W (k, n, m); w_e (k, n); low, high both (k, m) or both (1, m); pick CENTROID, LOWEST or HIGHEST
     Returns tensions (k, m), NaN without an answer; FOUND or why not (k,); redundancy r = m − rank (k,).
     """
     count, n, m = W.shape
-    tensions, found, spare = np.full((count, m), np.nan), np.empty(count, np.int64), np.empty(count, np.int64)
+    tensions, found, spare = np.empty((count, m)), np.empty(count, np.int64), np.empty(count, np.int64)
     rows, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
-    c, D, lows, highs = np.empty(m), np.zeros((m, max(m, 2))), np.empty(m), np.empty(m)
-    x, y, t = np.empty(8 * m + 16), np.empty(8 * m + 16), np.empty(8 * m + 16)
+    c, D, corners, point = np.empty(m), np.empty((m, max(m, 2))), np.zeros((4 * m + 16, 3)), np.empty(2)
     for k in range(count):
+        row = k if low.shape[0] > 1 else 0
         largest = 0.0
         for j in range(m):
-            owner[j], lows[j], highs[j] = -1, low[min(k, low.shape[0] - 1), j], high[min(k, high.shape[0] - 1), j]
-            largest = max(largest, highs[j])
-        rank, reachable = _reduce(W, w_e, k, lows, rows, line, owner)
+            owner[j] = -1
+            largest = max(largest, high[row, j])
+            D[j, 0] = D[j, 1] = point[0] = point[1] = 0.0
+            tensions[k, j] = np.nan
+        rank, reachable = _reduce(W, w_e, k, c, rows, line, owner)
         spare[k] = m - rank
-        found[k] = OUT_OF_RANGE if not reachable else TOO_REDUNDANT if spare[k] > 2 else FOUND
-        if found[k] != FOUND:
+        found[k] = OUT_OF_RANGE if not reachable else TOO_REDUNDANT if spare[k] > 2 else EMPTY
+        if found[k] != EMPTY:
             continue
-        for j in range(m):
-            D[j, 0], D[j, 1] = 0.0, 0.0
-        _spread(rows, owner, lows, c, D)
-        corners = _polygon(c, D, owner, lows, highs, 0.0, _ROUNDING * largest, x, y, t)
-        if corners == 0:   # one last point on the very border is lost to rounding
-            corners = _polygon(c, D, owner, lows, highs, _BORDER * largest, 0.0, x, y, t)
-        if corners == 0:
-            found[k] = EMPTY
+        _spread(rows, owner, c, c, D)
+        first, sides = _polygon(c, D, owner, low, high, row, 0.0, _ROUNDING * largest, corners)
+        if sides == 0:   # one last point on the very border is lost to rounding
+            first, sides = _polygon(c, D, owner, low, high, row, _BORDER * largest, 0.0, corners)
+        if sides == 0:
             continue
-        at_x, at_y = (_centroid(x, y, corners) if pick == CENTROID
-                      else _corner(c, D, x, y, corners, 1.0 if pick == LOWEST else -1.0, 1e-9 * largest))
+        found[k] = FOUND
+        if pick == CENTROID:
+            _centroid(corners, first, sides, point)
+        else:
+            _corner(D, corners, first, sides, 1.0 if pick == LOWEST else -1.0, 1e-9 * largest, point)
         for i in range(m):
-            tensions[k, i] = c[i] + D[i, 0] * at_x + D[i, 1] * at_y
+            tensions[k, i] = c[i] + D[i, 0] * point[0] + D[i, 1] * point[1]
     return tensions, found, spare
