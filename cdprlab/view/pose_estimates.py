@@ -72,7 +72,7 @@ def two_circles(exit_points: ArrayLike, lengths: ArrayLike, found: ArrayLike, ot
     """
     exits, radii, point = (np.asarray(values, dtype=float) for values in (exit_points, lengths, found))
     with house_style():
-        figure = Figure(figsize=(6.4, 4.6), layout="constrained")
+        figure = Figure(figsize=(7.2, 3.9), layout="constrained")
         panel = figure.subplots()
         for i, (center, radius) in enumerate(zip(exits, radii)):
             color = cable_style(i).color
@@ -105,14 +105,16 @@ def convergence(robot: Robot, poses: Sequence[Pose], truth: Pose) -> Figure:
     with house_style():
         figure = Figure(figsize=(10.5, 4.3), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.3, 1.0))
-        draw_robot(left, robot, truth, color=GREY, label="true pose")
+        left.fill(*outline(robot, truth).T, color=GREY, alpha=0.35, linewidth=0, label="true pose")
+        draw_robot(left, robot, truth, color="none")
         for k, pose in enumerate(poses[:4]):
             left.plot(*outline(robot, pose).T, color=VERMILION, linewidth=1.2 + 0.3 * k, linestyle=(0, (4, 2)),
                       label="guess and iterates" if k == 0 else f"_{k}")
-            if k < 3:
+            if k < 2:
                 left.annotate(str(k), outline(robot, pose)[2], (7, 6), textcoords="offset points", color=VERMILION)
         left.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title="From the guess to the pose")
-        left.legend(loc="lower center", bbox_to_anchor=(0.5, 0.02), ncols=2)
+        left.margins(0.09)
+        left.legend(loc="lower center", ncols=2)
         right.semilogy(range(len(errors)), np.maximum(errors, 1e-17), marker="o", color=INK)
         right.axhspan(1e-17, 1e-15, color=GREY, alpha=0.2, linewidth=0)
         right.annotate("rounding", (0, 1.3e-16), color=GREY, va="center")
@@ -159,7 +161,7 @@ def cloud(errors: ArrayLike, covariance: ArrayLike) -> Figure:
         left.plot(*ellipse, color=VERMILION, label="predicted, 95 %")
         left.set(aspect="equal", xlabel="δx [mm]", ylabel="δy [mm]",
                  title=f"{100 * inside.mean():.0f} % inside the ellipse")
-        left.legend(loc="lower center", bbox_to_anchor=(0.5, -0.35), ncols=2)
+        left.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
         _histogram(right, sample[:, 2], float(np.sqrt(C[2, 2])))
         figure.alt_text = (f"Scatter of {len(sample)} position errors; {100 * inside.mean():.0f} % lie inside "
                            "the predicted ellipse; a histogram of angle errors beside it.")
@@ -179,7 +181,7 @@ def residual_bars(all_cables: ArrayLike, left_out: ArrayLike) -> Figure:
         left, right = figure.subplots(1, 2)
         for panel, values in ((left, together), (right, without)):
             bars = panel.bar(cables, values, width=0.6, color=[cable_style(i).color for i in range(len(cables))])
-            panel.bar_label(bars, [f"{value + 0.0:.1f}" for value in values], padding=2)
+            panel.bar_label(bars, [f"{value + 0.0:.1f}".replace("-", "−") for value in values], padding=2)
             panel.axhline(0, color=INK, linewidth=0.8)
             panel.grid(axis="x", visible=False)
             panel.margins(y=0.2)
@@ -212,8 +214,7 @@ def flight(time: ArrayLike, errors: ArrayLike, sigmas: ArrayLike, residuals: Arr
         panel.axhspan(-2e3 * sigma, 2e3 * sigma, color=GREY, alpha=0.15, linewidth=0)
         panel.set(xlabel="time [s]", ylabel="residual [mm]",
                   title="Residuals measured − fitted length; gray: ±2σ of one length")
-        panel.legend(ncols=left_over.shape[1], loc="lower center", title="cable")
-        panel.set_ylim(-2.6e3 * max(sigma, float(np.abs(left_over).max()) / 2e3), None)
+        panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="cable", labelspacing=0.2)
         figure.alt_text = (f"Six pose errors over {t[-1]:.2g} s, {100 * share:.0f} % of them inside their ±2σ band; "
                            f"length residuals of at most {np.abs(left_over).max():.2g} mm.")
     return figure
@@ -226,7 +227,7 @@ def _banded(panels: dict[str, Axes], t: Array, errors: Array, sigmas: Array) -> 
         panel = panels[str(i)]
         panel.fill_between(t, -2 * sigmas[:, i], 2 * sigmas[:, i], color=ORANGE, alpha=0.3, linewidth=0)
         panel.plot(t, errors[:, i], color=AXIS_COLORS[i % 3], linewidth=1.0, marker=".", markersize=4)
-        panel.set(ylabel=name)
+        panel.set(ylabel=name, xlabel="time [s]" if i > 2 else "")
     panels["0"].set_title("Error; shaded: predicted ±2σ", fontsize=11)
     return float(np.mean(np.abs(errors) <= 2 * sigmas))
 
@@ -237,7 +238,8 @@ def _histogram(panel: Axes, values: Array, sigma: float) -> None:
     x = np.linspace(-4 * sigma, 4 * sigma, 200)
     panel.plot(x, np.exp(-(x / sigma)**2 / 2) / (sigma * np.sqrt(2 * np.pi)), color=VERMILION, label="predicted")
     panel.set(xlabel="δφ [mrad]", ylabel="density [1/mrad]", title="Angle")
-    panel.legend(loc="lower center", bbox_to_anchor=(0.5, -0.35), ncols=2)
+    panel.legend(loc="upper right")
+    panel.set_xlim(-4 * sigma, 5 * sigma)
 
 
 def _angle_between(a: Pose, b: Pose) -> float:
