@@ -53,10 +53,18 @@ class RobotDrawing:
         self._make_still_parts()
         self._make_moving_parts()
         self._fractions = self._label_places()
+        self.azimuth: float | None = None
         self.turn(azimuth)
+        self.move(self.pose)
 
     def turn(self, azimuth: float) -> None:
-        """See it from another side: ``azimuth`` of the eye [deg]."""
+        """See frame and floor from another side; ``move`` shows the rest from there.
+
+        azimuth : of the eye [deg]
+        """
+        if azimuth == self.azimuth:
+            return
+        self.azimuth = azimuth
         self.view.turn(azimuth)
         flat = self.view.flat
         height = floor_height(self.robot, self.scene)
@@ -68,7 +76,6 @@ class RobotDrawing:
         if self._world_axes:
             # At the lowest corner, where they are in nobody's way: they show directions.
             self._place_axes(self._world_axes, self.points.min(axis=0), np.eye(3))
-        self.move(self.pose)
 
     def move(self, pose: Pose, colors: ArrayLike | None = None, slack: ArrayLike | None = None) -> None:
         """Platform and cables at another pose.
@@ -109,24 +116,26 @@ class RobotDrawing:
         else:
             self.axes.set(xlabel="x [m]", ylabel="y [m]")
 
-    def _lines(self, color: Any, width: float, order: float, **options: Any) -> LineCollection:
-        lines = LineCollection([], colors=color, linewidths=width, zorder=order, animated=True, **options)
+    def _lines(self, color: Any, width: float, order: float, moves: bool = True, **options: Any) -> LineCollection:
+        lines = LineCollection([], colors=color, linewidths=width, zorder=order, animated=moves, **options)
         self.axes.add_collection(lines, autolim=False)
         return lines
 
-    def _faces_of(self, color: str, alpha: float, order: float, edge: str = "none") -> PolyCollection:
-        faces = PolyCollection([], facecolors=color, edgecolors=edge, alpha=alpha, zorder=order, animated=True)
+    def _faces_of(self, color: str, alpha: float, order: float, edge: str = "none",
+                  moves: bool = True) -> PolyCollection:
+        faces = PolyCollection([], facecolors=color, edgecolors=edge, alpha=alpha, zorder=order, animated=moves)
         self.axes.add_collection(faces, autolim=False)
         return faces
 
     def _make_still_parts(self) -> None:
         planar = self.robot.dimension == 2
-        self._floor = self._lines(GREY if planar else _FLOOR, 1.6 if planar else 0.8, 1)
-        self._frame = self._lines(_STEEL, 2.2, 2)
-        self._boxes = self._faces_of(_BOX, 0.35, 2.5, edge="#8A7A5C")
+        turns = not planar  # what turns with the eye is animated too: or each turn would redraw the whole figure
+        self._floor = self._lines(GREY if planar else _FLOOR, 1.6 if planar else 0.8, 1, moves=turns)
+        self._frame = self._lines(_STEEL, 2.2, 2, moves=turns)
+        self._boxes = self._faces_of(_BOX, 0.35, 2.5, edge="#8A7A5C", moves=turns)
         self._exits, = self.axes.plot([], [], "o", color=INK, markersize=6, zorder=6, animated=True)
         # In the plane the ticks show them.
-        self._world_axes = self._make_axes("", 1.8) if self.robot.dimension == 3 else None
+        self._world_axes = self._make_axes("", 1.8) if turns else None
 
     def _make_moving_parts(self) -> None:
         m = self.robot.n_cables

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import ipywidgets
 import k3d
 import numpy as np
 from numpy.typing import ArrayLike
@@ -100,9 +101,9 @@ class RobotScene:
 
     def close(self) -> None:
         """Let go of plot and objects; safe to call twice."""
-        for thing in self.plot.objects:
-            thing.close()
-        self.plot.close()
+        for thing in (*self.plot.objects, self.plot):
+            thing.layout.close()
+            ipywidgets.Widget.close(thing)  # k3d's own close of a plot only takes it off the page
 
     # --- objects, made once ---------------------------------------------------------------------------
     def _add_surroundings(self, points: Array) -> None:

@@ -89,9 +89,9 @@ class RunPlayer(Explorer):
 
     def describe(self, values: Values) -> str:
         """What is seen at that time."""
-        tau = self.run.measured_tensions[self.index(values["t"])]
+        tau = np.nan_to_num(self.run.measured_tensions[self.index(values["t"])])  # a cut cable is NaN
         return (f"{self.title}, task {self.run.task}, at {values['t']:.2f} s: robot with cables colored by tension, "
-                f"{_tension(np.nanmin(tau))} to {_tension(np.nanmax(tau))} N, and a bar for each cable")
+                f"{_tension(tau.min())} to {_tension(tau.max())} N, and a bar for each cable")
 
     def close(self) -> None:
         """Let go of everything, the 3-D scene too."""
@@ -184,7 +184,7 @@ def _checked_view(run: Any, view: str) -> str:
 def _shown_range(run: Run) -> tuple[float, float]:
     """0 to the largest tension of the run: one scale for colors and bars, so that times can be compared [N]."""
     tau = np.concatenate([run.measured_tensions, run.commanded_tensions])
-    return 0.0, max(float(np.nanmax(tau, initial=0.0)), 1.0)
+    return 0.0, max(float(np.nan_to_num(tau).max()), 1.0)
 
 
 def _tick(duration: float) -> float:

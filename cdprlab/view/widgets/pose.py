@@ -45,7 +45,9 @@ class PoseExplorer(Explorer):
             raise InvalidInput(f"a pose explorer takes a World or a Robot, got {type(subject).__name__}")
         self.robot = subject.robot if isinstance(subject, World) else subject
         self.scene = subject.scene if isinstance(subject, World) else EMPTY
-        self.start = _checked_start(self.robot, start or (subject.pose if isinstance(subject, World) else None))
+        if start is None and isinstance(subject, World):
+            start = subject.pose
+        self.start = _checked_start(self.robot, start)
         title = subject.title if isinstance(subject, World) else f"{self.robot.motion_pattern} robot"
         sliders = _position_sliders(self.robot, floor_height(self.robot, self.scene), self.start)
         sliders += _turn_sliders(self.robot, self.start)
@@ -76,11 +78,9 @@ class PoseExplorer(Explorer):
 
     def draw(self, values: Values) -> None:
         """Move platform, cables and eye."""
-        self.drawing.pose = self.pose_at(values)
         if "azimuth" in values:
             self.drawing.turn(values["azimuth"])
-        else:
-            self.drawing.move(self.drawing.pose)
+        self.drawing.move(self.pose_at(values))
 
     def numbers(self, values: Values) -> str:
         """Cable lengths, and W below them column by column."""

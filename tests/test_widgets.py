@@ -1,0 +1,452 @@
+"""Explorers answer at every end of every range, tell the library's numbers, and hide no mistake."""
+
+import io
+import itertools
+import subprocess
+import sys
+
+import ipywidgets
+import numpy as np
+import pytest
+from PIL import Image
+
+import cdprlab as cl
+from cdprlab.errors import InvalidInput
+from cdprlab.view import widgets
+from cdprlab.view.drawing import RobotDrawing
+from cdprlab.view.projection import Projection
+from cdprlab.view.text_table import text_table
+from cdprlab.view.widgets import Choice, Explorer, Slider, pose_explorer, run_player
+from cdprlab.view.widgets.pose import row_names
+from robots import ROBOTS
+
+SUBJECTS = {**ROBOTS, **{name: (lambda name=name: cl.load_world(name)) for name in cl.world_names()}}
+
+
+class Spring(Explorer):
+    """The example of a lesson: force over extension; the student's function may fail."""
+
+    def __init__(self, force=lambda x: 100 * x):
+        self.force = force
+        super().__init__([Slider("x", "extension", "m", -1.0, 1.0, 0.5), Choice("kind", "kind", ["steel", "rubber"])],
+                         title="A spring")
+
+    def build(self, figure):
+        axes = figure.subplots()
+        axes.set(xlim=(-1, 1), ylim=(-100, 100), xlabel="extension [m]", ylabel="force [N]")
+        self.dot, = axes.plot([0], [0], "o", animated=True)
+        self.axes = axes
+
+    def numbers(self, values):
+        return {"force [N]": f"{self.force(values['x']):.1f}", "kind": values["kind"]}
+
+    def draw(self, values):
+        self.dot.set_data([values["x"]], [self.force(values["x"])])
+
+
+class LateMistake(Spring):
+    """Fails while drawing, below zero."""
+
+    def draw(self, values):
+        if values["x"] < 0:
+            raise ZeroDivisionError("no negative extension")
+        super().draw(values)
+
+
+def pixels(explorer):
+    with Image.open(io.BytesIO(explorer.picture)) as picture:
+        return np.asarray(picture.convert("RGB")).astype(int)
+
+
+def numbers_in(line):
+    """The numbers of a table's line, its label left out."""
+    return [float(word) for word in line.split("]")[-1].split() if word.replace(".", "").replace("-", "").isdigit()]
+
+
+def kinematic_run(world, steps=41, dt=0.05):
+    """A run made without an engine: poses on the reference, tensions that differ cable by cable."""
+    robot, time = world.robot, np.arange(steps) * dt
+    reference = world.task().trajectory()(time)
+    m, n = robot.n_cables, robot.n_dof
+    tau = 200 + 20 * np.arange(m) + 50 * np.sin(time)[:, None]
+    errors = np.full((steps, n), 1e-4)
+    full = 3 if robot.dimension == 2 else 6
+    return cl.Run(world, "default", "quadratic_program", "tension", time, reference.pose, np.zeros((steps, full)),
+                  reference, tau, tau + 1.0, cl.cable_lengths(robot, reference.pose), errors,
+                  np.arange(steps) < steps // 2, 1.0, dt, dt, {})
+
+
+def planar_world():
+    return cl.World.from_dict({
+        "name": "plane", "title": "planar robot", "source": "a test", "motion_pattern": "1R2T",
+        "platform": {"mass": 10, "inertia": 0.3, "size": [0.4, 0.2], "pose": {"position": [0, 1], "angle": 0}},
+        "cable_limits": {"tension": [10, 1000]},
+        "cables": [{"exit_point": e, "anchor_point": a} for e, a in
+                   (([-2, 0], [-0.2, -0.1]), ([2, 0], [0.2, -0.1]), ([2, 2], [0.2, 0.1]), ([-2, 2], [-0.2, 0.1]))],
+        "tasks": {"default": {"kind": "quintic", "to": {"position": [0.5, 1.2], "angle": 0.3}, "duration": 2.0}}})
+
+
+RUNS = {"planar": planar_world, "caroca": lambda: cl.load_world("caroca")}
+
+
+def extremes(explorer, count, seed):
+    """Both ends of every slider, the corners all low and all high, and random values."""
+    sliders = {name: control for name, control in explorer.controls.items() if isinstance(control, Slider)}
+    for name, slider in sliders.items():
+        yield from ({name: slider.low}, {name: slider.high})
+    yield {name: slider.low for name, slider in sliders.items()}
+    yield {name: slider.high for name, slider in sliders.items()}
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        yield {name: float(rng.uniform(slider.low, slider.high)) for name, slider in sliders.items()}
+
+
+# --- the base ---------------------------------------------------------------------------------------------------
+def test_every_widget_is_what_its_name_says():
+    """And no file of the folder hides the function it is imported for."""
+    for name in 2 * widgets.__all__:  # the first time imports the file
+        assert callable(getattr(widgets, name)), name
+    with pytest.raises(AttributeError, match="pose_explorer"):
+        _ = widgets.pose_explorr
+
+
+def test_widgets_load_when_first_used():
+    code = "import sys; from cdprlab.view import widgets; print({'ipywidgets', 'matplotlib', 'k3d'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"
+
+
+def test_a_move_changes_picture_text_and_description():
+    spring = Spring()
+    before = pixels(spring)
+    spring.set(x=-0.25)
+    assert (pixels(spring) != before).any()
+    assert spring.text == "force [N]  -25.0\nkind       steel"
+    assert "extension [m] -0.25" in spring.alt_text and spring.alt_text == spring._image.tooltip
+    spring.set(x=0.5)
+    np.testing.assert_array_equal(pixels(spring), before)  # nothing of the way there is left behind
+
+
+def test_the_dot_is_where_the_numbers_say():
+    spring = Spring()
+    for x in (-0.9, 0.0, 0.7):
+        spring.set(x=x)
+        blue = np.argwhere(np.abs(pixels(spring) - [31, 119, 180]).max(axis=-1) < 40).mean(axis=0)[::-1]
+        place = spring.axes.transData.transform((x, 100 * x))
+        np.testing.assert_allclose(blue, [place[0], pixels(spring).shape[0] - place[1]], atol=1.0)  # one pixel
+
+
+def test_what_is_not_animated_is_drawn_too():
+    spring = Spring()
+    before = pixels(spring)
+    spring.axes.set_xlim(-2, 2)
+    spring.set(x=0.5)
+    assert (pixels(spring) != before).any()
+
+
+def test_moves_from_the_browser_answer_too():
+    spring = Spring()
+    spring.sliders["x"].set_state({"value": 0.75})
+    assert spring.values["x"] == 0.75 and "75.0" in spring.text
+    spring.sliders["kind"].value = "rubber"
+    assert "rubber" in spring.text
+
+
+def test_several_sliders_at_once_are_one_answer():
+    spring, calls = Spring(), []
+    end = spring.on_move(calls.append)
+    spring.set(x=0.1, kind="rubber")
+    assert calls == [{"x": 0.1, "kind": "rubber"}]
+    end()
+    end()
+    spring.set(x=0.2)
+    assert len(calls) == 1
+
+
+@pytest.mark.parametrize("move", [lambda e: e.set(x=-0.5), lambda e: e.sliders["x"].set_state({"value": -0.5})],
+                         ids=["from code", "from the browser"])
+def test_a_mistake_is_raised_and_shown_and_forgotten(move):
+    spring = LateMistake()
+    picture = spring.picture
+    with pytest.raises(ZeroDivisionError, match="no negative extension"):
+        move(spring)
+    assert spring.text == "ZeroDivisionError: no negative extension"
+    assert "ZeroDivisionError: no negative extension" in spring._mistake.value and spring.picture == picture
+    spring.set(x=0.3)
+    assert spring._mistake.value == "" and "30.0" in spring.text and spring.picture != picture
+
+
+def test_mistakes_in_numbers_and_callbacks_come_through():
+    def student(x):
+        if x > 0.8:
+            raise NotImplementedError("write the force law")
+        return x
+
+    spring = Spring(student)
+    with pytest.raises(NotImplementedError, match="write the force law"):
+        spring.set(x=0.9)
+    spring.on_move(lambda values: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        spring.set(x=0.1)
+    assert "ZeroDivisionError" in spring.text
+    with pytest.raises(NotImplementedError, match="my part"):
+        Spring(lambda x: (_ for _ in ()).throw(NotImplementedError("my part")))
+
+
+def test_a_mistakes_text_is_no_html():
+    def student(x):
+        raise ValueError("<b>bold</b>")
+
+    spring = Spring()
+    spring.force = student
+    with pytest.raises(ValueError, match="bold"):
+        spring.set(x=0.1)
+    assert "&lt;b&gt;" in spring._mistake.value
+
+
+@pytest.mark.parametrize(("values", "words"), [
+    ({"y": 1}, "no control 'y'; there are x, kind"), ({"x": 1.5}, "between -1 and 1 m, got 1.5"),
+    ({"x": float("nan")}, "between"), ({"x": "far"}, "between"), ({"kind": "wood"}, "one of steel, rubber")])
+def test_values_that_cannot_be_are_named(values, words):
+    spring = Spring()
+    with pytest.raises(InvalidInput, match=words):
+        spring.set(**values)
+    assert spring.values == {"x": 0.5, "kind": "steel"}
+
+
+@pytest.mark.parametrize("numbers", [(1.0, 0.0, 0.5), (0.0, 1.0, 2.0), (0.0, float("nan"), 0.0), (0.0, 0.0, 0.0)])
+def test_sliders_need_a_range_that_holds_their_start(numbers):
+    with pytest.raises(InvalidInput, match="slider 'x'"):
+        Slider("x", "x", "m", *numbers)
+    with pytest.raises(InvalidInput, match="same name"):
+        Explorer([Slider("x", "x", "m", 0, 1, 0)] * 2)
+
+
+def test_an_unfinished_explorer_says_what_is_missing():
+    with pytest.raises(NotImplementedError, match=r"build\(figure\)"):
+        Explorer([])
+
+
+def test_sliders_answer_while_moving_and_show_unit_and_number():
+    slider = Spring().sliders["x"]
+    assert slider.continuous_update and slider.readout and slider.description == "extension [m]"
+    assert slider.step == pytest.approx(0.02) and slider.readout_format == ".2f"
+
+
+def test_closing_leaves_nothing_behind():
+    living = ipywidgets.widgets.widget._instances
+    before = set(living)
+    makers = (Spring, lambda: pose_explorer(ROBOTS["1R2T"]()),
+              *(lambda view=view: run_player(kinematic_run(cl.load_world("caroca")), view)
+                for view in ("picture", "scene")))
+    for make in makers:
+        explorer = make()
+        explorer.close()
+        explorer.close()
+        assert set(living) == before
+        assert set(explorer._repr_mimebundle_()) == {"text/plain"}
+
+
+def test_notebooks_get_the_widget_and_its_numbers():
+    spring = Spring()
+    bundle = spring._repr_mimebundle_()
+    assert bundle["application/vnd.jupyter.widget-view+json"]["model_id"] == spring.widget.model_id
+    assert "force [N]  50.0" in bundle["text/plain"]
+
+
+def test_tables_align():
+    lines = text_table(["cable", "1", "20"], [["l", "1.5", "-22.25"]]).splitlines()
+    assert [len(line) for line in lines] == [len(lines[1])] * 2
+    assert lines[1].startswith("l ") and lines[1].endswith("-22.25")
+
+
+# --- projection and drawing ---------------------------------------------------------------------------------------
+@pytest.mark.parametrize("azimuth", [-180.0, -70.0, 0.0, 25.0, 90.0])
+def test_points_on_a_line_of_sight_coincide_in_the_picture(azimuth):
+    rng = np.random.default_rng(3)
+    view = Projection(rng.uniform(-1, 1, (9, 3)), azimuth)
+    points = rng.uniform(-1, 1, (5, 3))
+    nearer = points + 0.3 * (view.eye - points)
+    np.testing.assert_allclose(view.flat(nearer), view.flat(points), atol=1e-12)
+
+
+def test_up_is_up_and_x_goes_right_from_the_front():
+    view = Projection(np.array([[-1.0, -1, -1], [1, 1, 1]]), azimuth=0.0)
+    right, up = view.flat(np.array([[0.5, 0, 0], [0, 0, 0.5]]))
+    assert right[0] > 0.4 and abs(right[1]) < 1e-12 and up[1] > 0.4 and abs(up[0]) < 1e-12
+
+
+def test_the_whole_robot_stays_in_the_picture():
+    for name, make in SUBJECTS.items():
+        explorer = pose_explorer(make())
+        drawing = explorer.drawing
+        (left, right), (bottom, top) = drawing.axes.get_xlim(), drawing.axes.get_ylim()
+        for azimuth in ([-180.0, -60.0, 100.0] if "azimuth" in explorer.controls else [0.0]):
+            drawing.turn(azimuth)
+            x, y = drawing.view.flat(drawing.points).T
+            assert left < x.min() and x.max() < right and bottom < y.min() and y.max() < top, (name, azimuth)
+
+
+def test_cables_are_drawn_from_exit_to_anchor():
+    for make in ROBOTS.values():
+        robot = make()
+        explorer = pose_explorer(robot)
+        drawing = explorer.drawing
+        ends = np.array(drawing._cables.get_segments())
+        np.testing.assert_allclose(ends[:, 0], drawing.view.flat(robot.exit_points))
+        anchors = explorer.pose.position + robot.anchor_points @ explorer.pose.rotation.T
+        np.testing.assert_allclose(ends[:, 1], drawing.view.flat(anchors))
+        assert [text.get_text() for text in drawing._numbers] == [str(k + 1) for k in range(robot.n_cables)]
+
+
+def test_numbers_of_cables_do_not_overlap_at_the_start():
+    for name in cl.world_names():
+        drawing: RobotDrawing = pose_explorer(cl.load_world(name)).drawing
+        places = drawing.axes.transData.transform([text.get_position() for text in drawing._numbers])
+        for one, other in itertools.combinations(places, 2):
+            assert np.abs(one - other).max() > 9, name  # pixels: a digit of 10 pt is about 8 wide and 10 high
+
+
+# --- the pose explorer --------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("name", SUBJECTS)
+def test_lengths_and_wrench_matrix_are_the_librarys_at_every_end(name):
+    explorer = pose_explorer(SUBJECTS[name]())
+    robot, pictures = explorer.robot, set()
+    for values in extremes(explorer, 3, seed=1):
+        explorer.set(**values)
+        pose = explorer.pose
+        lines = explorer.text.splitlines()
+        np.testing.assert_allclose(numbers_in(lines[1]), cl.cable_lengths(robot, pose), atol=5.1e-4)  # 3 decimals
+        for line, label, row in zip(lines[4:], row_names(robot), cl.wrench_matrix(robot, pose)):
+            assert line.startswith(label)
+            np.testing.assert_allclose(numbers_in(line.removeprefix(label)), row, atol=5.1e-3)  # 2 decimals
+        pictures.add(explorer.picture)
+    assert len(pictures) > 4
+    explorer.close()
+
+
+@pytest.mark.parametrize("name", SUBJECTS)
+def test_each_slider_moves_its_motion_and_the_picture(name):
+    explorer = pose_explorer(SUBJECTS[name]())
+    start, first = explorer.pose, explorer.values
+    motions = {"x": 0, "y": 1, "z": 2}
+    for name, slider in explorer.controls.items():
+        before = explorer.picture
+        explorer.set(**{name: slider.high if first[name] < slider.high else slider.low})
+        assert explorer.picture != before
+        moved = explorer.pose.position - start.position
+        if name in motions:
+            assert np.flatnonzero(np.abs(moved) > 1e-9).tolist() == [motions[name]]
+            np.testing.assert_array_equal(explorer.pose.rotation, explorer.pose_at(first).rotation)
+        else:
+            np.testing.assert_array_equal(moved, 0)
+        explorer.set(**first)
+    explorer.close()
+
+
+def test_turns_are_in_degrees_and_fixed_axes():
+    explorer = pose_explorer(ROBOTS["3R3T"]())
+    explorer.set(roll=10.0, pitch=-20.0, yaw=30.0)
+    np.testing.assert_allclose(np.rad2deg(explorer.pose.rpy), [10, -20, 30])
+    planar = pose_explorer(ROBOTS["1R2T"]())
+    planar.set(angle=-45.0)
+    np.testing.assert_allclose(np.rad2deg(planar.pose.angle), -45)
+
+
+def test_motions_without_a_slider_stay():
+    start = cl.Pose([0.1, 0.2, 1.0], rpy=[0.3, 0.1, -0.2])
+    explorer = pose_explorer(ROBOTS["2R3T"](), start)
+    assert list(explorer.controls) == ["x", "y", "z", "pitch", "yaw", "azimuth"]
+    np.testing.assert_allclose(explorer.pose.rotation, start.rotation, atol=1e-12)
+    explorer.set(yaw=40.0)
+    np.testing.assert_allclose(explorer.pose.rpy[0], 0.3)
+    assert list(pose_explorer(ROBOTS["1T"]()).controls) == ["x"]
+
+
+def test_a_start_beyond_the_range_widens_it():
+    explorer = pose_explorer(ROBOTS["3R3T"](), cl.Pose([0, 0, 5.0], rpy=[1.3, 0, 0]))
+    np.testing.assert_allclose(explorer.pose.position, [0, 0, 5.0])
+    assert explorer.controls["z"].high >= 5.0 and explorer.controls["roll"].high >= np.rad2deg(1.3)
+
+
+def test_a_cable_without_length_is_told():
+    robot = ROBOTS["3T"]()
+    explorer = pose_explorer(robot, cl.Pose(robot.exit_points[2]))
+    assert "Cable 3 has no length" in explorer.text
+    explorer.set(z=1.0)
+    assert "f_x" in explorer.text
+
+
+@pytest.mark.parametrize(("subject", "start"), [
+    ("caroca", None), (ROBOTS["2T"], None), (ROBOTS["2T"](), cl.Pose([0, 0, 1])), (ROBOTS["2T"](), "here"),
+    (ROBOTS["2T"](), cl.Pose(np.zeros((3, 2))))])
+def test_pose_explorer_refuses_what_it_cannot_show(subject, start):
+    with pytest.raises(InvalidInput, match=r"takes a World or a Robot|single planar Pose"):
+        pose_explorer(subject, start)
+
+
+# --- the run player -----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize(("name", "view"), [("planar", "picture"), ("caroca", "picture"), ("caroca", "scene")])
+def test_the_player_tells_the_log_at_every_time(name, view):
+    run = kinematic_run(RUNS[name]())
+    player = run_player(run, view)
+    for values in extremes(player, 6, seed=2):
+        player.set(**values)
+        k = int(np.flatnonzero(run.time <= player.values["t"] + 1e-9)[-1])
+        head, table = player.text.split("\n\n")
+        assert f"{run.time[k]:.3f} s" in head and f"{1e3 * run.position_errors[k]:.3f} mm" in head
+        assert ("NO feasible" in head) == (not run.feasible[k])
+        rows = np.array([line.split()[:3] for line in table.splitlines()[1:]], float)
+        np.testing.assert_allclose(rows[:, 1], run.measured_tensions[k], atol=0.051)  # one decimal
+        np.testing.assert_allclose(rows[:, 2], run.commanded_tensions[k], atol=0.051)
+        bars = [bar.get_width() for bar in player.bars.bars]
+        np.testing.assert_allclose(bars, run.measured_tensions[k])
+    player.close()
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_time_changes_the_picture(name):
+    player = run_player(kinematic_run(RUNS[name]()))
+    before = player.picture
+    player.set(t=player.end)
+    assert player.picture != before and "2.000 s" in player.text
+
+
+def test_the_play_button_and_the_slider_follow_each_other():
+    player = run_player(kinematic_run(planar_world()))
+    player.play.value = player.play.max
+    assert player.values["t"] == pytest.approx(player.end)
+    player.set(t=1.0)
+    assert player.play.value == 10 and player.values["t"] == 1.0
+    player.play.value = 0
+    assert player.values["t"] == 0.0
+
+
+def test_slack_and_cut_cables_are_told():
+    from dataclasses import replace
+
+    run = kinematic_run(cl.load_world("caroca"))
+    tau = np.array(run.measured_tensions)
+    tau[:, 0], tau[:, 1], tau[-1] = np.nan, 0.0, np.nan
+    for view in ("picture", "scene"):
+        player = run_player(replace(run, measured_tensions=tau), view)
+        assert player.text.count("slack") == 2
+        player.set(t=player.end)
+        assert player.text.count("slack") == 8
+        player.close()
+
+
+def test_a_run_of_one_step_plays():
+    run = kinematic_run(planar_world(), steps=1)
+    player = run_player(run)
+    player.set(t=player.controls["t"].high)
+    assert "0.000 s" in player.text
+
+
+def test_the_player_refuses_what_it_cannot_play():
+    with pytest.raises(InvalidInput, match="takes a Run"):
+        run_player(42)
+    with pytest.raises(InvalidInput, match="one of picture, scene"):
+        run_player(kinematic_run(planar_world()), "film")
+    with pytest.raises(InvalidInput, match="planar"):
+        run_player(kinematic_run(planar_world()), "scene")
