@@ -15,6 +15,7 @@ from .kinematics import base_jacobian, forward_kinematics, jacobian
 from .pose import Pose
 from .robot import Base, Cable, Platform, Robot
 from .run import Run, run
+from .sets import Polytope, available_twist_set, available_wrench_set
 from .simulate import Simulator, open_simulator
 from .statics import gravity_wrench, stiffness, tipping_moments, tipping_rows, wrench_matrix
 from .tensions import TensionDistribution, distribute_tensions, tension_methods
@@ -25,10 +26,10 @@ from .world import World, load_world, world_names, world_schema
 __version__ = "0.1.0"
 
 __all__ = [
-    "Base", "Cable", "CdprError", "ComputedTorque", "ConfigurationSequence", "Platform", "Pose", "Reference", "Robot",
-    "Run", "Simulator", "State", "TensionDistribution", "Trajectory", "World", "base_jacobian", "cable_directions",
-    "cable_lengths", "cable_vectors", "classify_configurations", "distribute_tensions", "errors", "forward_kinematics",
-    "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator", "plan_configurations", "plot", "quintic",
-    "run", "stiffness", "tension_methods", "tipping_moments", "tipping_rows", "world_names", "world_schema",
-    "wrench_matrix",
+    "Base", "Cable", "CdprError", "ComputedTorque", "ConfigurationSequence", "Platform", "Polytope", "Pose",
+    "Reference", "Robot", "Run", "Simulator", "State", "TensionDistribution", "Trajectory", "World",
+    "available_twist_set", "available_wrench_set", "base_jacobian", "cable_directions", "cable_lengths",
+    "cable_vectors", "classify_configurations", "distribute_tensions", "errors", "forward_kinematics", "gravity_wrench",
+    "hold", "jacobian", "load_world", "open_simulator", "plan_configurations", "plot", "quintic", "run", "stiffness",
+    "tension_methods", "tipping_moments", "tipping_rows", "world_names", "world_schema", "wrench_matrix",
 ]

@@ -54,6 +54,26 @@ class InfeasibleTensions(CdprError):
         self.distribution = distribution
 
 
+class NotListable(CdprError):
+    """A set whose vertices and facets cannot be written down: unbounded, or too many of them."""
+
+
+class InfeasibleTwist(CdprError):
+    """A platform twist beyond the speed limits; ``resolution`` holds the speeds and the largest feasible scale."""
+
+    def __init__(self, message: str, resolution: Any) -> None:
+        super().__init__(message)
+        self.resolution = resolution
+
+
+class NoPlacement(CdprError):
+    """No base poses were found that serve the wanted poses; ``robot`` stands as near to it as was found."""
+
+    def __init__(self, message: str, robot: Any) -> None:
+        super().__init__(message)
+        self.robot = robot
+
+
 class SimulationDiverged(CdprError):
     """The engine lost the robot at ``time`` [s]; ``cable`` (from 1) pulled hardest."""
 

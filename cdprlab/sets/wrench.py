@@ -1,0 +1,86 @@
+"""Available wrench set: what the cables can exert on the platform, with bases fastened or standing freely."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Array, as_number, frozen
+from ..errors import InvalidInput
+from ..geometry import cable_directions
+from ..pose import Pose
+from ..robot import Robot
+from ..statics import tipping_rows, wrench_matrix
+from .elimination import can_eliminate, eliminate
+from .polytope import Polytope
+from .twist import one_pose
+
+
+def available_wrench_set(robot: Robot, pose: Pose, tipping: bool = False, friction: float | None = None) -> Polytope:
+    """AWS = {W τ : τ_min ≤ τ ≤ τ_max}; with tipping only tensions under which every base keeps all edges down.
+
+    What the cables exert, the weight not subtracted: the wrench one can add while holding the platform is
+    ``axis_section(origin=-gravity_wrench(robot, pose))``. Where W has no full row rank the set is flat, and says so.
+
+    robot : m cables
+    pose : one pose
+    tipping : keep `tipping_moments` ≤ 0 for every base with a footprint
+    friction : between wheels and floor; given, no base slides either (`sliding_rows`)
+    Returns Polytope of wrenches [f; m] [N, N m].
+    Raises InvalidInput for a batch of poses.
+    Source: Bouchard et al. 2010; Gouttefarde and Krut 2010; Pedemonte et al. 2020, eq. (24).
+
+    >>> import cdprlab as cl
+    >>> robot = cl.load_world("caroca").robot
+    >>> bool(available_wrench_set(robot, cl.Pose([0, 0, 1])).contains([0, 0, 9.81 * 150, 0, 0, 0]))
+    True
+    """
+    W = wrench_matrix(robot, one_pose(pose))
+    low, high = robot.tension_min, robot.tension_max
+    standing = [(rows.matrix, -rows.offset) for rows in tipping_rows(robot, pose).values()] if tipping else []
+    if friction is not None:
+        standing.append(sliding_rows(robot, pose, friction))
+    if not sum(len(limit) for _, limit in standing):
+        return Polytope.from_box(W, low, high)
+    eye = np.eye(robot.n_cables)
+    A = np.concatenate([eye, -eye, *(matrix for matrix, _ in standing)])
+    b = np.concatenate([high, -low, *(limit for _, limit in standing)])
+    listed = np.linalg.matrix_rank(W) == len(W) and can_eliminate(W, A)
+    return Polytope(frozen(W), frozen(A), frozen(b), frozen(np.zeros(len(W))),
+                    outer=(lambda: eliminate(W, A, b)) if listed else None)
+
+
+def sliding_rows(robot: Robot, pose: Pose, friction: float, sides: int = 8) -> tuple[Array, Array]:
+    """Rows (A, b) with A τ ≤ b while friction holds every base that carries cables: |F_h| ≤ μ N as a whole.
+
+    The circle of horizontal forces is replaced by a regular polygon inside it (in the plane there are two
+    directions, exactly). A base turning on the spot is not looked at.
+    Source: named as open by Pedemonte et al. 2020, sec. 5.
+
+    robot : m cables; pose : one pose
+    friction : μ between wheels and floor
+    sides : of the polygon; 8 keep at least 92 % of every direction
+    Returns (f, m) and (f,) [N].
+
+    >>> import cdprlab as cl
+    >>> sliding_rows(cl.load_world("caroca").robot, cl.Pose([0, 0, 1]), 0.5)[0].shape
+    (0, 8)
+    """
+    mu = as_number(friction, "friction", minimum=0.0)
+    if not isinstance(sides, int) or sides < 3:
+        raise InvalidInput(f"sides must be a whole number of at least 3, got {sides!r}")
+    pulls = -cable_directions(robot, one_pose(pose))      # on the bases
+    ways, share = _horizontal(robot.dimension, sides)
+    rows, limits = [np.zeros((0, robot.n_cables))], [np.zeros(0)]
+    for k, base in enumerate(robot.bases):
+        carried = np.array([carrier == k for carrier in robot.base_indices])
+        # F_h·e ≤ share μ N with N = m g − (pull upwards)
+        rows.append((pulls @ ways.T + share * mu * pulls[:, -1:]).T * carried)
+        limits.append(np.full(len(ways), share * mu * base.mass * robot.gravity))
+    return np.concatenate(rows), np.concatenate(limits)
+
+
+def _horizontal(dimension: int, sides: int) -> tuple[Array, float]:
+    if dimension == 2:
+        return np.array([[1.0, 0.0], [-1.0, 0.0]]), 1.0
+    angles = 2 * np.pi * np.arange(sides) / sides
+    return np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1), float(np.cos(np.pi / sides))

@@ -1,0 +1,90 @@
+"""Facets of a zonotope, the image of a box, by hyperplane shifting."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from itertools import combinations
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+
+PARALLEL = 1e-9
+"""Unit normals this close together are one; generators shorter than this share of the longest are none."""
+
+MOST_COMBINATIONS = 100_000
+"""Of generators, before a listing is called too long."""
+
+
+def hyperplane_shifting(center: Array, generators: Array) -> tuple[Array, Array]:
+    """Rows (N, d) with {center + G z : |z| ≤ 1} = {x : N x ≤ d}, one row a facet; G must have full row rank.
+
+    Every facet is parallel to n − 1 independent generators; its plane is shifted outwards along its normal n by
+    Σ |n·g_i|.
+
+    center : (n,); generators : G, (n, k)
+    Source: Gouttefarde and Krut 2010; Bouchard et al. 2010.
+
+    >>> normals, offsets = hyperplane_shifting(np.zeros(2), np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]))
+    >>> len(normals), float(offsets.max().round(6))
+    (6, 2.0)
+    """
+    normals = shifting_normals(generators)
+    reach = np.abs(normals @ generators).sum(axis=1)
+    middle = normals @ center
+    return np.concatenate([normals, -normals]), np.concatenate([reach + middle, reach - middle])
+
+
+def shifting_normals(generators: Array) -> Array:
+    """(f, n) one unit normal a pair of opposite facets: orthogonal to n − 1 independent columns of G."""
+    n, k = generators.shape
+    lengths = np.linalg.norm(generators, axis=0)
+    unit = (generators / np.where(lengths > PARALLEL * lengths.max(), lengths, np.inf)).T
+    if n == 1:
+        return np.ones((1, 1))
+    # One normal a choice of n − 1 generators: R of the transposed choice is triangular, its last row's null vector
+    # follows from cofactors; QR by columns is what LAPACK batches best.
+    chosen = unit[_choices(k, n - 1)]
+    q, r = np.linalg.qr(np.swapaxes(chosen, -1, -2), mode="complete")
+    pivots = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
+    return _distinct(q[pivots.min(axis=-1) > PARALLEL, :, -1])
+
+
+def n_choices(n: int, k: int) -> int:
+    """How many choices of n − 1 among k generators there are."""
+    return comb(k, n - 1)
+
+
+@lru_cache(maxsize=16)
+def _choices(k: int, size: int) -> NDArray[np.intp]:
+    return np.array(list(combinations(range(k), size)), dtype=np.intp).reshape(-1, size)
+
+
+def _distinct(normals: Array) -> Array:
+    """Each line once, its first entry that is not small positive."""
+    leading = np.take_along_axis(normals, (np.abs(normals) > 1e-7).argmax(axis=1)[:, None], axis=1)
+    signed = normals * np.sign(leading)
+    return signed[first_of_each(signed)]
+
+
+def first_of_each(rows: Array, tolerance: float = 1e-8) -> NDArray[np.intp]:
+    """Indices of rows that equal no earlier one up to ``tolerance``.
+
+    >>> first_of_each(np.array([[0.0, 1.0], [1.0, 0.0], [0.0, 1.0 + 1e-12]]))
+    array([0, 1])
+    """
+    # Along a fixed slanted line equal rows land on equal numbers; only neighbors there need to be compared.
+    slant = rows @ np.sqrt(np.arange(2, 2 + rows.shape[1]))
+    order = np.argsort(slant, kind="stable")
+    reach = tolerance * np.sqrt(rows.shape[1] * (2 + rows.shape[1]))
+    kept = np.ones(len(rows), dtype=bool)
+    for gap in range(1, len(rows)):
+        near = slant[order[gap:]] - slant[order[:-gap]] <= reach
+        if not near.any():
+            break
+        first, later = order[:-gap][near], order[gap:][near]
+        same = (np.abs(rows[first] - rows[later]) <= tolerance).all(axis=1)
+        kept[np.maximum(first[same], later[same])] = False
+    return np.flatnonzero(kept)
