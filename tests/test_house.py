@@ -13,7 +13,7 @@ ROOMS = (
     "errors", "arrays", "pose", "robot", "world", "geometry", "kinematics", "statics", "tensions", "sets", "workspace",
     "configurations", "trajectory", "control", "simulate", "run", "view", "__main__",
 )
-CLOSETS = {"fast_statics": "statics", "fast_control": "control"}
+CLOSETS = {"fast_statics": "statics", "redundancy": "kinematics", "base_placement": "workspace", "fast_control": "control"}
 """Files that belong to a room without being in its folder."""
 UPWARDS = {
     ("world", "trajectory"): "a Task makes its own trajectory, when asked",
