@@ -13,7 +13,8 @@ ROOMS = (
     "errors", "arrays", "pose", "robot", "world", "geometry", "kinematics", "statics", "tensions", "sets", "workspace",
     "configurations", "trajectory", "control", "simulate", "run", "view", "__main__",
 )
-CLOSETS = {"fast_statics": "statics", "redundancy": "kinematics", "base_placement": "workspace", "fast_control": "control"}
+CLOSETS = {"redundancy": "kinematics", "fast_statics": "statics", "base_placement": "workspace",
+           "fast_control": "control"}
 """Files that belong to a room without being in its folder."""
 UPWARDS = {
     ("world", "trajectory"): "a Task makes its own trajectory, when asked",
