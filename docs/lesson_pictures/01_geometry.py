@@ -64,7 +64,7 @@ def draw(axes: Axes) -> None:
     arrow(axes, ORIGIN, P, GREEN, r"$\mathbf{p}$", (0.5, 0.15))
     arrow(axes, P, corners[2], PURPLE, r"$R\,\mathbf{b}_3$", (0.72, -0.21))
     arrow(axes, corners[2], EXITS[2], VERMILION, r"$\mathbf{l}_3$", (0.5, -0.16))
-    for place, words, side in ((ORIGIN, "O", (-0.14, -0.12)), (P, "P", (-0.1, 0.12)),
+    for place, words, side in ((ORIGIN, "O", (-0.14, -0.12)), (P, "P", (0.0, -0.15)),
                                (corners[2], "anchor point $B_3$", (0.57, -0.12)),
                                (EXITS[2], "exit point $A_3$", (-0.2, 0.2)), (P, "platform", (0.0, -0.33))):
         axes.text(*(place + side), words, ha="center", va="center")
