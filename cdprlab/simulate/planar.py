@@ -25,12 +25,14 @@ from ..control import State
 from ..errors import InvalidInput, MissingDependency, SimulationDiverged
 from ..pose import Pose
 from ..robot import Robot
+from ..statics import wrench_matrix
 from ..world import World
 from .planar_bases import DrivenBases
 from .planar_camera import BASE_HEIGHT, CORNERS, PlanarCamera
 from .simulator import Simulator
 
 _FRICTION = 0.5
+_MOST_ITERATIONS = 1000
 
 
 class PlanarSimulator(Simulator):
@@ -40,18 +42,18 @@ class PlanarSimulator(Simulator):
     cables : "length" (ropes paid in and out by winches), "tension" or "force" (both ideal: in the plane every
         cable pulls its anchor point with the tension commanded)
     dt : time step [s]
-    solver_iterations : of Chipmunk's constraint solver
+    solver_iterations : of Chipmunk's constraint solver; default as many as the ropes need, 10 to 1000
     """
 
     _lengths: list[float]
     _directions: list[tuple[float, float]]
 
     def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *,
-                 solver_iterations: int = 30) -> None:
+                 solver_iterations: int | None = None) -> None:
         self.world, self.dt, self.cables = world, float(dt), cables
         self._pymunk = import_pymunk()
         self._calls = _Calls()
-        self._iterations = solver_iterations
+        self._iterations = solver_iterations or _iterations_needed(world)
         self._center = [float(x) for x in world.robot.platform.center_of_mass]
         self._anchors = (world.robot.anchor_points - world.robot.platform.center_of_mass).tolist()
         self._speed_max = world.robot.speed_max.tolist()
@@ -348,6 +350,30 @@ class PlanarSimulator(Simulator):
             self._space.add(reel, rope)
             ropes.append(rope)
         return ropes
+
+
+def _iterations_needed(world: World) -> int:
+    """As many as bring the solver's error down a millionfold, wherever a task starts or ends.
+
+    Ropes are solved one after the other (Gauss and Seidel); a round over all of them projects the remaining error on
+    one rope's complement after the other's. Left unfinished, taut redundant ropes would tighten each other step by
+    step.
+    """
+    robot = world.robot
+    weights = np.array([robot.mass, robot.mass, float(robot.platform.inertia)])[:robot.n_dof]
+    slowest = 0.0
+    for pose in (world.pose, *(end for task in world.tasks.values() for end in (task.start, task.end))):
+        rows = wrench_matrix(robot, pose).T
+        if robot.n_dof == 3:   # moments about the center of mass
+            x, y = pose.rotation @ robot.platform.center_of_mass
+            rows = rows - np.outer(x * rows[:, 1] - y * rows[:, 0], [0.0, 0.0, 1.0])
+        once = np.eye(robot.n_dof)
+        for row in rows / np.sqrt(weights):
+            once = once - np.outer(row, row @ once) / max(row @ row, 1e-12)
+        slowest = max(slowest, float(np.abs(np.linalg.eigvals(once)).max()))
+    if slowest > 1 - 1e-9:   # fewer ropes than freedoms: some error is nobody's
+        return _MOST_ITERATIONS if len(robot.cables) >= robot.n_dof else 30
+    return int(np.clip(math.ceil(math.log(1e-6) / math.log(max(slowest, 1e-6))), 10, _MOST_ITERATIONS))
 
 
 class _Calls:

@@ -1,0 +1,250 @@
+"""The planar engine against statics, against the spatial one and against itself; winches, slack ropes, driven bases."""
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import cdprlab as cl
+from cdprlab.errors import InvalidInput, MissingDependency, SimulationDiverged
+from cdprlab.simulate.camera import SLACK_COLOR, TENSION_COLORS, Camera
+from robots import robot_1r2t, robot_2t, spatial_twin
+
+try:
+    from cdprlab.simulate.planar import import_pymunk
+    from cdprlab.simulate.planar_camera import PlanarCamera
+
+    import_pymunk()
+except MissingDependency as missing:
+    pytest.skip(str(missing), allow_module_level=True)
+
+PLANAR = [name for name in cl.world_names() if cl.load_world(name).engine == "planar"]
+MOBILE = ("planar_mcdpr", "fastkit_planar")
+
+
+def with_task(world, name, task):
+    return replace(world, tasks={**world.tasks, name: task})
+
+
+def hanging(mass=10.0, length=2.0, **more):
+    """A point mass on one rope below the origin."""
+    return cl.World.from_dict({
+        "name": "hanging", "motion_pattern": "2T", "cable_limits": {"tension": [0, 1e4], **more},
+        "platform": {"mass": mass, "size": [0.1, 0.1], "pose": {"position": [0.0, 5 - length]}},
+        "cables": [{"exit_point": [0.0, 5.0], "anchor_point": [0, 0]}]})
+
+
+def balance(simulator):
+    """W τ + w_g where the platform is now."""
+    pose = cl.Pose.of(simulator.position, simulator.rotation)
+    return simulator.wrench_matrix @ simulator.tensions + cl.gravity_wrench(simulator.robot, pose)
+
+
+# --- at rest ------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("cables", ["tension", "force"])
+@pytest.mark.parametrize("name", PLANAR)
+def test_every_world_hangs_still(name, cables):
+    """Tensions that balance the weight keep it where it is; only rounding moves it."""
+    world = cl.load_world(name)
+    world = with_task(world, "still", cl.world.Task("hold", world.pose, world.pose, 1.0))
+    with cl.open_simulator(world, cables) as simulator:
+        run = cl.run(world, "still", cables=cables, simulator=simulator)
+        assert simulator.contact_force() == 0
+    assert run.position_errors.max() < 1e-9 and run.feasible.all()
+    np.testing.assert_array_equal(run.measured_tensions, run.commanded_tensions)
+
+
+@pytest.mark.parametrize("name", PLANAR)
+def test_on_ropes_every_world_hangs_still_by_statics(name):
+    """Ropes of the pose's lengths hold the pose; what they carry balances the weight to 1e-6."""
+    world = cl.load_world(name)
+    lengths = cl.cable_lengths(world.robot, world.pose)
+    with cl.open_simulator(world, "length") as simulator:
+        for _ in range(1000):
+            assert simulator.wind(lengths)
+        np.testing.assert_allclose(simulator.position, world.pose.position, atol=1e-9)
+        np.testing.assert_allclose(balance(simulator), 0, atol=1e-6)
+        assert (simulator.tensions >= 0).all() and simulator.contact_force() == 0
+
+
+def test_a_rope_carries_the_weight_it_holds():
+    with cl.open_simulator(hanging(), "length") as simulator:
+        for _ in range(10):
+            simulator.wind([2.0])
+        assert simulator.tensions[0] == pytest.approx(98.1, abs=1e-9)
+
+
+def test_a_load_on_the_floor_leaves_its_rope_slack():
+    """Paid out beyond the floor, the rope carries nothing and the floor everything."""
+    world = hanging(speed=1.0)
+    with cl.open_simulator(world, "length") as simulator:
+        for length in np.linspace(2.0, 5.5, 4000):
+            simulator.wind([length])
+        for _ in range(500):
+            simulator.wind([5.5])
+        assert simulator.tensions[0] == 0
+        assert simulator.contact_force() == pytest.approx(98.1, rel=1e-3)
+        # Chipmunk lets shapes sink in by its collision slop of 0.1 length units before it corrects at all.
+        assert -0.1 < simulator.position[1] < 0.051
+
+
+# --- cut ----------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("cables", ["tension", "force", "length"])
+@pytest.mark.parametrize("name", PLANAR)
+def test_cut_cables_let_it_fall(name, cables):
+    """Free fall for 0.1 s: h = g t²/2, up to the semi-implicit step's g t dt / 2."""
+    world = cl.load_world(name)
+    g, lengths = world.robot.gravity, cl.cable_lengths(world.robot, world.pose)
+    with cl.open_simulator(world, cables) as simulator:
+        simulator.cut()
+        for _ in range(100):
+            _ = simulator.wind(lengths) if cables == "length" else simulator.step(world.robot.tension_max)
+        fallen = world.pose.position - simulator.state().position
+    np.testing.assert_allclose(fallen, [0, g * 0.1**2 / 2], atol=g * 0.1 * 1e-3 + 1e-12)
+
+
+def test_one_cut_rope_carries_nothing():
+    world = cl.load_world("planar_suspended")
+    lengths = cl.cable_lengths(world.robot, world.pose)
+    with cl.open_simulator(world, "length") as simulator:
+        simulator.wind(lengths)
+        simulator.cut([1])
+        for _ in range(50):
+            simulator.wind(lengths)
+        assert simulator.tensions[1] == 0 and simulator.tensions.max() > 50
+        with pytest.raises(InvalidInput, match="index"):
+            simulator.cut([4])
+        simulator.reset()
+        simulator.wind(lengths)
+        assert simulator.tensions[1] > 0
+
+
+# --- winches ------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("acceleration", [-1.0, 1.0])
+def test_a_winch_raises_and_lowers_without_jerks(acceleration):
+    """Paid in or out ever faster, then evenly: the rope carries m (g − a), then m g; the load is where it should be."""
+    with cl.open_simulator(hanging(), "length") as simulator:
+        tensions = []
+        for k in range(1, 1001):
+            t = 1e-3 * k
+            wound = acceleration * (t**2 / 2 if t <= 0.5 else 0.5 * t - 0.125)
+            simulator.wind([2.0 + wound])
+            assert simulator.position[1] == pytest.approx(3.0 - wound, abs=1e-12)
+            tensions.append(simulator.tensions[0])
+    # A change of acceleration takes two steps.
+    np.testing.assert_allclose(tensions[2:499], 10 * (9.81 - acceleration), atol=1e-6)
+    np.testing.assert_allclose(tensions[501:], 98.1, atol=1e-6)
+
+
+def test_a_rope_paid_out_faster_than_a_fall_is_slack():
+    with cl.open_simulator(hanging(), "length") as simulator:
+        for k in range(1, 101):
+            simulator.wind([2.0 + 3.0 * 1e-3 * k])
+            assert simulator.tensions[0] == 0
+        assert 3.0 - simulator.position[1] == pytest.approx(9.81 * 0.1**2 / 2, abs=9.81 * 0.1 * 1e-3)
+
+
+@pytest.mark.parametrize("name", ["planar_rigid", "planar_suspended", "planar_point", "planar_mcdpr", "kntu_planar"])
+def test_ropes_wound_by_inverse_kinematics_take_the_platform_along(name):
+    """Within a micrometer, on the way and at its end, whatever the redundancy; tensions never push."""
+    world = cl.load_world(name)
+    task = world.task()
+    path = task.trajectory()(np.arange(round(1000 * task.duration) + 1) * 1e-3).pose
+    lengths = cl.cable_lengths(world.robot, path)
+    with cl.open_simulator(world, "length") as simulator:
+        for k in range(1, len(path)):
+            assert simulator.wind(lengths[k])
+            assert np.abs(simulator.position - path.position[k]).max() < 2e-6
+            assert (simulator.tensions >= 0).all()
+
+
+def test_winches_keep_their_speed_limits_and_say_so():
+    with cl.open_simulator(hanging(speed=0.5), "length") as simulator:
+        assert simulator.wind([2.0 - 0.5e-3])          # at the limit
+        assert not simulator.wind([1.0])               # 1 m in 1 ms
+        assert simulator.lengths[0] == pytest.approx(2.0 - 1.0e-3, abs=1e-8)
+        assert simulator.wind([2.0 - 2.0e-3], substeps=2)
+        assert simulator.lengths[0] == pytest.approx(2.0 - 2.0e-3, abs=1e-8)
+
+
+def test_substeps_wind_evenly():
+    world = cl.load_world("planar_rigid")
+    path = world.task().trajectory()(np.arange(0, 3.01, 0.01)).pose
+    with cl.open_simulator(world, "length") as simulator:
+        for k in range(1, len(path)):
+            simulator.wind(cl.cable_lengths(world.robot, path[k]), substeps=10)
+            # Lengths in between are straight lines of 10 ms: off by a dt²/8, a ≤ 1 m/s² here.
+            assert np.abs(simulator.position - path.position[k]).max() < 5e-5
+
+
+# --- bases --------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("name", MOBILE)
+def test_a_base_drives_while_ropes_hold_the_platform_still(name):
+    """At constant speed, the winches making up for it: within 0.1 mm."""
+    world = cl.load_world(name)
+    with cl.open_simulator(world, "length") as simulator:
+        simulator.drive([0, -0.2, 0, 0, 0, 0])
+        for k in range(1, 1001):
+            bases = {world.robot.bases[0].name: (world.robot.bases[0].position[0] - 0.2e-3 * k, 0.0, 0.0)}
+            simulator.wind(cl.cable_lengths(world.robot.with_bases(bases), world.pose))
+            assert np.abs(simulator.position - world.pose.position).max() < 1e-4
+        np.testing.assert_allclose(simulator.robot.bases[0].position, [-0.2, 0], atol=1e-12)
+        np.testing.assert_allclose(simulator.lengths, cl.cable_lengths(simulator.robot, world.pose), atol=1e-6)
+
+
+@pytest.mark.parametrize("name", MOBILE)
+def test_a_base_drives_while_tensions_hold_the_platform_still(name):
+    world = cl.load_world(name)
+    law, low, high = cl.ComputedTorque(), world.robot.tension_min, world.robot.tension_max
+    still = cl.hold(world.pose, 1.0)(0.0)
+    with cl.open_simulator(world) as simulator:
+        simulator.drive([0, 0.2, 0, 0, 0, 0])
+        for _ in range(500):
+            wanted = law(0.0, simulator.state(), still)
+            simulator.step(cl.distribute_tensions(simulator.wrench_matrix, -wanted, low, high).require().tensions)
+            assert np.abs(simulator.position - world.pose.position).max() < 1e-4
+        np.testing.assert_allclose(simulator.robot.bases[0].position, [0.1, 0], atol=1e-12)
+        np.testing.assert_allclose(simulator.lengths, cl.cable_lengths(simulator.robot, simulator.state().pose),
+                                   atol=1e-12)
+
+
+def test_bases_turn_and_drive_in_their_own_axes():
+    """Exit points go where the base's frame takes them, and lengths follow l̇ = J t − B_b q̇_b."""
+    world = cl.load_world("planar_mcdpr")
+    turning = tuple(replace(base, heading=0.2, speed_max=np.ones(3)) for base in world.robot.bases)
+    world = replace(world, robot=replace(world.robot, bases=turning))
+    speeds = np.array([0.3, 0.2, 0.1, -0.2, 0.1, -0.1])
+    with cl.open_simulator(world, dt=1e-4) as simulator:
+        before, robot = simulator.lengths, simulator.robot
+        assert (simulator.drive(speeds) == speeds).all()
+        simulator.push(-cl.gravity_wrench(world.robot, world.pose))
+        simulator.step(np.zeros(4))
+        np.testing.assert_allclose((simulator.lengths - before) / 1e-4, -cl.base_jacobian(robot, world.pose) @ speeds,
+                                   atol=1e-4)
+        base = simulator.robot.bases[0]
+        assert base.heading == pytest.approx(0.2 + 0.3e-4, abs=1e-15)
+        np.testing.assert_allclose(base.position, 1e-4 * np.array([0.2 * np.cos(0.2) - 0.1 * np.sin(0.2),
+                                                                   0.2 * np.sin(0.2) + 0.1 * np.cos(0.2)]), atol=1e-15)
+
+
+def test_bases_keep_their_speed_limits():
+    world = cl.load_world("planar_mcdpr")
+    with cl.open_simulator(world) as simulator:
+        np.testing.assert_array_equal(simulator.drive([1, 2, 1, 0, -5, 0]), [0, 0.8, 0, 0, -0.8, 0])
+        with pytest.raises(InvalidInput, match="base speeds must be 6 numbers"):
+            simulator.drive([1, 2])
+
+
+def test_a_deck_stops_a_platform_let_down_on_it():
+    world = cl.load_world("planar_mcdpr")
+    start = cl.Pose([0.05, 0.5])
+    with cl.open_simulator(world) as simulator:
+        simulator.reset(start)
+        simulator.cut()
+        for _ in range(1500):
+            simulator.step(np.zeros(4))
+        # The deck is 0.25 m high and P half the platform's size above it, up to the engine's collision slop.
+        assert 0.22 < simulator.position[1] < 0.33
+        assert simulator.contact_force() == pytest.approx(19.62, rel=1e-3)
