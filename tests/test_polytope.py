@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-import scipy.sparse
+from programs import lp_contains, lp_support
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 
@@ -33,23 +33,6 @@ def some_polytope(kind, n, seed):
         return cl.Polytope.from_box(M, low, high)
     A = np.concatenate([np.eye(n + 3), -np.eye(n + 3), rng.normal(size=(4, n + 3))])
     return cl.Polytope.from_image(M, A, np.concatenate([high, -low, rng.uniform(0.3, 1.0, 4)]))
-
-
-def lp_support(polytope, directions):
-    """max d·M q with A q ≤ b for all directions as one sparse program, solved by HiGHS."""
-    finite = np.isfinite(polytope.limits)
-    goals = directions @ polytope.map
-    rows = scipy.sparse.block_diag([polytope.rows[finite]] * len(goals), format="csr")
-    found = linprog(-goals.ravel(), A_ub=rows, b_ub=np.tile(polytope.limits[finite], len(goals)), bounds=(None, None),
-                    method="highs")
-    assert found.status == 0
-    return (goals * found.x.reshape(goals.shape)).sum(axis=1) + directions @ polytope.shift
-
-
-def lp_contains(polytope, x):
-    """Whether HiGHS finds a q with M q = x and A q ≤ b."""
-    return linprog(np.zeros(polytope.map.shape[1]), A_ub=polytope.rows, b_ub=polytope.limits, A_eq=polytope.map,
-                   b_eq=x - polytope.shift, bounds=(None, None), method="highs").status == 0
 
 
 @pytest.mark.parametrize("seed", range(40))
