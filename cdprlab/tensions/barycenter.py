@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import Array
 from .method import Answers, BatchSolver, vectorized
-from .polygon import CENTROID, polygon_points
+from .polygon import CENTROID, polygon_points, too_redundant
 
 
 def batch() -> BatchSolver:
@@ -18,7 +18,7 @@ def batch() -> BatchSolver:
 
     def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
         tensions, reasons, spare = polygon_points(W, w_e, low, high, CENTROID)
-        for k in np.flatnonzero((spare > 2) & (reasons == "")):
+        for k in np.flatnonzero(too_redundant(spare, reasons)):
             reasons[k] = f"the barycenter is computed for at most 2 redundant cables; here there are {spare[k]}"
         return tensions, reasons
 

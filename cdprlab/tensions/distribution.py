@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite
+from operator import sub
 from typing import Any
 
 import numpy as np
@@ -125,14 +127,16 @@ def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions
 
 
 def _checked(W: ArrayLike, w_e: ArrayLike, low: ArrayLike, high: ArrayLike) -> tuple[Array, Array, Array, Array]:
-    W = as_array(W, "wrench matrix W", ("n", "m"), batch=True)
+    W = _gate(W, "wrench matrix W", ("n", "m"))
     n, m = W.shape[-2:]
     if not n or not m:
         raise InvalidInput(f"wrench matrix W needs at least one row and one cable, got shape {W.shape}")
-    w_e = as_array(w_e, "external wrench w_e", (n,), "N, N m", batch=True)
+    w_e = _gate(w_e, "external wrench w_e", (n,), "N, N m")
     low, high = _limits(low, "tension_min", m), _limits(high, "tension_max", m)
-    if low.ndim == high.ndim == 1 and _in_order(low.tolist(), high.tolist()):
-        return W, w_e, low, high
+    if low.ndim == high.ndim == 1:
+        lows, highs = low.tolist(), high.tolist()
+        if min(lows) >= 0 and min(map(sub, highs, lows)) >= 0:
+            return W, w_e, low, high
     _batch_shape(W, w_e, low, high)
     if (low < 0).any():
         raise InvalidInput(f"tension_min must not be negative [N] (cables only pull), got {float(low.min()):g}")
@@ -144,18 +148,24 @@ def _checked(W: ArrayLike, w_e: ArrayLike, low: ArrayLike, high: ArrayLike) -> t
     return W, w_e, low, high
 
 
+def _gate(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: str = "") -> Array:
+    """`as_array`, without its copy where there is nothing to change: a batch of W is most of what is moved."""
+    if type(value) is np.ndarray and value.dtype == np.float64 and value.ndim >= max(1, len(shape)):
+        fits = not shape or isinstance(shape[-1], str) or value.shape[-1] == shape[-1]
+        flat = value.ravel()
+        if fits and isfinite(flat.dot(flat)):   # else something is not finite, or enormous: looked at closely
+            return value
+    return as_array(value, name, shape, unit, batch=True)
+
+
 def _limits(value: ArrayLike, name: str, m: int) -> Array:
     """(m,) or (…, m) from a number or an array."""
-    given = as_array(value, name, (), "N", batch=True)
+    given = _gate(value, name, (), "N")
     if given.ndim and given.shape[-1] == m:
         return given
     if given.ndim and given.shape[-1] != 1:
         raise InvalidInput(f"{name} must be a number or {m} numbers [N], got shape {given.shape}")
     return np.broadcast_to(given, (*given.shape[:-1], m))
-
-
-def _in_order(low: list[float], high: list[float]) -> bool:
-    return all(0 <= least <= most for least, most in zip(low, high))
 
 
 def _batch_shape(W: Array, w_e: Array, low: Array, high: Array) -> tuple[int, ...]:

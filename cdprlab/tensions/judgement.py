@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import isnan, nan
+from operator import sub
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +16,7 @@ from .method import LIMIT_TOLERANCE, OUT_OF_RANGE, RESIDUAL_TOLERANCE, Texts, br
 
 
 class Problem(NamedTuple):
-    """What was asked: W (…, n, m), w_e (…, n), limits (m,) or (…, m)."""
+    """What was asked: W (…, n, m), w_e (…, n), limits (…, m), their batch axes as given."""
 
     W: Array
     w_e: Array
@@ -32,6 +34,7 @@ class TensionDistribution:
     margin : (…) distance to the nearest limit, negative outside [N]
     method : its name
     complete : whether the method finds a distribution whenever one exists
+    reason : '' when feasible, else why not; an array in a batch; put into words when first asked for
     """
 
     tensions: Array
@@ -40,7 +43,7 @@ class TensionDistribution:
     margin: Any
     method: str
     complete: bool
-    _problem: Problem = field(repr=False)
+    _problem: Problem | None = field(repr=False)
     _said: Any = field(repr=False)
 
     @cached_property
@@ -48,10 +51,10 @@ class TensionDistribution:
         """'' when feasible, else why not; an array in a batch. An incomplete method adds what the LP says."""
         texts = np.full(np.shape(self.feasible), "", dtype=object)
         bad = ~np.asarray(self.feasible)
-        if bad.any():
-            problem = Problem(*(part[bad] for part in self._broadcast()))
-            tensions, said = self.tensions[bad], np.broadcast_to(np.array(self._said, dtype=object), bad.shape)[bad]
-            texts[bad] = _reasons(problem, tensions, self.residual[bad], said, ask_program=not self.complete)
+        if self._problem is not None:
+            said = np.broadcast_to(np.array(self._said, dtype=object), bad.shape)[bad]
+            texts[bad] = _reasons(self._problem, self.tensions[bad], self.residual[bad], said,
+                                  ask_program=not self.complete)
         return texts if texts.ndim else texts[()]
 
     def require(self) -> TensionDistribution:
@@ -64,11 +67,6 @@ class TensionDistribution:
         raise InfeasibleTensions(f"{share}{reason}; method 'relaxed' gives the least wrench error inside the limits",
                                  self)
 
-    def _broadcast(self) -> Problem:
-        batch, (W, w_e, low, high) = np.shape(self.feasible), self._problem
-        return Problem(np.broadcast_to(W, (*batch, *W.shape[-2:])), np.broadcast_to(w_e, (*batch, w_e.shape[-1])),
-                       *(np.broadcast_to(limit, self.tensions.shape) for limit in (low, high)))
-
 
 def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions: Array, reasons: Any,
                          method: str, complete: bool = False) -> TensionDistribution:
@@ -76,20 +74,27 @@ def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions
 
     Arrays as in `distribute_tensions`; tensions (…, m) with the whole batch shape; reasons : str or (…) of str
     """
-    problem = Problem(W, w_e, low, high)
     if tensions.ndim == 1:
-        return _judge_one(problem, tensions, reasons, method, complete)
+        return _judge_one(Problem(W, w_e, low, high), tensions, reasons, method, complete)
     residual = np.einsum("...ij,...j->...i", W, tensions)
     residual += w_e
     margin = -_largest(np.maximum(low - tensions, tensions - high))
     feasible = _largest(np.abs(residual)) <= RESIDUAL_TOLERANCE * (1 + _largest(np.abs(w_e)))
     feasible &= margin >= -LIMIT_TOLERANCE * high.max(axis=-1)
-    if feasible.all():
-        clipped, margin = np.clip(tensions, low, high), np.maximum(margin, 0.0)
-    else:
-        clipped = np.where(feasible[..., None], np.clip(tensions, low, high), tensions)
-        margin = np.where(feasible, np.maximum(margin, 0.0), margin)
+    clipped = np.minimum(np.maximum(tensions, low), high)
+    problem, bad = None, ~feasible
+    if bad.any():
+        clipped[bad] = tensions[bad]
+        problem = _selected(Problem(W, w_e, low, high), bad)
+    np.maximum(margin, 0.0, out=margin, where=feasible)
     return TensionDistribution(frozen(clipped), feasible, frozen(residual), margin, method, complete, problem, reasons)
+
+
+def _selected(problem: Problem, bad: Any) -> Problem:
+    """The wrenches without tensions, copied: (k, n, m), (k, n), (k, m), (k, m)."""
+    W, w_e, low, high = problem
+    return Problem(*(np.broadcast_to(part, (*np.shape(bad), *part.shape[part.ndim - own:]))[bad]
+                     for part, own in ((W, 2), (w_e, 1), (low, 1), (high, 1))))
 
 
 def _largest(values: Array) -> Array:
@@ -102,15 +107,15 @@ def _judge_one(problem: Problem, tensions: Array, reason: str, method: str, comp
     W, w_e, low, high = problem
     residual = W.dot(tensions) + w_e
     lows, taus, highs = low.tolist(), tensions.tolist(), high.tolist()
-    margin = min(min(tau - least, most - tau) for least, tau, most in zip(lows, taus, highs))
-    wrench = max(map(abs, w_e.tolist()))
-    balanced = max(map(abs, residual.tolist())) <= RESIDUAL_TOLERANCE * (1 + wrench)
-    feasible = balanced and margin >= -LIMIT_TOLERANCE * max(highs)
-    if not all(tau == tau for tau in taus):   # NaN hides from min and max
-        feasible, margin = False, float("nan")
+    error, wrench = max(map(abs, residual.tolist())), max(map(abs, w_e.tolist()))
+    margin = min(min(map(sub, taus, lows)), min(map(sub, highs, taus)))
+    feasible = error <= RESIDUAL_TOLERANCE * (1 + wrench) and margin >= -LIMIT_TOLERANCE * max(highs)
+    if isnan(sum(taus)):   # NaN hides from min and max
+        feasible, margin = False, nan
     if feasible and margin < 0:
         tensions, margin = np.minimum(np.maximum(tensions, low), high), 0.0
-    return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method, complete, problem, reason)
+    kept = None if feasible else _selected(problem, np.array(True))
+    return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method, complete, kept, reason)
 
 
 def _reasons(problem: Problem, tensions: Array, residual: Array, said: Texts, *, ask_program: bool) -> Texts:

@@ -228,22 +228,23 @@ def _farthest(corners: Array, first: int, count: int, origin: int) -> int:
 @compiled
 def _centroid(corners: Array, first: int, count: int, point: Array) -> None:
     """Area centroid by a fan of triangles; the middle of the longest chord where there is no area to speak of."""
-    far = _farthest(corners, first, count, first)
-    extent = (corners[far, 0] - corners[first, 0]) ** 2 + (corners[far, 1] - corners[first, 1]) ** 2
-    other = _farthest(corners, first, count, far)
-    area, point[0], point[1] = 0.0, 0.0, 0.0
+    area, extent, point[0], point[1] = 0.0, 0.0, 0.0, 0.0
     for k in range(first + 1, first + count - 1):
-        piece = ((corners[k, 0] - corners[first, 0]) * (corners[k + 1, 1] - corners[first, 1])
-                 - (corners[k, 1] - corners[first, 1]) * (corners[k + 1, 0] - corners[first, 0]))
-        if piece > 0:
-            area += piece
-            for a in range(2):
-                point[a] += piece * (corners[k, a] + corners[k + 1, a] - 2 * corners[first, a])
-    for a in range(2):
-        if area > _THIN * extent:
-            point[a] = corners[first, a] + point[a] / (3 * area)
-        else:
-            point[a] = (corners[far, a] + corners[other, a]) / 2
+        x, y = corners[k, 0] - corners[first, 0], corners[k, 1] - corners[first, 1]
+        next_x, next_y = corners[k + 1, 0] - corners[first, 0], corners[k + 1, 1] - corners[first, 1]
+        piece = abs(x * next_y - y * next_x)
+        area += piece
+        extent += x * x + y * y + next_x * next_x + next_y * next_y
+        point[0] += piece * (x + next_x)
+        point[1] += piece * (y + next_y)
+    if area > _THIN * extent:
+        point[0] = corners[first, 0] + point[0] / (3 * area)
+        point[1] = corners[first, 1] + point[1] / (3 * area)
+    else:
+        far = _farthest(corners, first, count, first)
+        other = _farthest(corners, first, count, far)
+        point[0] = (corners[far, 0] + corners[other, 0]) / 2
+        point[1] = (corners[far, 1] + corners[other, 1]) / 2
 
 
 @compiled

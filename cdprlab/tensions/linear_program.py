@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import Array
 from .method import INFEASIBLE, OUT_OF_RANGE, RESIDUAL_TOLERANCE, Answers, BatchSolver, Solution, vectorized
-from .polygon import LOWEST, polygon_points
+from .polygon import LOWEST, polygon_points, too_redundant
 
 
 def batch() -> BatchSolver:
@@ -19,7 +19,7 @@ def batch() -> BatchSolver:
     def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
         tensions, reasons, spare = polygon_points(W, w_e, low, high, LOWEST)
         lows, highs = (np.broadcast_to(limit, tensions.shape) for limit in (low, high))
-        for k in np.flatnonzero((spare > 2) & (reasons == "")):
+        for k in np.flatnonzero(too_redundant(spare, reasons)):
             tensions[k], reasons[k] = _highs(W[k], w_e[k], lows[k], highs[k])
         return tensions, reasons
 

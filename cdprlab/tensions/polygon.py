@@ -31,6 +31,12 @@ def polygon_points(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> 
     return tensions, reasons, spare
 
 
+def too_redundant(spare: NDArray[np.int64], reasons: Texts) -> NDArray[np.bool_]:
+    """Which of a batch have more than a polygon, and so no answer yet."""
+    most = spare > 2
+    return most & (reasons == "") if most.any() else most
+
+
 def closest_tensions(W: Array, w_e: Array, target: Array,
                      held: NDArray[np.bool_]) -> tuple[Array, Texts, NDArray[np.int64]]:
     """target − W⁺ (w_e + W target): the nearest tensions that balance the wrench, held cables kept at their target.

@@ -26,12 +26,9 @@ def _quadprog(n: int, tension_min: Array, tension_max: Array) -> Solver:
     import quadprog
 
     m = tension_min.shape[0]
-    # quadprog wants Cᵀ x ≥ b with the equalities first; all but W and w_e is written once.
-    identity, zero = np.eye(m), np.zeros(m)
-    constraints = np.concatenate([np.zeros((m, n)), identity, -identity], axis=1)
-    bounds = np.concatenate([np.zeros(n), tension_min, -tension_max])
     quadprog_solve = quadprog.solve_qp
     least_norm = _least_norm(tension_min, tension_max)
+    program: list[Array] = []
 
     def solve(W: Array, w_e: Array) -> Solution:
         tau = least_norm(W, w_e)
@@ -39,6 +36,11 @@ def _quadprog(n: int, tension_min: Array, tension_max: Array) -> Solver:
             return tau, ""
         if not np.isfinite(w_e).all():   # quadprog answers NaN with numbers
             return np.full(m, np.nan), "the wrench is not finite"
+        if not program:   # quadprog wants Cᵀ x ≥ b, equalities first; all but W and w_e is written once
+            one = np.eye(m)
+            program.extend((one, np.zeros(m), np.concatenate([np.zeros((m, n)), one, -one], axis=1),
+                            np.concatenate([np.zeros(n), tension_min, -tension_max])))
+        identity, zero, constraints, bounds = program
         constraints[:, :n] = W.T
         np.negative(w_e, out=bounds[:n])
         try:
