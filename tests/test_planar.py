@@ -248,3 +248,196 @@ def test_a_deck_stops_a_platform_let_down_on_it():
         # The deck is 0.25 m high and P half the platform's size above it, up to the engine's collision slop.
         assert 0.22 < simulator.position[1] < 0.33
         assert simulator.contact_force() == pytest.approx(19.62, rel=1e-3)
+
+
+# --- against the spatial engine and against itself ----------------------------------------------------------------
+@pytest.mark.parametrize("build", [robot_2t, robot_1r2t], ids=["2T", "1R2T"])
+def test_planar_equals_spatial_in_the_plane(build):
+    """(x, y, φ) is (x, 0, y) turned by −φ about y, m_z = −m_y: the same W, so the same tensions."""
+    robot = build()
+    pose = cl.Pose([0.2, 0.5], angle=0.3)
+    turned = cl.Pose([0.2, 0.0, 0.5], rpy=[0, -0.3, 0])
+    W = cl.wrench_matrix(spatial_twin(robot), turned)[[0, 2, 4]] * np.array([[1], [1], [-1]])
+    np.testing.assert_allclose(cl.wrench_matrix(robot, pose), W[:robot.n_dof], atol=1e-14)
+    weight = cl.gravity_wrench(robot, pose)
+    plane, space = (cl.distribute_tensions(rows, weight, robot.tension_min, robot.tension_max).require()
+                    for rows in (cl.wrench_matrix(robot, pose), W[:robot.n_dof]))
+    np.testing.assert_allclose(plane.tensions, space.tensions, atol=1e-9)
+
+
+def test_planar_flight_equals_spatial_flight():
+    """The same pulls for 0.3 s in both engines: same motion, though Bullet rounds some of it to single precision."""
+    try:
+        from cdprlab.simulate.spatial import import_pybullet
+
+        import_pybullet()
+    except MissingDependency as missing:
+        pytest.skip(str(missing))
+    world = cl.load_world("planar_suspended")
+    body = replace(world.robot.platform, center_of_mass=np.array([0.05, -0.08]))
+    world = replace(world, robot=replace(world.robot, platform=body))
+    flat, twin = world.to_dict(), spatial_twin(world.robot)
+    flat.update(engine="spatial", motion_pattern="3R3T", scene={}, tasks={})
+    flat["platform"].update(inertia=[1.0, float(body.inertia), 1.0], size=[0.8, 0.3, 0.3], center=[0, 0, 0],
+                            center_of_mass=[0.05, 0, -0.08], pose={"position": [-0.6, 0.0, 1.2]})
+    for cable, exit_point, anchor_point in zip(flat["cables"], twin.exit_points, twin.anchor_points):
+        cable.update(exit_point=exit_point.tolist(), anchor_point=anchor_point.tolist())
+    pulls = np.array([80.0, 120.0, 90.0, 140.0])
+    with cl.open_simulator(world, "force") as plane, cl.open_simulator(cl.World.from_dict(flat), "force") as space:
+        for _ in range(300):
+            plane.step(pulls)
+            space.step(pulls)
+        np.testing.assert_allclose(plane.position, space.position[[0, 2]], atol=1e-5)
+        np.testing.assert_allclose(plane.rotation, space.rotation[np.ix_([0, 2], [0, 2])], atol=1e-5)
+        assert abs(plane.twist[2]) > 0.1 and np.linalg.norm(plane.twist[:2]) > 0.1
+
+
+def test_push_moves_a_free_body_by_newton():
+    """m a = f at P with cables cut; a force beside an off-center mass turns it."""
+    world = cl.load_world("planar_suspended")
+    body = replace(world.robot.platform, center_of_mass=np.array([0.05, -0.08]))
+    robot = replace(world.robot, platform=body)
+    with cl.open_simulator(replace(world, robot=robot)) as simulator:
+        simulator.cut()
+        simulator.push([50.0, -30.0, 5.0])
+        simulator.step(np.zeros(4))
+        twist = simulator.twist
+    wanted = cl.control.inverse_dynamics(robot, np.eye(2), np.zeros(3), twist / 1e-3)
+    # By the step's end the arm of 0.1 m has turned by ω dt = 1e-6 rad under 60 N.
+    np.testing.assert_allclose(wanted, [50, -30, 5], atol=1e-5)
+
+
+def test_pushed_ropes_carry_the_push():
+    world = cl.load_world("planar_rigid")
+    lengths, push = cl.cable_lengths(world.robot, world.pose), np.array([40.0, -20.0, 1.0])
+    with cl.open_simulator(world, "length") as simulator:
+        simulator.push(push)
+        for _ in range(200):
+            simulator.wind(lengths)
+        np.testing.assert_allclose(balance(simulator) + push, 0, atol=1e-6)
+
+
+@pytest.mark.parametrize("cables", ["tension", "length"])
+def test_two_flights_are_bit_identical(cables):
+    """One after the other in one engine, cables cut in between, and in two engines step by step."""
+    world = cl.load_world("planar_rigid")
+    lengths = cl.cable_lengths(world.robot, world.task().trajectory()(np.linspace(0, 0.3, 101)).pose)
+
+    def fly(*simulators):
+        for k in range(1, 101):
+            for simulator in simulators:
+                _ = simulator.wind(lengths[k]) if cables == "length" else simulator.step(20.0 + lengths[k])
+        return [np.array(simulator.sample()) for simulator in simulators]
+
+    with cl.open_simulator(world, cables) as one, cl.open_simulator(world, cables) as two:
+        first = fly(one)[0]
+        one.cut([1])
+        fly(one)
+        one.reset()
+        for again in fly(one, two):
+            np.testing.assert_array_equal(again, first)
+
+
+def test_divergence_says_when_and_which_cable():
+    """K_d dt = 200 is far beyond 2: the platform is thrown out of the scene."""
+    world = cl.load_world("planar_rigid")
+    with pytest.raises(SimulationDiverged, match=r"t = \S+ s.*cable \d") as caught:
+        cl.run(world, method="pseudo_inverse", controller=cl.ComputedTorque(1e5, 2e5), duration=3.0)
+    assert caught.value.time > 0 and 1 <= caught.value.cable <= 4
+
+
+@pytest.mark.parametrize("pulls", [np.full(4, np.nan), [1e300, 0, 0, 0]])
+def test_numbers_no_engine_can_bear_are_divergence_too(pulls):
+    """Chipmunk ends the whole process on some of these; they must not reach it."""
+    with cl.open_simulator(cl.load_world("planar_rigid")) as simulator, pytest.raises(SimulationDiverged):
+        for _ in range(3):
+            simulator.step(np.asarray(pulls))
+
+
+def test_on_a_rail_only_x_moves():
+    """1T: cables pull along x, the rail carries all else."""
+    world = cl.World.from_dict({
+        "name": "rail", "motion_pattern": "1T", "cable_limits": {"tension": [1, 100]},
+        "platform": {"mass": 2.0, "size": [0.2, 0.2], "pose": {"position": [-0.5, 1.0]}},
+        "cables": [{"exit_point": [x, y], "anchor_point": [0, 0]} for x, y in ((-2.0, 1.2), (2.0, 1.5))],
+        "tasks": {"default": {"kind": "quintic", "to": {"position": [0.5, 1.0]}, "duration": 1.0, "hold": 1.0}}})
+    run = cl.run(world)
+    assert run.position_errors.max() < 1e-3 and run.feasible.all()
+    np.testing.assert_allclose(run.poses.position[:, 1], 1.0, atol=1e-6)
+    np.testing.assert_array_equal(run.poses.angle, 0)
+
+
+# --- errors -------------------------------------------------------------------------------------------------
+def test_wrong_requests_are_named():
+    world = cl.load_world("planar_rigid")
+    with pytest.raises(InvalidInput, match=r"'springs' is not available in the planar engine; .* force, length$"):
+        cl.open_simulator(world, "springs")
+    with cl.open_simulator(world, "length") as simulator:
+        with pytest.raises(InvalidInput, match=r"use wind\(lengths\)"):
+            simulator.step(np.ones(4))
+        for lengths, message in (([1.0, 2.0], "must be 4 numbers"), ([-1.0, 1, 1, 1], "must be positive"),
+                                 ([np.nan] * 4, "must be positive")):
+            with pytest.raises(InvalidInput, match=message):
+                simulator.wind(lengths)
+    with cl.open_simulator(world) as simulator, pytest.raises(InvalidInput, match='open .* with cables="length"'):
+        simulator.wind(np.ones(4))
+
+
+def test_without_the_engine_one_line_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pymunk", None)
+    import_pymunk.cache_clear()
+    try:
+        with pytest.raises(MissingDependency, match=r"pip install pymunk") as caught:
+            cl.open_simulator(cl.load_world("planar_rigid"))
+        assert "\n" not in str(caught.value)
+    finally:
+        import_pymunk.cache_clear()
+
+
+# --- pictures -----------------------------------------------------------------------------------------------
+def near(picture, color, within=12):
+    return int((np.abs(picture.astype(int) - color).max(axis=-1) <= within).sum())
+
+
+@pytest.mark.parametrize("name", PLANAR)
+@pytest.mark.parametrize("size", [(640, 480), (200, 300)])
+def test_the_whole_robot_is_in_the_picture(name, size):
+    world = cl.load_world(name)
+    camera = PlanarCamera(world)
+    anchors = world.pose.position + world.robot.anchor_points @ world.pose.rotation.T
+    pixels = camera.project(np.concatenate([world.robot.exit_points, anchors]), *size)
+    assert (pixels >= 0).all() and (pixels <= size).all()
+    assert (np.ptp(camera.project(world.robot.exit_points, *size), axis=0) / size).max() > 0.6
+    picture = camera.picture(world.pose, [1.0] * world.robot.n_cables, *size, limits=(0, 1))
+    assert picture.shape == (size[1], size[0], 3) and near(picture, TENSION_COLORS[-1]) > 100
+
+
+def test_slack_cables_are_grey_and_the_picture_follows_the_robot():
+    world = cl.load_world("planar_mcdpr")
+    camera = PlanarCamera(world)
+    taut, slack = (camera.picture(world.pose, pull) for pull in ([10.0] * 4, [0.0] * 4))
+    assert near(slack, SLACK_COLOR) > near(taut, SLACK_COLOR) + 100
+    moved = camera.picture(world.pose, [10.0] * 4, robot=world.robot.with_bases({"left": (0.3, 0, 0)}))
+    assert (moved != taut).any(axis=-1).sum() > 1000
+    with cl.open_simulator(world) as simulator:
+        simulator.cut([0])
+        simulator.step(np.full(4, 20.0))
+        picture = simulator.render(320, 240)
+    assert picture.shape == (240, 320, 3) and near(picture, SLACK_COLOR) > 20
+
+
+def test_each_camera_refuses_the_other_worlds():
+    with pytest.raises(InvalidInput, match="spatial"):
+        PlanarCamera(cl.load_world("caroca"))
+    with pytest.raises(InvalidInput, match="planar"):
+        Camera(cl.load_world("planar_rigid"))
+    with pytest.raises(InvalidInput, match="16 x 16"):
+        PlanarCamera(cl.load_world("planar_rigid")).picture(cl.Pose([0, 0]), [1.0] * 4, 4, 4)
+
+
+def test_planar_runs_become_stills_and_films(tmp_path):
+    run = cl.run(cl.load_world("planar_rigid"), duration=0.5, control_period=0.005)
+    with Image.open(cl.view.still(run, tmp_path / "still.png", t=0.2)) as picture:
+        assert picture.width == 960 and "seen from the front" in picture.info["Description"]
+    with Image.open(cl.view.save_film(run, tmp_path / "film.gif", width=240)) as film:
+        assert film.n_frames > 3

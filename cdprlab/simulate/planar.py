@@ -187,6 +187,11 @@ class PlanarSimulator(Simulator):
         return np.array(self._lengths)
 
     @property
+    def rope_lengths(self) -> Array | None:
+        """What the winches have let out of each rope, None where there are none [m]."""
+        return np.array(self._paid_out) if self._ropes else None
+
+    @property
     def wrench_matrix(self) -> Array:  # type: ignore[override]
         c, s = self._turn
         x, y = self._arm
