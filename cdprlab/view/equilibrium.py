@@ -202,9 +202,8 @@ def _draw_robot(panel: Axes, robot: Robot, position: Array, push: Array, state: 
         panel.annotate(str(i + 1), exit_point, (0, 9 if exit_point[1] > 1 else -9), textcoords="offset points",
                        ha="center", va="bottom" if exit_point[1] > 1 else "top", color=INK)
         if state.slack[i]:
-            x, y = 0.45 * exit_point + 0.55 * position
-            panel.text(x, y, "slack!", color=SLACK, ha="center", va="center", fontweight="bold",
-                       bbox={"facecolor": "white", "edgecolor": "none", "pad": 1})
+            x, y = (exit_point - position) / np.linalg.norm(exit_point - position)
+            _label(panel, "slack!", (exit_point + position) / 2, np.array([abs(y), x if y < 0 else -x]), SLACK)
     for force, name, color in _loads(push, state):
         tip = position + _ARROW * force
         _arrow(panel, position, tip, color)

@@ -87,4 +87,4 @@ def _load(values: Values) -> tuple[list[float], list[float]]:
 def _wrapped(text: str) -> str:
     import textwrap
 
-    return "\n".join(textwrap.wrap(text, 34))
+    return "\n".join(textwrap.wrap(text, 56))
