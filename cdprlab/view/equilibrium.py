@@ -247,7 +247,7 @@ def _draw_bars(panel: Axes, state: Equilibrium) -> None:
                   linestyle="dashed" if slack else "solid", hatch="//" if slack else None, linewidth=1.6)
         panel.annotate(f"{_number(tension)} N" + ("\nslack!" if slack else ""), (i + 1, tension),
                        (0, -3 if slack else 3), textcoords="offset points", ha="center",
-                       va="top" if slack else "bottom", color=color if slack else INK)
+                       va="top" if slack else "bottom", color=color if slack else INK, fontsize=11 if m < 4 else 9)
     panel.axhline(0, color=INK, linewidth=1)
     panel.grid(axis="x", visible=False)
     low, high = min(0.0, float(state.tensions.min())), max(0.3 * top, float(state.tensions.max()))
