@@ -76,6 +76,7 @@ class RobotScene:
         self.plot += self.legend
         self.move(start, np.full(world.robot.n_cables, np.nan) if tensions is None else tensions)
         self.plot.camera = _camera(points)
+        self.plot.layout.width, self.plot.layout.max_width = "600px", "100%"
 
     def move(self, pose: Pose, tensions: ArrayLike) -> None:
         """Another pose, other tensions: attributes of the same objects change.
@@ -164,7 +165,7 @@ def _camera(points: Array) -> list[float]:
     """Eye, target and up of a view that holds all points, as k3d takes them."""
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     reach = float(np.linalg.norm(np.ptp(points, axis=0)))
-    eye = center + 1.05 * reach * np.array([0.45, -0.85, 0.35])
+    eye = center + 1.1 * reach * np.array([0.45, -0.85, 0.35])
     return [float(x) for x in (*eye, *center, 0, 0, 1)]
 
 

@@ -7,11 +7,13 @@ text what the picture shows. Needs no kernel and no browser: `set` moves the sli
 from __future__ import annotations
 
 import html
+from base64 import b64encode
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
 import ipywidgets
+import traitlets
 from matplotlib.figure import Figure
 
 from ...errors import CdprError, InvalidInput
@@ -111,6 +113,15 @@ class Choice:
                                    layout={"width": "min(36em, 100%)"})
 
 
+class _Image(ipywidgets.Image):
+    """A picture with a tooltip, which browsers read to those who do not see it.
+
+    JupyterLab measures the description before it sets a tooltip; a plain Image has none and would not be shown.
+    """
+
+    description = traitlets.Unicode("").tag(sync=True)
+
+
 class Explorer:
     """Sliders, a picture and numbers; in a notebook it shows itself.
 
@@ -143,7 +154,7 @@ class Explorer:
         if len(self.controls) < len(controls):
             raise InvalidInput("two controls have the same name: " + ", ".join(control.name for control in controls))
         self.title = title
-        self.text = ""
+        self.text, self._png, self._description = "", b"", ""
         self._callbacks: list[Callable[[Values], Any]] = []
         self._quiet = False
         figure = Figure(figsize=size, dpi=100, layout="constrained")
@@ -181,12 +192,12 @@ class Explorer:
     @property
     def picture(self) -> bytes:
         """The picture as PNG."""
-        return bytes(self._image.value)
+        return self._png
 
     @property
     def alt_text(self) -> str:
         """What the picture shows, in a sentence."""
-        return str(self._image.tooltip or "")
+        return self._description
 
     def set(self, **values: Any) -> None:
         """Move some controls; one answer for all of them.
@@ -236,8 +247,8 @@ class Explorer:
     # --- inside ---------------------------------------------------------------------------------------
     def _make_widgets(self) -> None:
         self.sliders = {name: control.widget() for name, control in self.controls.items()}
-        self._image = ipywidgets.Image(format="png", layout={"max_width": "100%", "object_fit": "contain"})
-        self._numbers, self._mistake = ipywidgets.HTML(), ipywidgets.HTML()
+        # An HTML img, because ipywidgets' Image knows no alternative text (and 8.1.9's fails to show with a tooltip).
+        self._image, self._numbers, self._mistake = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
         title = ipywidgets.HTML(f"<b>{html.escape(self.title)}</b>")
         self.panel = ipywidgets.VBox(list(self.sliders.values()))
         self.stage = ipywidgets.VBox([self._image])
@@ -256,18 +267,26 @@ class Explorer:
         try:
             text = as_text(self.numbers(values))
             self.draw(values)
-            picture, description = self._picture.png(), self.describe(values)
+            picture, description = self._picture.png(), str(self.describe(values))
         except Exception as error:
             self._show_mistake(error)
         self.text = text
         self._numbers.value = f'<pre style="{_NUMBERS_STYLE}">{html.escape(text)}</pre>'
-        self._image.value, self._image.tooltip = picture, description
+        self._png, self._description = picture, description
+        self._image.value = self._img_tag()
         self._mistake.value = ""
         for callback in tuple(self._callbacks):
             try:
                 callback(values)
             except Exception as error:
                 self._show_mistake(error)
+
+    def _img_tag(self) -> str:
+        width, height = (round(side) for side in self._picture.figure.bbox.size)
+        # Decoded before the page is painted again, and its place kept: no flicker while a slider moves.
+        return (f'<img decoding="sync" width="{width}" height="{height}" style="max-width: 100%; height: auto" '
+                f'alt="{html.escape(self._description)}" '
+                f'src="data:image/png;base64,{b64encode(self._png).decode("ascii")}">')
 
     def _show_mistake(self, error: Exception) -> NoReturn:
         """Readable in the widget, where a notebook would hide it in its log, and raised again for whoever called."""
