@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-import robots
 
-from cdprlab.control import ComputedTorque, State, inverse_dynamics, pose_error
+import robots
+from cdprlab.control import ComputedTorque, State, inverse_dynamics, mobility, pose_error
 from cdprlab.pose import Pose, rotation_from_vector
 from cdprlab.trajectory import Reference, quintic
 
@@ -81,3 +81,17 @@ def test_the_wrench_brings_about_the_wanted_acceleration():
             + 15.0 * (reference.twist - state.twist)
         expected = inverse_dynamics(robot, state.rotation, state.twist, acceleration)
         assert np.allclose(law(0.0, state, reference), expected, rtol=0, atol=1e-10 * (1 + np.abs(expected).max()))
+
+
+@pytest.mark.parametrize("name", ["3T", "2R3T", "3R3T"])
+def test_mobility_is_the_inverse_of_inertia(name):
+    """A wrench of inverse dynamics, put through the mobility, is the acceleration it was made for."""
+    robot, rng = robots.ROBOTS[name](), np.random.default_rng(11)
+    rotation, rest, acceleration = some_pose(3, rng).rotation, np.zeros(6), rng.normal(size=6)
+    wrench = (inverse_dynamics(robot, rotation, rest, acceleration, every_row=True)
+              - inverse_dynamics(robot, rotation, rest, rest, every_row=True))
+    assert np.allclose(mobility(robot, rotation, every_row=True) @ wrench, acceleration, rtol=0, atol=1e-12)
+    basis = robot.pattern.basis(rotation)
+    some = rng.normal(size=robot.n_dof)
+    assert np.allclose(mobility(robot, rotation) @ some,
+                       (mobility(robot, rotation, every_row=True) @ basis @ some) @ basis, rtol=0, atol=1e-12)

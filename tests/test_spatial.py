@@ -129,8 +129,8 @@ def test_divergence_says_when_and_which_cable():
 
 def test_wrong_requests_are_named():
     world = cl.load_world("caroca")
-    with pytest.raises(InvalidInput, match=r"'length' is not available.*tension, force"):
-        cl.open_simulator(world, "length")
+    with pytest.raises(InvalidInput, match=r"'string' is not available.*tension, force"):
+        cl.open_simulator(world, "string")
     with pytest.raises(InvalidInput, match="dt"):
         cl.open_simulator(world, dt=0.0)
 

@@ -15,18 +15,19 @@ __all__ = ["CABLE_MODELS", "Simulator", "open_simulator"]
 CABLE_MODELS = {
     "tension": "the tension is commanded; spatial: point-to-point constraint cables under torque, and measured",
     "force": "ideal massless cables as external forces: the baseline",
-    "length": "winches pay ropes in and out, and ropes go slack by themselves: the length is commanded (planar)",
+    "length": "winches pay ropes in and out, and ropes go slack by themselves: the length is commanded",
+    "elastic": "the same with ropes that stretch as the world's `cable:` block says (spatial)",
 }
 """What ``cables=`` may be, and what it means."""
 
-_ENGINES = {"planar": ("tension", "force", "length"), "spatial": ("tension", "force")}
+_ENGINES = {"planar": ("tension", "force", "length"), "spatial": ("tension", "force", "length", "elastic")}
 
 
 def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **options: Any) -> Simulator:
     """The simulator a world's engine asks for, reset to the world's pose.
 
     world : World
-    cables : one of ``CABLE_MODELS``; "length" in planar worlds only
+    cables : one of ``CABLE_MODELS``; "elastic" in spatial worlds only
     dt : engine time step [s]
     options : the engine's own (PyBullet: ``tip_mass`` [kg], ``solver_iterations``; pymunk: ``solver_iterations``)
     Raises InvalidInput for an unknown cable model, MissingDependency where the engine is not installed.

@@ -85,7 +85,8 @@ class Camera:
         self._backgrounds: dict[tuple[int, int], tuple[_View, _Canvas]] = {}
 
     def picture(self, pose: Pose, tensions: ArrayLike, width: int = 640, height: int = 480,
-                limits: tuple[float, float] | None = None, trail: ArrayLike | None = None) -> Picture:
+                limits: tuple[float, float] | None = None, trail: ArrayLike | None = None,
+                rope_lengths: ArrayLike | None = None) -> Picture:
         """The robot at one pose.
 
         pose : single Pose
@@ -93,6 +94,7 @@ class Camera:
         width, height : [pixels]
         limits : tensions of the first and last color [N]; default 0 and the smaller of weight and largest limit
         trail : (k, 3) points joined by a thin line, such as where P has been [m]
+        rope_lengths : (m,) what is let out of each cable; what is not needed hangs through [m]
         Returns (height, width, 3).
         """
         robot = self.world.robot
@@ -102,7 +104,8 @@ class Camera:
         if trail is not None:
             _draw_trail(canvas, view, as_array(trail, "trail", ("k", 3), "m"))
         _draw_platform(canvas, view, robot, pose, self.world.scene.floor_height)
-        _draw_cables(canvas, view, robot, pose, tau, tension_colors(tau, limits or default_limits(robot)))
+        _draw_cables(canvas, view, robot, pose, tau, tension_colors(tau, limits or default_limits(robot)),
+                     None if rope_lengths is None else as_array(rope_lengths, "rope_lengths", (robot.n_cables,), "m"))
         return canvas.picture(_OVERSAMPLING)
 
     def project(self, points: ArrayLike, width: int = 640, height: int = 480) -> Array:
@@ -295,11 +298,13 @@ def _draw_trail(canvas: _Canvas, view: _View, points: Array) -> None:
         _draw_line(canvas, view, np.stack([start, end]), TRAIL, 3.4, bias=1.0)
 
 
-def _draw_cables(canvas: _Canvas, view: _View, robot: Robot, pose: Pose, tau: Array, colors: Picture) -> None:
+def _draw_cables(canvas: _Canvas, view: _View, robot: Robot, pose: Pose, tau: Array, colors: Picture,
+                 rope_lengths: Array | None) -> None:
     anchors = pose.position + robot.anchor_points @ pose.rotation.T
     unit = max(1.0, min(view.width, view.height) / 960)
-    for start, end, tension, color in zip(anchors, robot.exit_points, tau, colors):
-        for piece in _pieces(start, end, dashed=not tension > 0):
+    lengths = np.zeros(robot.n_cables) if rope_lengths is None else rope_lengths
+    for start, end, tension, color, length in zip(anchors, robot.exit_points, tau, colors, lengths):
+        for piece in _pieces(hanging(start, end, length), dashed=not tension > 0):
             _draw_line(canvas, view, piece, color, 5.0 * unit, bias=1.002)
     for point in robot.exit_points:
         _draw_dot(canvas, view, point, 7.0 * unit, bias=1.02)  # an exit point may lie inside a beam of the frame
@@ -307,11 +312,33 @@ def _draw_cables(canvas: _Canvas, view: _View, robot: Robot, pose: Pose, tau: Ar
         _draw_dot(canvas, view, point, 4.5 * unit, bias=1.003)
 
 
-def _pieces(start: Array, end: Array, dashed: bool) -> Iterable[Array]:
-    if not dashed:
-        return [np.stack([start, end])]
-    ends = np.linspace(0, 1, 33)
-    return [start + ends[i:i + 2, None] * (end - start) for i in range(0, 32, 2)]
+def hanging(start: Array, end: Array, length: float, pieces: int = 32) -> Array:
+    """(pieces + 1, 3) points of a rope of this length between two points: straight, or a parabola hanging through.
+
+    start, end : (3,) [m]; length : [m], too short counts as straight
+
+    >>> points = hanging(np.zeros(3), np.array([2.0, 0, 0]), 3.0)
+    >>> float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum().round(6))
+    3.0
+    """
+    shares = np.linspace(0, 1, pieces + 1)[:, None]
+    line = start + shares * (end - start)
+    low, high = 0.0, float(length)
+    if length <= np.linalg.norm(end - start) * (1 + 1e-6):
+        return line
+    bow = 4 * shares * (1 - shares) * np.array([0.0, 0.0, -1.0])
+    for _ in range(40):
+        sag = (low + high) / 2
+        longer = np.linalg.norm(np.diff(line + sag * bow, axis=0), axis=1).sum() > length
+        low, high = (low, sag) if longer else (sag, high)
+    return line + low * bow
+
+
+def _pieces(points: Array, dashed: bool) -> Iterable[Array]:
+    straight = np.allclose(points, np.linspace(points[0], points[-1], len(points)), rtol=0, atol=1e-9)
+    if straight and not dashed:
+        return [points[[0, -1]]]
+    return [points[i:i + 2] for i in range(0, len(points) - 1, 2 if dashed else 1)]
 
 
 def _draw_box(canvas: _Canvas, view: _View, corners: Array, color: Color) -> None:

@@ -25,18 +25,23 @@ from ..errors import InvalidInput, MissingDependency, SimulationDiverged
 from ..fast_statics import cable_statics, cyclic
 from ..pose import Pose
 from ..robot import Robot
+from ..statics import gravity_wrench
+from ..tensions import distribute_tensions
 from ..world import World
+from .ropes import RopeLaw, rope_law
 from .simulator import Simulator
 
 DEFAULT_TIP_MASS = 1e-4  # kg
 _NOTHING = (0.0, 0.0, 0.0)
+_AMPLE = 1.0  # m: a cut rope does not become taut in any one step
 
 
 class SpatialSimulator(Simulator):
     """A spatial world in its own PyBullet client (DIRECT mode, no window).
 
     world : a spatial World
-    cables : "tension" (UPS legs) or "force" (external forces on the platform)
+    cables : "tension" (UPS legs), "force" (external forces on the platform), "length" (UPS legs that pull as ropes
+        wound to a length do) or "elastic" (such ropes, that stretch as the world's ``cable:`` block says)
     dt : time step [s]
     tip_mass : point mass at each leg's tip [kg]; the tension error is about tip_mass (g + a)
     solver_iterations : of Bullet's constraint solver; for cables 5 give the digits of 200, contacts want 10 to 50
@@ -51,6 +56,8 @@ class SpatialSimulator(Simulator):
             self._client = self._bullet.connect(self._bullet.DIRECT)
         self._camera: Any = None
         self._statics = cable_statics(self.robot)
+        self._ropes = self._make_ropes()
+        self.rope_lengths: Array | None = None
         self._frame = _BodyFrame(self.robot)
         # Threshold 0: the default ends the iterations early, at a moment that depends on the motion.
         self._set(fixedTimeStep=self.dt, numSolverIterations=solver_iterations, solverResidualThreshold=0)
@@ -69,7 +76,7 @@ class SpatialSimulator(Simulator):
             b.removeBody(leg, physicsClientId=client)  # takes its constraint along
         b.resetBasePositionAndOrientation(self._platform, *self._frame.body_pose(start), physicsClientId=client)
         b.resetBaseVelocity(self._platform, [0, 0, 0], [0, 0, 0], physicsClientId=client)
-        self._legs = self._make_legs(start) if self.cables == "tension" else ()
+        self._legs = () if self.cables == "force" else self._make_legs(start)
         self._constraints = [self._tie(leg, i) for i, leg in enumerate(self._legs)]
         self._cut = np.zeros(self.robot.n_cables, dtype=bool)
         self._any_cut = False
@@ -78,9 +85,45 @@ class SpatialSimulator(Simulator):
         self.tensions = np.zeros(self.robot.n_cables)
         self._reach = 5 * (1 + float(np.abs(self.robot.exit_points).max() + np.abs(start.position).max()))
         self._read()
+        self.rope_lengths = self._wound_at_rest() if self._ropes is not None else None
         return self.state()
 
     def step(self, tensions: Array, substeps: int = 1) -> None:
+        if self._ropes is not None:
+            raise InvalidInput(f"cables={self.cables!r} takes rope lengths: use wind(lengths), not step(tensions)")
+        self._pulled(tensions, substeps)
+
+    def wind(self, lengths: ArrayLike, substeps: int = 1) -> bool:
+        """Advance by ``substeps`` × dt while the winches bring the ropes evenly to these lengths.
+
+        lengths : (m,) at the end of the last substep [m]
+        Returns False where a winch's speed limit kept a rope from its length.
+        Raises InvalidInput unless ``cables`` is "length" or "elastic".
+        """
+        if self._ropes is None or self.rope_lengths is None:
+            raise InvalidInput(f"cables={self.cables!r} takes tensions: use step(tensions), or open the simulator "
+                               "with cables=\"length\"")
+        before = self.rope_lengths
+        after = self._reachable(np.asarray(lengths, dtype=float), before, self.dt * substeps)
+        for k in range(1, substeps + 1):
+            now, wound = self.rope_lengths, after if k == substeps else before + k / substeps * (after - before)
+            held = np.where(self._cut, self.lengths + _AMPLE, wound) if self._any_cut else wound
+            self._pulled(self._ropes(self.wrench_matrix, self.rotation, self.twist, self.lengths, now, held,
+                                     self._push), 1)
+            self.rope_lengths = wound
+        return after is lengths or bool(np.array_equal(after, lengths))
+
+    def _reachable(self, wanted: Array, now: Array, period: float) -> Array:
+        """The wanted lengths as far as the winches' speed limits allow; the same array if they all do."""
+        # A speed exactly at its limit must not fail by rounding: 1 nm.
+        farthest = self.robot.speed_max * period + 1e-9
+        if wanted.shape == now.shape and (np.abs(wanted - now) <= farthest).all() and wanted.min() > 0:
+            return wanted
+        if wanted.shape != now.shape or not (np.isfinite(wanted).all() and wanted.min() > 0):
+            raise InvalidInput(f"rope lengths must be {now.shape[0]} positive numbers [m], got {wanted.tolist()}")
+        return now + np.clip(wanted - now, -farthest, farthest)
+
+    def _pulled(self, tensions: Array, substeps: int) -> None:
         if substeps != self._substeps:
             self._set_substeps(substeps)
         if self._any_cut:
@@ -98,6 +141,8 @@ class SpatialSimulator(Simulator):
         # A reaction belongs to the geometry its (sub)step began with.
         self.tensions = (self._reactions(before if substeps == 1 else self.directions) if self._legs
                          else np.array(tensions))
+        if self._ropes is not None:  # what a slack leg's tip weighs is no rope's tension
+            self.tensions = np.maximum(self.tensions, 0.0)
 
     def state(self) -> State:
         return State(self._steps * self.dt, self.robot, self.position, self.rotation, self.twist, self.tensions)
@@ -127,7 +172,8 @@ class SpatialSimulator(Simulator):
         if self._camera is None:
             self._camera = Camera(self.world)
         tensions = np.where(self._cut, np.nan, self.tensions)
-        return self._camera.picture(Pose.of(self.position, self.rotation), tensions, width, height)
+        return self._camera.picture(Pose.of(self.position, self.rotation), tensions, width, height,
+                                    rope_lengths=self.rope_lengths)
 
     def close(self) -> None:
         if self._client >= 0:
@@ -198,6 +244,24 @@ class SpatialSimulator(Simulator):
         self._bullet.setPhysicsEngineParameter(**parameters, physicsClientId=self._client)
 
     # --- building ---------------------------------------------------------------------------------
+    def _make_ropes(self) -> RopeLaw | None:
+        if self.cables not in ("length", "elastic"):
+            return None
+        elasticity = self.robot.elasticity if self.cables == "elastic" else None
+        if self.cables == "elastic" and elasticity is None:
+            raise InvalidInput(f"cables=\"elastic\" needs the ropes' stiffness: world {self.world.name!r} has no "
+                               "`cable: {axial_stiffness: …}` block")
+        return rope_law(self.robot, self.dt, elasticity)
+
+    def _wound_at_rest(self) -> Array:
+        """(m,) rope lengths at which the robot hangs where it is: stretching ropes are wound shorter."""
+        if self.cables == "length" or self.robot.elasticity is None:
+            return self.lengths
+        robot, pose = self.robot, Pose.of(self.position, self.rotation)
+        held = distribute_tensions(self.wrench_matrix, gravity_wrench(robot, pose), robot.tension_min,
+                                   robot.tension_max, "relaxed")
+        return self.lengths / (1 + held.tensions / self.robot.elasticity.axial_stiffness)
+
     def _make_platform(self) -> int:
         b, client, body = self._bullet, self._client, self.robot.platform
         offset, turn = self._frame.to_body(body.center), self._frame.quaternion_to_body
