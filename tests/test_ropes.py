@@ -1,4 +1,4 @@
-"""Laws of ropes wound to a length: complementarity, statics at rest, slack that carries nothing, winches with limits."""
+"""Laws of ropes wound to a length: complementarity, statics at rest, slack carries nothing, winches have limits."""
 
 import numpy as np
 import pytest

@@ -70,7 +70,7 @@ def test_shipped_world_is_complete(name: str) -> None:
     world = load_world(name)
     assert world.name == name and world.title and world.source
     assert world.document["engine"] == world.engine
-    assert world.scene.frame is not None
+    assert world.scene.frame is not None or all(cable.base for cable in world.robot.cables)
     # The engines let the platform collide: it must start clear of the floor.
     lowest = world.pose.position + world.robot.platform.center - world.robot.platform.size / 2
     assert lowest[-1] > world.scene.floor_height
@@ -80,7 +80,7 @@ def test_shipped_world_is_complete(name: str) -> None:
 def test_shipped_task_is_statically_feasible_all_the_way(name: str) -> None:
     world = load_world(name)
     robot, task = world.robot, world.task()
-    assert 3.0 <= task.duration <= 6.0
+    assert 2.0 <= task.duration <= 10.0  # long enough to see, short enough to wait for
     for t in np.linspace(0, task.duration, 31):
         pose = task.trajectory()(t).pose
         result = distribute_tensions(wrench_matrix(robot, pose), gravity_wrench(robot, pose),
