@@ -10,7 +10,9 @@ from scipy.optimize import linprog, lsq_linear
 import cdprlab as cl
 from robots import random_poses, robot_3r3t
 
-METHODS = ("quadratic_program", "pseudo_inverse", "relaxed")
+METHODS = ("linear_program", "quadratic_program", "pseudo_inverse", "closed_form", "improved_closed_form", "puncture",
+           "barycenter", "relaxed")
+COMPLETE = ("linear_program", "quadratic_program", "barycenter", "relaxed")
 LOW, HIGH = np.full(8, 50.0), np.full(8, 2500.0)
 
 
@@ -129,12 +131,55 @@ def test_small_whole_numbers_with_every_degeneracy(W, inside, off):
     assert not exact.feasible or is_least_norm(W, exact.tensions, low, high)
 
 
+@given(arrays(float, (3, 5), elements=st.integers(-2, 2)), arrays(float, 5, elements=st.integers(0, 4)),
+       arrays(float, 3, elements=st.sampled_from([0.0, 0.0, 0.0, 1.0, -3.0])))
+def test_small_whole_numbers_in_polygons(W, inside, off):
+    """Polygons that are points, segments and empty, ranks of 0 to 3: every answer keeps the law and the LP's word."""
+    low, high, w_e = np.full(5, 1.0), np.array([3.0, 3, 3, 1, 2]), -W @ np.clip(inside, 1, [3, 3, 3, 1, 2]) + off
+    program = linprog(np.ones(5), A_eq=W, b_eq=-w_e, bounds=np.stack([low, high], axis=1))
+    r = 5 - np.linalg.matrix_rank(W)
+    for method in ("linear_program", "barycenter", "closed_form", "improved_closed_form", "puncture"):
+        found = cl.distribute_tensions(W, w_e, low, high, method)
+        if found.complete and (r <= 2 or method == "linear_program"):
+            assert found.feasible == (program.status == 0)
+        assert program.status == 0 or not found.feasible
+        assert (found.reason == "") == found.feasible
+        assert not found.feasible or np.abs(W @ found.tensions + w_e).max() <= 1e-8 * (1 + np.abs(w_e).max())
+        if method == "linear_program" and found.feasible:
+            assert found.tensions.sum() == pytest.approx(program.fun, rel=1e-7)
+
+
+def test_a_batch_of_different_ranks():
+    """Polygons, segments and a point in one call: what one pose leaves behind does not reach the next."""
+    rng = np.random.default_rng(0)
+    W = rng.normal(size=(40, 5, 5))
+    W[::4, 4] = W[::4, 3]                                   # r = 1
+    W[1::4, 3:] = W[1::4, 1:2]                              # r = 2
+    tau = rng.uniform(1, 3, (40, 5))
+    w_e = -(W @ tau[..., None])[..., 0]
+    for method in ("barycenter", "linear_program", "improved_closed_form"):
+        found = cl.distribute_tensions(W, w_e, 1, 3, method)
+        assert found.feasible.all() or method == "improved_closed_form"
+        for k in range(40):
+            one = cl.distribute_tensions(W[k], w_e[k], 1, 3, method)
+            np.testing.assert_array_equal(one.tensions, found.tensions[k])
+    np.testing.assert_allclose(found.tensions[2::4], tau[2::4], rtol=1e-7)
+
+
 def test_dependent_rows_get_the_exact_answer_or_a_clear_reason():
     W, w_e = (x[0] for x in problems(1, seed=8, push=0.1))
     twice, also = np.concatenate([W, W[:2]]), np.concatenate([w_e, w_e[:2]])
     np.testing.assert_allclose(cl.distribute_tensions(twice, also, LOW, HIGH).tensions,
                                cl.distribute_tensions(W, w_e, LOW, HIGH).tensions, rtol=1e-9)
+    for method in METHODS:
+        if cl.distribute_tensions(W, w_e, LOW, HIGH, method).feasible:
+            np.testing.assert_allclose(cl.distribute_tensions(twice, also, LOW, HIGH, method).tensions,
+                                       cl.distribute_tensions(W, w_e, LOW, HIGH, method).tensions, rtol=1e-8)
     also[-1] += 1.0
+    for method in METHODS:
+        assert not cl.distribute_tensions(twice, also, LOW, HIGH, method).feasible
+    for method in ("linear_program", "barycenter", "closed_form", "improved_closed_form"):
+        assert "outside the range" in cl.distribute_tensions(twice, also, LOW, HIGH, method).reason
     assert "outside its range" in cl.distribute_tensions(twice, also, LOW, HIGH).reason
 
 
@@ -153,7 +198,7 @@ def test_four_cables_in_six_dof(method):
     assert not cl.distribute_tensions(W, np.ones(6), 50, 2500, method).feasible
 
 
-@pytest.mark.parametrize("method", ["quadratic_program", "relaxed"])
+@pytest.mark.parametrize("method", COMPLETE)
 @pytest.mark.parametrize("low, high", [(np.full(8, 50.0), [50] + [2500] * 7), (0, 2500), (0, [0] + [2500] * 7)])
 def test_equal_limits_and_limits_from_zero(method, low, high):
     W, w_e = problems(40, seed=10, push=0.3)
@@ -181,7 +226,8 @@ def test_a_batch_equals_a_loop_and_limits_broadcast(method):
     ({"tension_min": 3000}, "crossed at cable 1"), ({"tension_min": -1}, "only pull"), ({"W": np.ones((6, 0))}, "W"),
     ({"w_e": np.ones((2, 6)), "W": np.ones((3, 6, 8))}, "do not fit"), ({"method": "guess"}, "quadratic_program"),
     ({"speed": 3}, "'speed'"), ({"solver": "none such"}, "not installed"),
-    ({"method": "relaxed", "weights": np.zeros(6)}, "positive"), ({"method": "relaxed", "weights": [1]}, "weights")])
+    ({"method": "kernel", "choice": "best"}, "lowest, middle, highest"),
+    ({"method": "barycenter", "choice": 1}, "none"), ({"method": "relaxed", "weights": np.zeros(6)}, "positive"), ({"method": "relaxed", "weights": [1]}, "weights")])
 def test_input_that_cannot_be_used(change, says):
     with pytest.raises(cl.errors.InvalidInput) as raised:
         cl.distribute_tensions(**{"W": np.ones((6, 8)), "w_e": np.ones(6), "tension_min": LOW, "tension_max": HIGH,
