@@ -10,7 +10,7 @@ from typing import Any
 
 from .control import ComputedTorque
 from .errors import CdprError
-from .run import INFEASIBLE, Run, run
+from .run import INFEASIBLE, WOUND, Run, run
 from .simulate import CABLE_MODELS
 from .tensions import tension_methods
 from .world import load_world, world_names
@@ -94,7 +94,8 @@ def _run(options: argparse.Namespace) -> int:
     world = load_world(options.world)
     print(f"{world.title or world.name}: task {options.task}, {options.method}, cables={options.cables}")
     bar = _Bar("flying")
-    flown = run(world, options.task, options.method, options.cables, ComputedTorque(options.kp, options.kd),
+    law = None if options.cables in WOUND else ComputedTorque(options.kp, options.kd)
+    flown = run(world, options.task, options.method, options.cables, law,
                 options.dt, options.control_period, options.infeasible, duration=options.duration, progress=bar)
     bar.close()
     for quantity, value in flown.table().items():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import time
+from array import array
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 from .arrays import Array, as_array, as_number, frozen
 from .control import ComputedTorque, Controller
 from .errors import InfeasibleTensions, InvalidInput
+from .geometry import cable_lengths
 from .pose import Pose, rotation_vector
 from .robot import Robot
 from .simulate import Simulator, open_simulator
@@ -22,6 +24,9 @@ from .statics import wrench_matrix
 from .tensions.distribution import TensionDistribution, checked_distribution, solver_for
 from .trajectory import Reference
 from .world import World
+
+WOUND = ("length", "elastic")
+"""Cable models that take lengths, not tensions: winches wind by inverse kinematics of the reference."""
 
 INFEASIBLE = ("relax", "stop", "hold")
 """Where the method finds no tensions: take the least wrench error, raise, or keep the last tensions."""
@@ -37,13 +42,14 @@ class Run:
     time : (N,) start of each control step [s]
     poses : Pose of batch (N,); twists (N, 3 or 6) [m/s, rad/s]
     reference : Reference of batch (N,)
-    commanded_tensions : (N, m) held during the step [N]
+    commanded_tensions : (N, m) held during the step, NaN where lengths are commanded [N]
     measured_tensions : (N, m) what the engine's cables carried at its end [N]
     lengths : (N, m) cable lengths [m]
     errors : (N, n) reference minus pose in the motion pattern's rows: position, rotation vector [m, rad]
-    feasible : (N,) the method balanced the wanted wrench within the limits
+    feasible : (N,) the method balanced the wanted wrench within the limits, or the winches reached their lengths
     real_time_factor : simulated over elapsed time of the loop
     settings : how the run was made
+    commanded_lengths : (N, m) the winches were to reach by the step's end, None where tensions are commanded [m]
     """
 
     world: World
@@ -63,6 +69,7 @@ class Run:
     dt: float
     control_period: float
     settings: dict[str, Any] = field(repr=False)
+    commanded_lengths: Array | None = None
 
     @property
     def position_errors(self) -> Array:
@@ -72,15 +79,22 @@ class Run:
 
     def table(self) -> dict[str, str]:
         """The run in eight lines: quantity → value with unit."""
-        off, commanded = self.position_errors, self.commanded_tensions
-        gap = self.measured_tensions - commanded
+        wound, steps = self.commanded_lengths is not None, self.time.size
+        off, measured = self.position_errors, self.measured_tensions
+        shown = measured if wound else self.commanded_tensions
+        missed = f"{int((~self.feasible).sum())} of {steps}"
+        if wound:
+            kept = {"steps with a slack cable": f"{int((measured == 0).any(axis=1).sum())} of {steps}",
+                    "steps at a winch's speed limit": missed}
+        else:
+            kept = {"measured − commanded tension, RMS": f"{np.sqrt(np.mean((measured - shown)**2)):.2g} N",
+                    "infeasible steps": missed}
         return {
             "tracking error, largest": f"{off.max() * 1e3:.3f} mm",
             "tracking error, final": f"{off[-1] * 1e3:.3f} mm",
-            "tension, smallest": f"{commanded.min():.1f} N (limit {self.world.robot.tension_min.min():g} N)",
-            "tension, largest": f"{commanded.max():.1f} N (limit {self.world.robot.tension_max.max():g} N)",
-            "measured − commanded tension, RMS": f"{np.sqrt(np.mean(gap**2)):.2g} N",
-            "infeasible steps": f"{int((~self.feasible).sum())} of {self.time.size}",
+            "tension, smallest": f"{shown.min():.1f} N (limit {self.world.robot.tension_min.min():g} N)",
+            "tension, largest": f"{shown.max():.1f} N (limit {self.world.robot.tension_max.max():g} N)",
+            **kept,
             "simulated time": f"{self.time[-1] + self.control_period:g} s",
             "real-time factor": f"{self.real_time_factor:.1f}",
         }
@@ -121,6 +135,7 @@ class Run:
             "commanded_tension": (self.commanded_tensions, "N"),
             "measured_tension": (self.measured_tensions, "N"),
             "length": (self.lengths, "m"),
+            **({} if self.commanded_lengths is None else {"commanded_length": (self.commanded_lengths, "m")}),
             "feasible": (np.asarray(self.feasible), ""),
         }
 
@@ -134,7 +149,8 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
 
     world, task : what moves, and one of its tasks' names
     method : a tension method's name, or a callable (W, w_e, tension_min, tension_max) → tensions or TensionDistribution
-    cables : "tension" (constraint cables under torque) or "force" (ideal massless baseline)
+    cables : "tension" (constraint cables under torque), "force" (ideal massless baseline) or "length" (winches pay
+        ropes in and out by inverse kinematics of the reference; method, controller and infeasible then have no say)
     controller : (t, state, reference) → wrench the cables shall exert; default ComputedTorque(100, 100)
     dt, control_period : engine step and control step [s], the second a multiple of the first; default equal
     infeasible : "relax" (least wrench error inside the limits), "stop" (raise), "hold" (last tensions)
@@ -158,17 +174,24 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
     substeps, period = _control_steps(dt, control_period)
     length = job.duration + job.hold if duration is None else as_number(duration, "duration", "s", positive=True)
     times: Array = np.arange(max(1, round(length / period)), dtype=float) * period
+    if cables in WOUND and controller is not None:
+        raise InvalidInput(f"cables={cables!r} winds by inverse kinematics and takes no controller")
     law = ComputedTorque() if controller is None else controller
     loop = _Loop(world.robot, method, infeasible, law, external_wrench, times.size)
     engine = simulator or open_simulator(world, cables, dt, **engine_options)
     try:
         engine.reset(job.start)
-        elapsed = loop.fly(engine, job.trajectory()(times), substeps, progress)
+        path = job.trajectory()
+        if cables in WOUND:
+            elapsed = loop.wind(engine, path(times), path(times + period), substeps, progress)
+        else:
+            elapsed = loop.fly(engine, path(times), substeps, progress)
     finally:
         if simulator is None:
             engine.close()
     name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
-    settings = {"dt": dt, "control_period": period, "controller": _describe(law), "infeasible": infeasible,
+    name, ruler = ("inverse_kinematics",) * 2 if cables in WOUND else (name, _describe(law))
+    settings = {"dt": dt, "control_period": period, "controller": ruler, "infeasible": infeasible,
                 "external_wrench": None if external_wrench is None else str(external_wrench),
                 "duration": float(times.size * period), "seed": seed, **engine_options}
     return loop.log(world, task, name, cables, times, times.size * period / elapsed, dt, period, settings)
@@ -188,6 +211,8 @@ class _Loop:
         self.widths = (d, d * d, 3 if d == 2 else 6, robot.n_dof, m, m, m)
         self.table = np.empty((steps, sum(self.widths)))
         self.last: Array | None = None
+        self.feasible: Any = None
+        self.commanded_lengths: Array | None = None
 
     def fly(self, engine: Simulator, reference: Reference, substeps: int, progress: Progress | None) -> float:
         """The loop itself; returns the elapsed time [s]."""
@@ -212,6 +237,38 @@ class _Loop:
             if progress is not None and ((k + 1) % every == 0 or k + 1 == steps):
                 progress(k + 1, steps)
         return time.perf_counter() - began
+
+    def wind(self, engine: Simulator, reference: Reference, ahead: Reference, substeps: int,
+             progress: Progress | None) -> float:
+        """The loop with winches: by each step's end, the lengths of where the platform should then be."""
+        self.reference, push = reference, self.external_wrench
+        if push is not None and not callable(push):
+            engine.push(push)
+        steps, period = self.table.shape[0], engine.dt * substeps
+        self.commanded_lengths = cable_lengths(self.robot, ahead.pose)
+        log, within, every = array("d"), [], max(1, steps // 100)
+        sample, wind = engine.sample, engine.wind
+        began = time.perf_counter()
+        log.extend(sample())
+        for k, lengths in enumerate(self.commanded_lengths.tolist()):
+            if callable(push):
+                engine.push(push(k * period))
+            within.append(wind(lengths, substeps))
+            log.extend(sample())
+            if progress is not None and ((k + 1) % every == 0 or k + 1 == steps):
+                progress(k + 1, steps)
+        elapsed = time.perf_counter() - began
+        self.feasible = np.array(within)
+        self._fill(np.array(log).reshape(steps + 1, -1))
+        return elapsed
+
+    def _fill(self, samples: Array) -> None:
+        """The table from N + 1 samples: states as each step began, tensions as it ended, no wrench or tension asked."""
+        m, states = self.robot.n_cables, sum(self.widths[:3])
+        self.table[:] = np.nan
+        self.table[:, :states] = samples[:-1, :states]
+        self.table[:, states + self.widths[3]:][:, :m] = samples[:-1, states:states + m]
+        self.table[:, -m:] = samples[1:, -m:]
 
     def _tensions(self, W: Array, wanted: Array, now: float) -> Array:
         if self.last is None:
@@ -259,11 +316,12 @@ class _Loop:
         positions, rotations, twists, wrenches, lengths, commanded, measured = columns
         d = world.robot.dimension
         poses = Pose.of(positions, rotations.reshape(-1, d, d))
-        # Judged by the law for the whole run at once: equilibrium with the wanted wrench, and the limits.
-        judged = self._judge(wrench_matrix(world.robot, poses), -wrenches, commanded, "")
+        if self.feasible is None:
+            # Judged by the law for the whole run at once: equilibrium with the wanted wrench, and the limits.
+            self.feasible = self._judge(wrench_matrix(world.robot, poses), -wrenches, commanded, "").feasible
         return Run(world, task, method, cables, frozen(times), poses, twists, self.reference, commanded, measured,
-                   lengths, _errors(world.robot, poses, self.reference.pose), judged.feasible, factor, dt, period,
-                   settings)
+                   lengths, _errors(world.robot, poses, self.reference.pose), self.feasible, factor, dt, period,
+                   settings, None if self.commanded_lengths is None else frozen(self.commanded_lengths))
 
 
 def _errors(robot: Robot, poses: Pose, wanted: Pose) -> Array:

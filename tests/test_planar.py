@@ -379,7 +379,7 @@ def test_wrong_requests_are_named():
                                  ([np.nan] * 4, "must be positive")):
             with pytest.raises(InvalidInput, match=message):
                 simulator.wind(lengths)
-    with cl.open_simulator(world) as simulator, pytest.raises(InvalidInput, match='open .* with cables="length"'):
+    with cl.open_simulator(world) as simulator, pytest.raises(InvalidInput, match=r'open .* with cables="length"'):
         simulator.wind(np.ones(4))
 
 

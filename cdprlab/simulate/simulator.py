@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..control import State
+from ..errors import InvalidInput
 from ..pose import Pose
 from ..robot import Robot
 from ..world import World
@@ -39,6 +42,18 @@ class Simulator(ABC):
     @abstractmethod
     def step(self, tensions: Array, substeps: int = 1) -> None:
         """Advance by ``substeps`` × dt with these (m,) cable tensions held [N]."""
+
+    def wind(self, lengths: ArrayLike, substeps: int = 1) -> bool:
+        """Advance while winches bring the ropes to these (m,) lengths; False where a speed limit kept one from it."""
+        raise InvalidInput(f"{type(self).__name__} has no winches")
+
+    def drive(self, speeds: ArrayLike) -> Array:
+        """Let the mobile bases drive on at these (3p,) speeds; returns them as their limits allow [rad/s, m/s]."""
+        raise InvalidInput(f"{type(self).__name__} has no bases that drive: planar worlds have")
+
+    def sample(self) -> Iterable[float]:
+        """Position, rotation (row by row), twist, lengths and tensions as one row of a log."""
+        return np.concatenate([self.position, self.rotation.ravel(), self.twist, self.lengths, self.tensions])
 
     @abstractmethod
     def state(self) -> State:
