@@ -26,6 +26,7 @@ from ..simulate.camera import (
 )
 from ..world import World
 from .outlines import box_corners, box_faces, floor_height, floor_segments, frame_segments, landmarks, scene_boxes
+from .style import AXIS_COLORS
 
 _FLOOR = (200, 205, 211)
 
@@ -69,8 +70,9 @@ class RobotScene:
         start = world.pose if pose is None else pose
         points = landmarks(world.robot, world.scene, start)
         self.unit = 0.004 * float(np.linalg.norm(np.ptp(points, axis=0)))
-        self.plot = k3d.plot(height=460, grid_visible=False, camera_auto_fit=False, axes=["x [m]", "y [m]", "z [m]"])
+        self.plot = k3d.plot(height=460, grid_visible=False, camera_auto_fit=False, axes_helper=0.0)
         self._add_surroundings(points)
+        self._add_axes(points)
         self._add_robot(start)
         self.legend = k3d.text2d("", position=(0.01, 0.02), is_html=True, size=0.8, label_box=True, color=_rgb(INK))
         self.plot += self.legend
@@ -122,13 +124,23 @@ class RobotScene:
         self.plot += k3d.points(robot.exit_points.astype(np.float32), point_size=5 * self.unit, color=_rgb(INK),
                                 name="exit points")
 
+    def _add_axes(self, points: Array) -> None:
+        """World axes at the lowest corner; k3d's own hide a corner of the picture."""
+        origin, length = points.min(axis=0), 25 * self.unit
+        for name, color, axis in zip("xyz", AXIS_COLORS, np.eye(3)):
+            shade = int(color.removeprefix("#"), 16)
+            ends = np.stack([origin, origin + length * axis]).astype(np.float32)
+            self.plot += k3d.line(ends, color=shade, width=1.5 * self.unit, shader="mesh", name=f"{name} axis")
+            place = [float(c) for c in origin + 1.25 * length * axis]
+            self.plot += k3d.text(name, position=place, color=shade, size=1.2, label_box=False, reference_point="cc")
+
     def _add_robot(self, pose: Pose) -> None:
         body = self.robot.platform
         self.platform = _solid(box_corners(body.size, body.center, Pose([0, 0, 0])), PLATFORM, "platform", 0.8)
         ends = np.zeros((2, 3), dtype=np.float32)
         self.cables = [k3d.line(ends, color=_rgb(SLACK_COLOR), width=1.2 * self.unit, shader="mesh",
                                 name=f"cable {k + 1}") for k in range(self.robot.n_cables)]
-        self.numbers = [k3d.text(str(k + 1), position=[0, 0, 0], color=_rgb(INK), size=0.8, label_box=False,
+        self.numbers = [k3d.text(str(k + 1), position=[0, 0, 0], color=_rgb(INK), size=1.2, label_box=False,
                                  reference_point="cc", name=f"number {k + 1}") for k in range(self.robot.n_cables)]
         self.anchors = k3d.points(np.zeros((1, 3), dtype=np.float32), point_size=3 * self.unit, color=_rgb(INK),
                                   name="anchor points")

@@ -13,14 +13,13 @@ from dataclasses import dataclass
 from typing import Any, NoReturn
 
 import ipywidgets
-import traitlets
 from matplotlib.figure import Figure
 
 from ...errors import CdprError, InvalidInput
 from ..picture import Picture
 from ..style import house_style
 
-_NUMBERS_STYLE = "line-height: 1.35; margin: 0.5em 0 0 0.5em; font-size: 12px; overflow-x: auto"
+_NUMBERS_STYLE = "line-height: 1.35; margin: 0.5em 0 0 0.5em; font-size: 12px; white-space: pre; overflow-x: auto"
 
 Values = dict[str, Any]
 """Control name → its value, in the control's unit."""
@@ -76,8 +75,8 @@ class Slider:
         digits = next((n for n in range(7) if abs(step - round(step, n)) < 1e-9 * step), 3)
         return ipywidgets.FloatSlider(
             value=self.start, min=self.low, max=self.high, step=step, description=self.caption,
-            readout_format=f".{digits}f", continuous_update=True, style={"description_width": "11em"},
-            layout={"width": "min(36em, 100%)"})
+            readout_format=f".{digits}f", continuous_update=True, style={"description_width": "9em"},
+            layout={"width": "auto"})
 
 
 @dataclass(frozen=True)
@@ -109,17 +108,8 @@ class Choice:
         """The ipywidget."""
         start = self.options[0] if self.start is None else self.check(self.start)
         return ipywidgets.Dropdown(options=[(str(option).replace("_", " "), option) for option in self.options],
-                                   value=start, description=self.label, style={"description_width": "11em"},
-                                   layout={"width": "min(36em, 100%)"})
-
-
-class _Image(ipywidgets.Image):
-    """A picture with a tooltip, which browsers read to those who do not see it.
-
-    JupyterLab measures the description before it sets a tooltip; a plain Image has none and would not be shown.
-    """
-
-    description = traitlets.Unicode("").tag(sync=True)
+                                   value=start, description=self.label, style={"description_width": "9em"},
+                                   layout={"width": "auto"})
 
 
 class Explorer:
@@ -250,9 +240,10 @@ class Explorer:
         # An HTML img, because ipywidgets' Image knows no alternative text (and 8.1.9's fails to show with a tooltip).
         self._image, self._numbers, self._mistake = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
         title = ipywidgets.HTML(f"<b>{html.escape(self.title)}</b>")
-        self.panel = ipywidgets.VBox(list(self.sliders.values()))
+        self.panel = ipywidgets.VBox(list(self.sliders.values()), layout={"width": "30em", "max_width": "100%"})
         self.stage = ipywidgets.VBox([self._image])
-        beside = ipywidgets.VBox([self.panel, self._mistake, self._numbers], layout={"max_width": "100%"})
+        beside = ipywidgets.VBox([self.panel, self._mistake, self._numbers],
+                                 layout={"flex": "1 1 25em", "min_width": "0"})
         wrapping = {"flex_flow": "row wrap", "align_items": "flex-start"}
         self.widget = ipywidgets.VBox([title, ipywidgets.HBox([self.stage, beside], layout=wrapping)])
         for slider in self.sliders.values():

@@ -54,7 +54,7 @@ class PoseExplorer(Explorer):
         self._corners = _corner_poses(self.robot, sliders, self.start)
         if self.robot.dimension == 3:
             sliders.append(Slider("azimuth", "seen from", "deg", -180.0, 180.0, 25.0, 5.0))
-        super().__init__(sliders, title, size=(5.7, 4.6))
+        super().__init__(sliders, title, size=(5.2, 4.4))
 
     @property
     def pose(self) -> Pose:
@@ -96,7 +96,7 @@ class PoseExplorer(Explorer):
                        for name, row in zip(row_names(self.robot), wrench_matrix(self.robot, pose)))]
             note = "Column i of W: force [N/N] and moment about P [N m/N = m]\nof cable i at a tension of 1 N."
         header = ["cable", *(str(k + 1) for k in range(len(lengths)))]
-        return f"{text_table(header, rows)}\n\n{note}"
+        return f"{text_table(header, rows, gap=1)}\n\n{note}"
 
     def describe(self, values: Values) -> str:
         """Where the platform is."""
@@ -114,7 +114,7 @@ def pose_explorer(world_or_robot: World | Robot, start: Pose | None = None) -> P
 
     >>> import cdprlab as cl
     >>> print(pose_explorer(cl.load_world("point_mass")).text.splitlines()[1])
-    length [m]  3.202  3.202  3.202  3.202
+    length [m] 3.202 3.202 3.202 3.202
     """
     return PoseExplorer(world_or_robot, start)
 
