@@ -441,3 +441,47 @@ def test_planar_runs_become_stills_and_films(tmp_path):
         assert picture.width == 960 and "seen from the front" in picture.info["Description"]
     with Image.open(cl.view.save_film(run, tmp_path / "film.gif", width=240)) as film:
         assert film.n_frames > 3
+
+
+# --- runs on ropes ------------------------------------------------------------------------------------------
+def test_a_run_on_ropes_is_logged_like_any_other(tmp_path):
+    world = cl.load_world("planar_rigid")
+    run = cl.run(world, cables="length")
+    assert run.position_errors.max() < 2e-6 and run.feasible.all() and run.method == "inverse_kinematics"
+    np.testing.assert_allclose(cl.cable_lengths(world.robot, run.poses), run.lengths, atol=1e-12)
+    # Ropes are never longer than let out; a step begins where the last one ended. They bow out of straight lines by
+    # (v dt)² / 2 l, below 1e-6 m at 1 m/s.
+    assert (run.lengths[1:] <= run.commanded_lengths[:-1] + 1e-6).all()
+    assert np.isnan(run.commanded_tensions).all() and (run.measured_tensions >= 0).all()
+    log = np.load(run.save(tmp_path) / "log.npz")
+    np.testing.assert_array_equal(log["commanded_length"], run.commanded_lengths)
+    assert "steps with a slack cable" in run.table()
+    text = cl.view.plot(run).alt_text
+    assert "Measured tensions of 4 cables" in text and "nan" not in text
+
+
+def test_a_run_says_where_a_winch_was_too_slow():
+    world = cl.load_world("planar_rigid")
+    slow = tuple(replace(cable, speed_max=0.3) for cable in world.robot.cables)
+    run = cl.run(replace(world, robot=replace(world.robot, cables=slow)), cables="length", duration=3.0)
+    assert 0 < (~run.feasible).sum() < run.time.size
+    assert run.table()["steps at a winch's speed limit"].startswith(str((~run.feasible).sum()))
+    assert "winch was too slow" in cl.view.plot_tensions(run).alt_text
+
+
+def test_a_run_on_ropes_feels_a_push_and_takes_no_controller():
+    world = cl.load_world("planar_rigid")
+    pushed = cl.run(world, cables="length", duration=0.2, external_wrench=[0.0, -30.0, 0.0])
+    calm = cl.run(world, cables="length", duration=0.2)
+    assert pushed.measured_tensions[-1, 2:].sum() > calm.measured_tensions[-1, 2:].sum() + 20
+    with pytest.raises(InvalidInput, match="takes no controller"):
+        cl.run(world, cables="length", controller=cl.ComputedTorque())
+
+
+def test_the_command_line_flies_planar_robots(tmp_path, capsys):
+    from cdprlab.__main__ import main
+
+    out = tmp_path / "out"
+    assert main(["run", "planar_rigid", "--cables", "length", "--duration", "0.3", "--out", str(out)]) == 0
+    assert {path.name for path in out.iterdir()} >= {"film.gif", "log.csv", "log.npz", "tensions.png", "tracking.png"}
+    assert "steps with a slack cable" in capsys.readouterr().out

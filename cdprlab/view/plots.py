@@ -166,6 +166,8 @@ def _error_panel(panel: Axes, time: Array, errors: Array, names: Sequence[str], 
 
 def _tension_panels(axes: Sequence[Axes], run: Any) -> None:
     above, below = axes
+    if _wound(run):
+        return _rope_panels(above, below, run)
     every = max(1, len(run.time) // _MARKERS)
     for cable in range(run.commanded_tensions.shape[1]):
         color, dashes = cable_style(cable)
@@ -179,6 +181,20 @@ def _tension_panels(axes: Sequence[Axes], run: Any) -> None:
     _describe_tensions(above, below, run)
 
 
+def _rope_panels(above: Axes, below: Axes, run: Any) -> None:
+    """Ropes wound to lengths: what they carry, and what is let out of them and not needed."""
+    # Lengths are logged as a step begins, those commanded hold as it ends: the next row's.
+    slack = np.full(run.lengths.shape, np.nan)
+    slack[:-1] = 1e3 * (run.commanded_lengths[:-1] - run.lengths[1:])
+    for cable in range(run.measured_tensions.shape[1]):
+        color, dashes = cable_style(cable)
+        above.plot(run.time, run.measured_tensions[:, cable], color=color, linestyle=dashes, label=f"cable {cable + 1}")
+        below.plot(run.time, slack[:, cable], color=color, linestyle=dashes, linewidth=1.2, label=f"cable {cable + 1}")
+    _describe_tensions(above, below, run)
+    below.set_ylabel("slack [mm]")
+    below.set_title("Rope let out − distance it spans")
+
+
 def _describe_tensions(above: Axes, below: Axes, run: Any) -> None:
     above.set_ylabel("tension [N]")
     above.set_title("Tensions")
@@ -188,8 +204,10 @@ def _describe_tensions(above: Axes, below: Axes, run: Any) -> None:
     _around_zero(below)
     handles: list[Any] = [Line2D([], [], color=INK, label="commanded"),
                           Line2D([], [], color=INK, linestyle="none", marker="o", markersize=4.2, label="measured")]
+    if _wound(run):
+        handles = [Line2D([], [], color=INK, label="measured")]
     if not np.all(run.feasible):
-        handles.append(Patch(color=WARNING, label="infeasible"))
+        handles.append(Patch(color=WARNING, label="winch too slow" if _wound(run) else "infeasible"))
     for panel in (above, below):
         for start, end in _infeasible_spans(run):
             panel.axvspan(start, end, color=WARNING, zorder=0, linewidth=0)
@@ -198,13 +216,13 @@ def _describe_tensions(above: Axes, below: Axes, run: Any) -> None:
     names = [f"{cable + 1}" for cable in range(run.commanded_tensions.shape[1])]
     colors = [cable_style(cable).color for cable in range(len(names))]
     # The differences all but coincide: names pushed apart would point nowhere, so the panel above names the lines.
-    _label_ends(above, list(np.transpose(run.commanded_tensions)), names, colors)
+    _label_ends(above, list(np.transpose(_shown_tensions(run))), names, colors)
 
 
 def _draw_limits(panel: Axes, run: Any) -> None:
     """Limits as lines where they are in range, else in words: a far limit must not squeeze the tensions."""
     robot = run.world.robot
-    shown = float(np.nanmax([np.nanmax(run.commanded_tensions), np.nanmax(run.measured_tensions), 1e-9]))
+    shown = float(np.nanmax([np.nanmax(_shown_tensions(run)), np.nanmax(run.measured_tensions), 1e-9]))
     words = []
     for name, limits in ((r"$\tau_\mathrm{min}$", robot.tension_min),
                          (r"$\tau_\mathrm{max}$", robot.tension_max)):
@@ -294,6 +312,15 @@ def _method(run: Any) -> str:
     return name.replace("_", " ")
 
 
+def _wound(run: Any) -> bool:
+    """Whether lengths were commanded, not tensions."""
+    return getattr(run, "commanded_lengths", None) is not None
+
+
+def _shown_tensions(run: Any) -> Array:
+    return np.asarray(run.measured_tensions if _wound(run) else run.commanded_tensions)
+
+
 def _differences(run: Any) -> Array:
     return np.asarray(run.measured_tensions - run.commanded_tensions)
 
@@ -337,9 +364,13 @@ def _tracking_text(run: Any) -> str:
 
 
 def _tension_text(run: Any) -> str:
-    tau = run.commanded_tensions
-    text = (f"Commanded tensions of {tau.shape[1]} cables lie between {np.nanmin(tau):.4g} and {np.nanmax(tau):.4g} N; "
-            f"limits {np.min(run.world.robot.tension_min):g} to {np.max(run.world.robot.tension_max):g} N; measured "
-            f"differ from commanded by at most {np.nanmax(np.abs(_differences(run))):.3g} N.")
+    tau, wound = _shown_tensions(run), _wound(run)
+    kind = "Measured" if wound else "Commanded"
+    text = (f"{kind} tensions of {tau.shape[1]} cables lie between {np.nanmin(tau):.4g} "
+            f"and {np.nanmax(tau):.4g} N; limits {np.min(run.world.robot.tension_min):g} to "
+            f"{np.max(run.world.robot.tension_max):g} N")
     share = float(np.mean(~np.asarray(run.feasible)))
+    if wound:
+        return text + "." + (f" A winch was too slow in {100 * share:.3g} % of the steps (shaded)." if share else "")
+    text += f"; measured differ from commanded by at most {np.nanmax(np.abs(_differences(run))):.3g} N."
     return text + (f" No feasible tensions in {100 * share:.3g} % of the steps (shaded)." if share else "")
