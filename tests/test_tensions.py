@@ -227,7 +227,8 @@ def test_a_batch_equals_a_loop_and_limits_broadcast(method):
     ({"w_e": np.ones((2, 6)), "W": np.ones((3, 6, 8))}, "do not fit"), ({"method": "guess"}, "quadratic_program"),
     ({"speed": 3}, "'speed'"), ({"solver": "none such"}, "not installed"),
     ({"method": "kernel", "choice": "best"}, "lowest, middle, highest"),
-    ({"method": "barycenter", "choice": 1}, "none"), ({"method": "relaxed", "weights": np.zeros(6)}, "positive"), ({"method": "relaxed", "weights": [1]}, "weights")])
+    ({"method": "barycenter", "choice": 1}, "none"), ({"method": "relaxed", "weights": np.zeros(6)}, "positive"),
+    ({"method": "relaxed", "weights": [1]}, "weights")])
 def test_input_that_cannot_be_used(change, says):
     with pytest.raises(cl.errors.InvalidInput) as raised:
         cl.distribute_tensions(**{"W": np.ones((6, 8)), "w_e": np.ones(6), "tension_min": LOW, "tension_max": HIGH,

@@ -79,15 +79,16 @@ def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions
     residual = np.einsum("...ij,...j->...i", W, tensions)
     residual += w_e
     margin = -_largest(np.maximum(low - tensions, tensions - high))
-    feasible = _largest(np.abs(residual)) <= RESIDUAL_TOLERANCE * (1 + _largest(np.abs(w_e)))
-    feasible &= margin >= -LIMIT_TOLERANCE * high.max(axis=-1)
-    clipped = np.minimum(np.maximum(tensions, low), high)
-    problem, bad = None, ~feasible
-    if bad.any():
-        clipped[bad] = tensions[bad]
-        problem = _selected(Problem(W, w_e, low, high), bad)
-    np.maximum(margin, 0.0, out=margin, where=feasible)
-    return TensionDistribution(frozen(clipped), feasible, frozen(residual), margin, method, complete, problem, reasons)
+    error = _largest(np.abs(residual))
+    feasible = margin >= -LIMIT_TOLERANCE * high.max(axis=-1)
+    if not (error <= RESIDUAL_TOLERANCE).all():   # else no wrench is so small that this would be too much
+        feasible &= error <= RESIDUAL_TOLERANCE * (1 + _largest(np.abs(w_e)))
+    near = feasible & (margin < 0)
+    if near.any():
+        tensions = np.where(near[..., None], np.minimum(np.maximum(tensions, low), high), tensions)
+        margin[near] = 0.0
+    problem = None if feasible.all() else _selected(Problem(W, w_e, low, high), ~feasible)
+    return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method, complete, problem, reasons)
 
 
 def _selected(problem: Problem, bad: Any) -> Problem:
@@ -114,7 +115,7 @@ def _judge_one(problem: Problem, tensions: Array, reason: str, method: str, comp
         feasible, margin = False, nan
     if feasible and margin < 0:
         tensions, margin = np.minimum(np.maximum(tensions, low), high), 0.0
-    kept = None if feasible else _selected(problem, np.array(True))
+    kept = None if feasible else Problem(*(part[None].copy() for part in problem))
     return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method, complete, kept, reason)
 
 

@@ -2,20 +2,24 @@
 
 import pytest
 
-_RATIOS: list[tuple[str, float, float]] = []
+_RATIOS: list[tuple[str, float, str]] = []
 
 
 @pytest.fixture
 def report(benchmark):
-    """``report(name, ratio, promised)``: kept with the benchmark's data and printed at the end."""
-    def add(name: str, ratio: float, promised: float) -> None:
+    """``report(name, ratio, promised, at_least=False)``: kept with the benchmark's data and printed at the end.
+
+    promised : the most (with at_least: the least) the ratio should be; None where nothing is promised
+    """
+    def add(name: str, ratio: float, promised: float | None, *, at_least: bool = False) -> None:
         benchmark.extra_info["ratio"] = ratio
-        _RATIOS.append((name, ratio, promised))
+        word = "at least" if at_least else "at most"
+        _RATIOS.append((name, ratio, "" if promised is None else f"   (promised: {word} {promised:g} x)"))
 
     return add
 
 
 def pytest_terminal_summary(terminalreporter):
     """One line a ratio, measured against its reference in this same run."""
-    for name, ratio, promised in _RATIOS:
-        terminalreporter.write_line(f"{name:48} {ratio:6.2f} x   (promised: at most {promised:g} x)")
+    for name, ratio, promise in _RATIOS:
+        terminalreporter.write_line(f"{name:56} {ratio:7.2f} x{promise}")
