@@ -1,0 +1,199 @@
+"""Lessons in a real browser: JupyterLab opens them, runs them, and their sliders move picture and numbers.
+
+Needs Debian's chromium and playwright; pictures of what was seen are left in out/browser/.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import notebooks
+import pytest
+
+TOKEN = "tested-here-only"
+SEEN = notebooks.CHECKOUT / "out" / "browser"
+LESSONS = [name for name in ("00_first_flight", "01_geometry") if name in notebooks.names()]
+OPTIONS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader",
+           "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
+SETTINGS = {
+    # All cells are in the page, however far down; no questions about news.
+    "@jupyterlab/notebook-extension/tracker": {"windowingMode": "none"},
+    "@jupyterlab/apputils-extension/notification": {"fetchNews": "false", "checkForUpdates": False},
+}
+
+
+def _missing(what: str) -> None:
+    """Skips; where CI=true promises a browser it fails."""
+    if os.environ.get("CI") == "true":
+        pytest.fail(f"{what} is missing; .ci/run installs it")
+    pytest.skip(f"{what} is not installed")
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """Chromium without a window."""
+    chromium = shutil.which("chromium")
+    if chromium is None:
+        _missing("chromium")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        _missing("playwright")
+    with sync_playwright() as playwright:
+        # The options name the headless mode; playwright's own would ask for the old one.
+        browser = playwright.chromium.launch(executable_path=chromium, args=OPTIONS, headless=True,
+                                             ignore_default_args=["--headless"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The address of a JupyterLab of our own, with the solved lessons."""
+    home = tmp_path_factory.mktemp("lab")
+    lessons, settings = home / "lessons", home / "settings"
+    lessons.mkdir()
+    for name in LESSONS:
+        shutil.copy(notebooks.SOURCE / name / f"{name}.ipynb", lessons)
+    for plugin, values in SETTINGS.items():
+        path = settings / f"{plugin}.jupyterlab-settings"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(values), encoding="utf-8")
+    own = {name: str(home / name.lower()) for name in ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR",
+                                                       "JUPYTERLAB_WORKSPACES_DIR")}
+    port = _free_port()
+    command = [sys.executable, "-m", "jupyterlab", "--no-browser", f"--port={port}", "--ServerApp.port_retries=0",
+               f"--IdentityProvider.token={TOKEN}", f"--ServerApp.root_dir={lessons}", "--allow-root"]
+    with (home / "log").open("wb") as log:
+        server = subprocess.Popen(command, cwd=lessons, stdout=log, stderr=subprocess.STDOUT,
+                                  env={**notebooks.environment(home), **own, "JUPYTERLAB_SETTINGS_DIR": str(settings)})
+    address = f"http://127.0.0.1:{port}"
+    try:
+        _wait_for(address, server, home / "log")
+        yield address
+    finally:
+        server.terminate()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            server.wait(20)
+        server.kill()
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def _wait_for(address: str, server: subprocess.Popen[bytes], log: Path) -> None:
+    for _ in range(240):
+        with contextlib.suppress(urllib.error.URLError, ConnectionError, TimeoutError), \
+                urllib.request.urlopen(f"{address}/api?token={TOKEN}", timeout=5):
+            return
+        if server.poll() is not None:
+            break
+        time.sleep(0.25)
+    pytest.fail(f"JupyterLab did not start:\n{log.read_text()[-2000:]}")
+
+
+@pytest.fixture(scope="module")
+def lesson(request: pytest.FixtureRequest, browser: Any, lab: str) -> Iterator[Any]:
+    """A page with a lesson after Run > Run All Cells."""
+    name = request.param
+    page = browser.new_page(viewport={"width": 1280, "height": 1000})
+    page.set_default_timeout(60_000)
+    try:
+        _run_all(page, f"{lab}/lab/tree/{name}.ipynb?token={TOKEN}&reset", _count_code_cells(name))
+        yield page
+    finally:
+        _picture_of_all(page, name)
+        page.close()
+
+
+def _count_code_cells(name: str) -> int:
+    return sum(cell.cell_type == "code" for cell in notebooks.read_source(name).cells)
+
+
+def _run_all(page: Any, address: str, cells: int) -> None:
+    page.goto(address)
+    page.locator(".jp-Notebook").wait_for()
+    page.get_by_text("Python 3 (ipykernel) | Idle").wait_for()  # cells that are run before that are passed over
+    page.get_by_role("menuitem", name="Run", exact=True).click()
+    page.get_by_role("menuitem", name="Run All Cells", exact=True).click()
+    page.locator(".jp-CodeCell .jp-InputPrompt", has_text=f"[{cells}]:").wait_for(timeout=180_000)
+    page.locator(".jp-Notebook-ExecutionIndicator[data-status=idle]").wait_for()
+    page.wait_for_timeout(1000)  # what was run is drawn
+
+
+def _picture_of_all(page: Any, name: str) -> None:
+    """The whole lesson in one tall picture."""
+    SEEN.mkdir(parents=True, exist_ok=True)
+    height = page.evaluate("document.querySelector('.jp-WindowedPanel-outer').scrollHeight")
+    page.set_viewport_size({"width": 1280, "height": min(int(height) + 150, 16_000)})
+    page.evaluate("document.querySelector('.jp-WindowedPanel-outer').scrollTop = 0")
+    page.wait_for_timeout(500)
+    page.locator(".jp-NotebookPanel").screenshot(path=SEEN / f"{name}.png")
+
+
+every_lesson = pytest.mark.parametrize("lesson", LESSONS, indirect=True, scope="module")
+
+
+@every_lesson
+def test_nothing_goes_wrong(lesson: Any):
+    for kind in ("error", "stderr"):
+        assert lesson.locator(f"[data-mime-type='application/vnd.jupyter.{kind}']").all_inner_texts() == []
+    for words in ("Click to show javascript error", "Error displaying widget"):
+        assert lesson.get_by_text(words).count() == 0, words
+    assert lesson.locator(".jp-OutputArea-output img").count() > 0
+
+
+@every_lesson
+def test_sliders_move_picture_and_numbers(lesson: Any):
+    explorers = lesson.locator(".jp-OutputArea-output", has=lesson.locator(".widget-slider"))
+    assert explorers.count() > 0
+    for explorer in explorers.all():
+        explorer.scroll_into_view_if_needed()
+        before = _shown(explorer)
+        _drag(lesson, explorer.locator(".noUi-handle").first)
+        dragged = _changed(explorer, before)
+        explorer.locator(".noUi-handle").first.press("ArrowLeft")
+        _changed(explorer, dragged)
+        assert explorer.get_by_role("alert").count() == 0
+
+
+def _drag(page: Any, handle: Any) -> None:
+    """A sixth of the slider's way to the left, or right where there is no room."""
+    knob = handle.bounding_box()
+    way = handle.locator("xpath=ancestor::*[contains(@class, 'noUi-target')]").bounding_box()
+    x, y = knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2
+    by = way["width"] / 6 * (-1 if x - way["x"] > way["width"] / 2 else 1)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + by, y, steps=5)
+    page.mouse.up()
+
+
+def _shown(explorer: Any) -> tuple[str, str]:
+    """Where the picture's bytes are, and the numbers."""
+    return explorer.locator("img").first.get_attribute("src"), "\n".join(explorer.locator("pre").all_inner_texts())
+
+
+def _changed(explorer: Any, before: tuple[str, str]) -> tuple[str, str]:
+    """What is shown as soon as picture and numbers both differ from before."""
+    for _ in range(100):
+        now = _shown(explorer)
+        if now[0] != before[0] and now[1] != before[1]:
+            return now
+        time.sleep(0.1)
+    raise AssertionError(f"picture changed: {now[0] != before[0]}, numbers changed: {now[1] != before[1]}")
