@@ -1,0 +1,62 @@
+"""Pictures of sets: what is drawn is the set, said in words too."""
+
+import numpy as np
+import pytest
+from matplotlib.patches import Polygon
+
+import cdprlab as cl
+from cdprlab.errors import InvalidInput
+from cdprlab.view.sets import axis_label, axis_names, facet_corners, plot_capability, plot_sets
+from robots import ROBOTS, random_pose
+
+
+@pytest.fixture
+def wrench_set():
+    robot = ROBOTS["two bases"]()
+    return cl.available_wrench_set(robot, random_pose(robot, 1))
+
+
+def test_a_plane_picture_shows_the_vertices_and_says_what_is_inside(wrench_set):
+    shadow = wrench_set.project([0, 2])
+    point = shadow.vertices.mean(axis=0)
+    figure = plot_sets({"free": shadow}, ("f_x", "f_z"), {"middle": point, "far": 10 * point + 1e5}, title="Forces")
+    [patch] = [p for p in figure.axes[0].patches if isinstance(p, Polygon)]
+    np.testing.assert_allclose(patch.get_xy()[:-1], shadow.vertices)
+    assert "middle inside, far outside" in figure.alt_text
+    assert figure.axes[0].get_xlabel() == "$f_x$ [N]"
+
+
+def test_faces_of_a_solid_picture_close_around_the_set(wrench_set):
+    shadow = wrench_set.project([0, 1, 2])
+    faces = facet_corners(shadow)
+    assert len(faces) == len(shadow.normals)
+    assert len(faces) - sum(len(face) for face in faces) / 2 + len(shadow.vertices) == 2    # Euler
+    volume = 0.0
+    for face in faces:
+        for second, third in zip(face[1:], face[2:]):
+            volume += abs(np.linalg.det(np.stack([face[0], second, third]) - shadow.vertices.mean(axis=0))) / 6
+    assert volume == pytest.approx(shadow.volume, rel=1e-9)
+    assert plot_sets({"free": shadow}, ("f_x", "f_y", "f_z")).axes[0].name == "3d"
+
+
+def test_a_chart_has_a_bar_an_axis_and_a_number_a_bar(wrench_set):
+    reach = np.abs(wrench_set.component_range()).max(axis=1)
+    figure = plot_capability({"free": reach, "none": np.full(6, np.nan)}, axis_names("3R3T", "wrench"), "Wrench")
+    heights = [bar.get_height() for axes in figure.axes for bar in axes.containers[0]]
+    np.testing.assert_allclose(heights, reach)
+    assert [text.get_text() for text in figure.axes[0].texts][-3:] == ["none"] * 3
+    assert f"f_x {reach[0]:.3g}" in figure.alt_text
+
+
+@pytest.mark.parametrize("pattern", ["1T", "2T", "1R2T", "3T", "2R3T", "3R3T"])
+def test_every_pattern_has_named_axes_with_units(pattern):
+    for quantity in ("twist", "wrench"):
+        assert len(axis_names(pattern, quantity)) == cl.robot.MOTION_PATTERNS[pattern].n_dof
+        assert all(axis_label(name).endswith("]") for name in axis_names(pattern, quantity))
+
+
+def test_what_cannot_be_drawn(wrench_set):
+    with pytest.raises(InvalidInput, match="project or slice"):
+        plot_sets({"all": wrench_set}, axis_names("3R3T", "wrench"))
+    with pytest.raises(InvalidInput, match="quantities"):
+        axis_names("3R3T", "power")
