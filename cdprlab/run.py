@@ -6,7 +6,7 @@ import csv
 import json
 import time
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -50,6 +50,7 @@ class Run:
     real_time_factor : simulated over elapsed time of the loop
     settings : how the run was made
     commanded_lengths : (N, m) the winches were to reach by the step's end, None where tensions are commanded [m]
+    base_poses : (N, p, 3) x, y, heading of each mobile base, None where none was driven [m, m, rad]
     """
 
     world: World
@@ -70,6 +71,14 @@ class Run:
     control_period: float
     settings: dict[str, Any] = field(repr=False)
     commanded_lengths: Array | None = None
+    base_poses: Array | None = None
+
+    def robot_at(self, index: int) -> Robot:
+        """The robot with its bases where they stood at one control step."""
+        robot = self.world.robot
+        if self.base_poses is None:
+            return robot
+        return robot.with_bases({base.name: pose for base, pose in zip(robot.bases, self.base_poses[index])})
 
     @property
     def position_errors(self) -> Array:
@@ -136,6 +145,7 @@ class Run:
             "measured_tension": (self.measured_tensions, "N"),
             "length": (self.lengths, "m"),
             **({} if self.commanded_lengths is None else {"commanded_length": (self.commanded_lengths, "m")}),
+            **({} if self.base_poses is None else {"base_pose": (self.base_poses, "m, m, rad")}),
             "feasible": (np.asarray(self.feasible), ""),
         }
 
@@ -143,7 +153,7 @@ class Run:
 def run(world: World, task: str = "default", method: str | Callable[..., Any] = "quadratic_program",
         cables: str = "tension", controller: Controller | None = None, dt: float = 1e-3,
         control_period: float | None = None, infeasible: str = "relax", external_wrench: Any = None,
-        duration: float | None = None, seed: int = 0, *, progress: Progress | None = None,
+        duration: float | None = None, seed: int = 0, *, base_speeds: Any = None, progress: Progress | None = None,
         simulator: Simulator | None = None, **engine_options: Any) -> Run:
     """Move a world's robot along a task in its engine and log every control step.
 
@@ -157,6 +167,8 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
     external_wrench : (n,) at P or t → (n,), felt by the platform and not told to the controller [N, N m]
     duration : of the run; default the task's motion and hold [s]
     seed : kept with the log for whatever draws random numbers; the loop itself draws none
+    base_speeds : (3p,) θ̇, ρ̇₁, ρ̇₂ of each mobile base or t → (3p,), driven while the cables work, clipped to the bases'
+        limits; winches and tensions follow the bases; planar worlds [rad/s, m/s]
     progress : called as (steps done, steps in all), about a hundred times
     simulator : an open Simulator to use (and leave open) instead of a new one
     engine_options : passed to ``open_simulator``
@@ -178,6 +190,7 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
         raise InvalidInput(f"cables={cables!r} winds by inverse kinematics and takes no controller")
     law = ComputedTorque() if controller is None else controller
     loop = _Loop(world.robot, method, infeasible, law, external_wrench, times.size)
+    loop.drive = None if base_speeds is None else _Drive(base_speeds, period)
     engine = simulator or open_simulator(world, cables, dt, **engine_options)
     try:
         engine.reset(job.start)
@@ -194,6 +207,8 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
     settings = {"dt": dt, "control_period": period, "controller": ruler, "infeasible": infeasible,
                 "external_wrench": None if external_wrench is None else str(external_wrench),
                 "duration": float(times.size * period), "seed": seed, **engine_options}
+    if base_speeds is not None:
+        settings["base_speeds"] = str(base_speeds)
     return loop.log(world, task, name, cables, times, times.size * period / elapsed, dt, period, settings)
 
 
@@ -213,6 +228,7 @@ class _Loop:
         self.last: Array | None = None
         self.feasible: Any = None
         self.commanded_lengths: Array | None = None
+        self.drive: _Drive | None = None
 
     def fly(self, engine: Simulator, reference: Reference, substeps: int, progress: Progress | None) -> float:
         """The loop itself; returns the elapsed time [s]."""
@@ -224,6 +240,8 @@ class _Loop:
         every = max(1, steps // 100)
         began = time.perf_counter()
         for k, wish in enumerate(map(Reference, *reference)):
+            if self.drive is not None:
+                self.drive.step(engine)
             state = engine.state()
             if callable(push):
                 engine.push(push(state.time))
@@ -245,12 +263,13 @@ class _Loop:
         if push is not None and not callable(push):
             engine.push(push)
         steps, period = self.table.shape[0], engine.dt * substeps
-        self.commanded_lengths = cable_lengths(self.robot, ahead.pose)
         log, within, every = array("d"), [], max(1, steps // 100)
+        commanded = []
         sample, wind = engine.sample, engine.wind
         began = time.perf_counter()
         log.extend(sample())
-        for k, lengths in enumerate(self.commanded_lengths.tolist()):
+        for k, lengths in enumerate(self._lengths(engine, ahead.pose)):
+            commanded.append(lengths)
             if callable(push):
                 engine.push(push(k * period))
             within.append(wind(lengths, substeps))
@@ -258,9 +277,17 @@ class _Loop:
             if progress is not None and ((k + 1) % every == 0 or k + 1 == steps):
                 progress(k + 1, steps)
         elapsed = time.perf_counter() - began
-        self.feasible = np.array(within)
+        self.feasible, self.commanded_lengths = np.array(within), np.array(commanded)
         self._fill(np.array(log).reshape(steps + 1, -1))
         return elapsed
+
+    def _lengths(self, engine: Simulator, ahead: Pose) -> Iterator[list[float]]:
+        """Rope lengths for each step's end; where bases drive, to where they will then stand."""
+        if self.drive is None:
+            yield from cable_lengths(self.robot, ahead).tolist()
+            return
+        for pose in ahead:
+            yield cable_lengths(self.drive.step(engine), pose).tolist()
 
     def _fill(self, samples: Array) -> None:
         """The table from N + 1 samples: states as each step began, tensions as it ended, no wrench or tension asked."""
@@ -318,10 +345,35 @@ class _Loop:
         poses = Pose.of(positions, rotations.reshape(-1, d, d))
         if self.feasible is None:
             # Judged by the law for the whole run at once: equilibrium with the wanted wrench, and the limits.
-            self.feasible = self._judge(wrench_matrix(world.robot, poses), -wrenches, commanded, "").feasible
+            W = wrench_matrix(world.robot, poses) if self.drive is None else np.array(self.drive.matrices)
+            self.feasible = self._judge(W, -wrenches, commanded, "").feasible
         return Run(world, task, method, cables, frozen(times), poses, twists, self.reference, commanded, measured,
                    lengths, _errors(world.robot, poses, self.reference.pose), self.feasible, factor, dt, period,
-                   settings, None if self.commanded_lengths is None else frozen(self.commanded_lengths))
+                   settings, None if self.commanded_lengths is None else frozen(self.commanded_lengths),
+                   None if self.drive is None else frozen(np.array(self.drive.poses)))
+
+
+class _Drive:
+    """Mobile bases driven during a run: their speeds, asked for at each step, and what the log keeps of them.
+
+    speeds : (3p,) or t → (3p,); period : control step [s]
+    """
+
+    def __init__(self, speeds: Any, period: float) -> None:
+        self.speeds, self.period = speeds, period
+        self.poses: list[Any] = []
+        self.matrices: list[Array] = []
+
+    def step(self, engine: Simulator) -> Robot:
+        """Set the coming step's speeds; returns the robot with its bases where they will be at the step's end."""
+        now = len(self.poses) * self.period
+        driven = engine.drive(self.speeds(now) if callable(self.speeds) else self.speeds).reshape(-1, 3)
+        robot = engine.robot
+        self.poses.append([[*base.position.tolist(), base.heading] for base in robot.bases])
+        self.matrices.append(engine.wrench_matrix)
+        return robot.with_bases({
+            base.name: (*(base.position + base.rotation[:2, :2] @ speed[1:] * self.period),
+                        base.heading + speed[0] * self.period) for base, speed in zip(robot.bases, driven)})
 
 
 def _errors(robot: Robot, poses: Pose, wanted: Pose) -> Array:

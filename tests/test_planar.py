@@ -485,3 +485,30 @@ def test_the_command_line_flies_planar_robots(tmp_path, capsys):
     assert main(["run", "planar_rigid", "--cables", "length", "--duration", "0.3", "--out", str(out)]) == 0
     assert {path.name for path in out.iterdir()} >= {"film.gif", "log.csv", "log.npz", "tensions.png", "tracking.png"}
     assert "steps with a slack cable" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("cables", ["tension", "length"])
+def test_bases_drive_in_a_run_and_are_logged(cables, tmp_path):
+    """Out and back on one side, away on the other: the platform keeps to its path, the log to the laws."""
+    world = cl.load_world("planar_mcdpr")
+
+    def speeds(t):
+        return [0, -0.4 * np.sin(np.pi * t / 1.5), 0, 0, 0.6 * np.sin(np.pi * t / 3), 0]
+
+    run = cl.run(world, cables=cables, base_speeds=speeds, dt=2e-3)
+    # With tensions the integrator's v dt / 2 shows: 0.9 m/s at most here.
+    assert run.position_errors.max() < (1e-6 if cables == "length" else 1e-3) and run.feasible.all()
+    assert run.base_poses.shape == (1500, 2, 3)
+    # ∫ 0.6 sin(π t / 3) dt over 3 s is 3.6/π; summed up at the steps' beginnings it is exact to dt².
+    np.testing.assert_allclose(run.base_poses[-1, 1], [2 + 3.6 / np.pi, 0, 0], atol=1e-5)
+    for k in (0, 700, 1499):
+        np.testing.assert_allclose(cl.cable_lengths(run.robot_at(k), run.poses[k]), run.lengths[k], atol=1e-12)
+    np.testing.assert_array_equal(np.load(run.save(tmp_path) / "log.npz")["base_pose"], run.base_poses)
+    early, late = (np.asarray(Image.open(cl.view.still(run, tmp_path / f"{t}.png", t, width=320))) for t in (0.1, 2.9))
+    assert (early != late).any(axis=-1).sum() > 1000
+
+
+def test_bases_drive_in_planar_runs_only():
+    world = cl.load_world("mobile_four_bases")
+    with pytest.raises((InvalidInput, MissingDependency), match=r"bases that drive|PyBullet"):
+        cl.run(world, duration=0.01, base_speeds=np.zeros(12))

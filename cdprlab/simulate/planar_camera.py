@@ -46,7 +46,8 @@ class PlanarCamera:
     """A fixed front view of a whole planar robot and its scene.
 
     world : a planar World
-    Raises InvalidInput for a spatial one.
+    also : (k, 2) further points to have in the picture [m]
+    Raises InvalidInput for a spatial world.
 
     >>> import cdprlab as cl
     >>> world = cl.load_world("planar_rigid")
@@ -54,11 +55,11 @@ class PlanarCamera:
     (480, 640, 3)
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, also: ArrayLike = ()) -> None:
         if world.robot.dimension != 2:
             raise InvalidInput(f"world {world.name!r} is spatial; this camera draws planar robots only")
         self.world = world
-        self._low, self._high = _extents(world)
+        self._low, self._high = _extents(world, np.reshape(np.asarray(also, dtype=float), (-1, 2)))
 
     def picture(self, pose: Pose, tensions: ArrayLike, width: int = 640, height: int = 480,
                 limits: tuple[float, float] | None = None, trail: ArrayLike | None = None,
@@ -228,11 +229,11 @@ def _corners(robot: Robot, pose: Pose) -> Array:
     return pose.position + (robot.platform.center + CORNERS * robot.platform.size) @ pose.rotation.T
 
 
-def _extents(world: World) -> tuple[Array, Array]:
+def _extents(world: World, also: Array) -> tuple[Array, Array]:
     """Lowest and highest corner of all that is in the picture [m]."""
     robot, scene = world.robot, world.scene
     poses = [world.pose, *(end for task in world.tasks.values() for end in (task.start, task.end))]
-    groups = [robot.exit_points, *(_corners(robot, pose) for pose in poses)]
+    groups = [robot.exit_points, also, *(_corners(robot, pose) for pose in poses)]
     groups += [box.position + CORNERS * box.size for box in scene.boxes]
     groups += [base.to_world(np.concatenate([base.footprint, np.zeros((1, 2))])) for base in robot.bases]
     if scene.frame is not None:

@@ -65,7 +65,7 @@ def still(run: Any, path: str | Path, t: float = 0.0, width: int = 960) -> Path:
 # --- frames -----------------------------------------------------------------------------------------------
 def _frames(run: Any, times: Array, width: int) -> Iterator[Image.Image]:
     """One picture for each time [s]."""
-    camera: Camera | PlanarCamera = PlanarCamera(run.world) if run.world.engine == "planar" else Camera(run.world)
+    camera: Camera | PlanarCamera = _planar_camera(run) if run.world.engine == "planar" else Camera(run.world)
     ticks = _ticks(run)
     limits = float(ticks[0]), float(ticks[-1])
     scale = width / 640
@@ -73,7 +73,11 @@ def _frames(run: Any, times: Array, width: int) -> Iterator[Image.Image]:
     indices = np.clip(np.searchsorted(run.time, times - 1e-9), 0, len(run.time) - 1)
     for index in indices:
         trail = run.poses.position[np.unique(np.linspace(0, index, 50).astype(int))]
-        picture = camera.picture(run.poses[index], _shown_tensions(run, index), width, height, limits, trail)
+        shown = run.poses[index], _shown_tensions(run, index), width, height, limits, trail
+        if isinstance(camera, PlanarCamera):
+            picture = camera.picture(*shown, robot=run.robot_at(index))
+        else:
+            picture = camera.picture(*shown)
         frame = Image.new("RGB", (width, height + round(86 * scale)), "white")
         frame.paste(Image.fromarray(picture), (0, round(30 * scale)))
         drawing = ImageDraw.Draw(frame)
@@ -82,6 +86,16 @@ def _frames(run: Any, times: Array, width: int) -> Iterator[Image.Image]:
             _draw_axes(drawing, camera, width, height, scale)
         _draw_scale(drawing, ticks, width, height + round(30 * scale), scale)
         yield frame
+
+
+def _planar_camera(run: Any) -> PlanarCamera:
+    """Wide enough for all that moves: the platform, and bases that drive."""
+    some = np.unique(np.linspace(0, len(run.time) - 1, 20).astype(int))
+    places = [run.poses.position]
+    if run.base_poses is not None:
+        for robot in map(run.robot_at, some):
+            places += [robot.exit_points, *(base.to_world(base.footprint) for base in robot.bases)]
+    return PlanarCamera(run.world, np.concatenate(places))
 
 
 def _shown_tensions(run: Any, index: int) -> Array:
