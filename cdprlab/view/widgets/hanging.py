@@ -47,9 +47,9 @@ class HangingExplorer(Explorer):
     def build(self, figure: Figure) -> None:
         left, right = figure.subplots(1, 2, width_ratios=(3, 2))
         self._drawing = RobotDrawing(left, self.robot, self.world.scene, self._range)
-        cables = np.arange(1, self.robot.n_cables + 1)
+        cables = range(1, self.robot.n_cables + 1)
         styles = [cable_style(cable - 1) for cable in cables]
-        self._bars = right.barh(cables, np.zeros(cables.size), color=[style.color for style in styles],
+        self._bars = right.barh(cables, [0.0] * len(cables), color=[style.color for style in styles],
                                 edgecolor=INK, height=0.62, animated=True)
         for bar, style in zip(self._bars, styles):
             bar.set_linestyle(style.linestyle)
