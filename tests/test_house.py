@@ -13,10 +13,11 @@ ROOMS = (
     "errors", "arrays", "pose", "robot", "world", "geometry", "kinematics", "statics", "tensions", "sets", "workspace",
     "configurations", "trajectory", "control", "simulate", "run", "view", "__main__",
 )
-CLOSETS = {"redundancy": "kinematics", "fast_statics": "statics", "base_placement": "workspace",
+CLOSETS = {"compare": "run", "redundancy": "kinematics", "fast_statics": "statics", "base_placement": "workspace",
            "fast_control": "control"}
 """Files that belong to a room without being in its folder."""
 UPWARDS = {
+    ("run", "view"): "a table of results draws itself, when asked",
     ("world", "trajectory"): "a Task makes its own trajectory, when asked",
 }
 """Imports against the order that are meant; they must be inside a function, where they close no circle."""

@@ -78,7 +78,7 @@ def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions
         return _judge_one(Problem(W, w_e, low, high), tensions, reasons, method, complete)
     residual = np.einsum("...ij,...j->...i", W, tensions)
     residual += w_e
-    margin = -_largest(np.maximum(low - tensions, tensions - high))
+    margin = 0.0 - _largest(np.maximum(low - tensions, tensions - high))
     error = _largest(np.abs(residual))
     feasible = margin >= -LIMIT_TOLERANCE * high.max(axis=-1)
     if not (error <= RESIDUAL_TOLERANCE).all():   # else no wrench is so small that this would be too much

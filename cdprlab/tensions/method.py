@@ -62,10 +62,16 @@ def vectorized(batch: Callable[..., BatchSolver], *, complete: bool, summary: st
     def build(n: int, tension_min: Array, tension_max: Array, **options: Any) -> Solver:
         solve_batch, low, high = batch(**options), tension_min[None], tension_max[None]
 
+        lows, highs = tension_min.tolist(), tension_max.tolist()
+        slack = -LIMIT_TOLERANCE * max(highs)
+
         def solve(W: Array, w_e: Array) -> Solution:
             tensions, reasons = solve_batch(W[None], w_e[None], low, high)
             tau = tensions[0]
-            return tau, reasons[0] or broken_limit(tau, tension_min, tension_max)
+            taus = tau.tolist()
+            if min(map(sub, taus, lows)) < slack or min(map(sub, highs, taus)) < slack:
+                return tau, reasons[0] or broken_limit(tau, tension_min, tension_max)
+            return tau, reasons[0]
 
         return solve
 
