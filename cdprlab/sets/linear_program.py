@@ -48,20 +48,38 @@ def maximize(A: Array, b: Array, c: Array) -> Optima:
     >>> maximize(box, np.ones(4), np.array([[1.0, 2.0], [-1.0, 0.0]])).values
     array([3., 1.])
     """
-    batch = np.broadcast_shapes(b.shape[:-1], c.shape[:-1])
-    k = A.shape[1]
-    same_rows = b.ndim == 1
+    if b.ndim == 1:
+        return Program(A, b).maximize(c)
+    batch, k = np.broadcast_shapes(b.shape[:-1], c.shape[:-1]), A.shape[1]
     limits = np.broadcast_to(b, (*batch, b.shape[-1])).reshape(-1, b.shape[-1])
     goals = np.broadcast_to(c, (*batch, k)).reshape(-1, k)
     values, points = np.full(len(goals), -np.inf), np.full((len(goals), k), np.nan)
     if len(goals):
-        program = _Rows(A, np.asarray(np.isfinite(limits).any(axis=0)))
-        feasible, starts = program.vertices(limits[:1] if same_rows else limits)
-        if same_rows:
-            feasible, starts = np.repeat(feasible, len(goals)), np.repeat(starts, len(goals), axis=0)
-        good = np.flatnonzero(feasible)
-        values[good], points[good] = program.walk(limits[good], goals[good], starts[good])
+        rows = _Rows(A, np.asarray(np.isfinite(limits).any(axis=0)))
+        feasible, starts = rows.vertices(limits)
+        values[feasible], points[feasible] = rows.walk(limits[feasible], goals[feasible], starts[feasible])
     return Optima(values.reshape(batch), points.reshape(*batch, k))
+
+
+class Program:
+    """A q ≤ b, asked again and again: where the walks start is found once."""
+
+    def __init__(self, A: Array, b: Array) -> None:
+        self._rows = _Rows(A, np.isfinite(b))
+        self._b = b
+        feasible, starts = self._rows.vertices(b[None])
+        self.is_feasible, self._start = bool(feasible[0]), starts[0]
+
+    def maximize(self, c: Array) -> Optima:
+        """max c·q for each row of c, (…, k)."""
+        batch, k = c.shape[:-1], c.shape[-1]
+        goals = c.reshape(-1, k)
+        count = len(goals)
+        if not self.is_feasible:
+            return Optima(np.full(batch, -np.inf), np.full((*batch, k), np.nan))
+        values, points = self._rows.walk(np.broadcast_to(self._b, (count, self._b.size)), goals,
+                                         np.broadcast_to(self._start, (count, self._start.size)))
+        return Optima(values.reshape(batch), points.reshape(*batch, k))
 
 
 class _Rows:

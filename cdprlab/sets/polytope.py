@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array, as_array, frozen
 from ..errors import InvalidInput
-from .linear_program import TOLERANCE, maximize
+from .linear_program import TOLERANCE, Program, maximize
 from .listing import Frame, Planes, corners, facets, frame, planes, volume
 from .subspace import null_space, solve
 
@@ -77,10 +77,10 @@ class Polytope:
         """Components of a point."""
         return self.map.shape[0]
 
-    @cached_property
+    @property
     def is_empty(self) -> bool:
         """Whether nothing satisfies the limits."""
-        return bool(maximize(self.rows, self.limits, np.zeros(self.map.shape[1])).values == -np.inf)
+        return not self._program.is_feasible
 
     def support(self, direction: ArrayLike) -> Array:
         """h(d) = max d·x over the set; −inf when it is empty, inf where it is unbounded.
@@ -92,7 +92,7 @@ class Polytope:
         if self.box is not None:
             center, half = self.center_and_generators
             return np.asarray(d @ center + np.abs(d @ half).sum(axis=-1))
-        return np.asarray(maximize(self.rows, self.limits, d @ self.map).values + d @ self.shift)
+        return np.asarray(self._program.maximize(d @ self.map).values + d @ self.shift)
 
     def support_point(self, direction: ArrayLike) -> Array:
         """(…, n) a point of the set where d·x is largest; nan where there is none."""
@@ -100,7 +100,7 @@ class Polytope:
         if self.box is not None:
             center, half = self.center_and_generators
             return np.asarray(center + np.where(d @ half < 0, -1.0, 1.0) @ half.T)
-        return np.asarray(maximize(self.rows, self.limits, d @ self.map).points @ self.map.T + self.shift)
+        return np.asarray(self._program.maximize(d @ self.map).points @ self.map.T + self.shift)
 
     def contains(self, x: ArrayLike) -> NDArray[np.bool_]:
         """Whether some q gives x, to 1e-9 of the largest limit.
@@ -232,6 +232,10 @@ class Polytope:
             raise InvalidInput("only the image of a box has generators; this set has other limits too")
         low, high = self.box
         return frozen(self.shift + self.map @ ((high + low) / 2)), frozen(self.map * ((high - low) / 2))
+
+    @cached_property
+    def _program(self) -> Program:
+        return Program(self.rows, self.limits)
 
     @cached_property
     def _null(self) -> Array:
