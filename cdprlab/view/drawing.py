@@ -69,13 +69,20 @@ class RobotDrawing:
         flat = self.view.flat
         height = floor_height(self.robot, self.scene)
         self._floor.set_segments(list(flat(floor_segments(self.points, height))))
-        self._frame.set_segments(list(flat(frame_segments(self.robot, self.scene))))
         self._boxes.set_verts([flat(corners[face]) for corners in scene_boxes(self.scene)
                                for face in box_faces(self.robot.dimension)])
-        self._exits.set_data(*flat(self.robot.exit_points).T)
+        self._place_frame()
         if self._world_axes:
             # At the lowest corner, where they are in nobody's way: they show directions.
             self._place_axes(self._world_axes, self.points.min(axis=0), np.eye(3))
+
+    def drive(self, robot: Robot) -> None:
+        """The same robot with its bases elsewhere; ``move`` takes the cables along.
+
+        robot : from ``with_bases``
+        """
+        self.robot = robot
+        self._place_frame()
 
     def move(self, pose: Pose, colors: ArrayLike | None = None, slack: ArrayLike | None = None) -> None:
         """Platform and cables at another pose.
@@ -131,7 +138,7 @@ class RobotDrawing:
         planar = self.robot.dimension == 2
         turns = not planar  # what turns with the eye is animated too: or each turn would redraw the whole figure
         self._floor = self._lines(GREY if planar else _FLOOR, 1.6 if planar else 0.8, 1, moves=turns)
-        self._frame = self._lines(_STEEL, 2.2, 2, moves=turns)
+        self._frame = self._lines(_STEEL, 2.2, 2, moves=turns or bool(self.robot.bases))
         self._boxes = self._faces_of(_BOX, 0.35, 2.5, edge="#8A7A5C", moves=turns)
         self._exits, = self.axes.plot([], [], "o", color=INK, markersize=6, zorder=6, animated=True)
         # In the plane the ticks show them.
@@ -153,6 +160,10 @@ class RobotDrawing:
         self._numbers = [self.axes.text(0, 0, str(k + 1), color=INK, ha="center", va="center", fontsize=10,
                                         fontweight="bold", zorder=8, animated=True, path_effects=_HALO)
                          for k in range(m)]
+
+    def _place_frame(self) -> None:
+        self._frame.set_segments(list(self.view.flat(frame_segments(self.robot, self.scene))))
+        self._exits.set_data(*self.view.flat(self.robot.exit_points).T)
 
     def _make_axes(self, mark: str, width: float) -> tuple[LineCollection, list[Any]]:
         d = self.robot.dimension

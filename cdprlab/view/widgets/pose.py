@@ -49,8 +49,8 @@ class PoseExplorer(Explorer):
             start = subject.pose
         self.start = _checked_start(self.robot, start)
         title = subject.title if isinstance(subject, World) else f"{self.robot.motion_pattern} robot"
-        sliders = _position_sliders(self.robot, floor_height(self.robot, self.scene), self.start)
-        sliders += _turn_sliders(self.robot, self.start)
+        sliders = position_sliders(self.robot, floor_height(self.robot, self.scene), self.start)
+        sliders += turn_sliders(self.robot, self.start)
         self._corners = _corner_poses(self.robot, sliders, self.start)
         if self.robot.dimension == 3:
             sliders.append(Slider("azimuth", "seen from", "deg", -180.0, 180.0, 25.0, 5.0))
@@ -63,14 +63,7 @@ class PoseExplorer(Explorer):
 
     def pose_at(self, values: Values) -> Pose:
         """Pose of some slider values [m, deg]; what has no slider stays as at the start."""
-        position = [values.get(axis, place) for axis, place in zip("xyz", self.start.position)]
-        if self.robot.dimension == 2:
-            return Pose(position, angle=np.deg2rad(values["angle"])) if "angle" in values \
-                else Pose(position, matrix=self.start.rotation)
-        if "yaw" not in values:
-            return Pose(position, matrix=self.start.rotation)
-        roll = values.get("roll", np.rad2deg(self.start.rpy[0]))
-        return Pose(position, rpy=np.deg2rad([roll, values["pitch"], values["yaw"]]))
+        return slider_pose(self.start, values)
 
     def build(self, figure: Figure) -> None:
         """The robot at its start."""
@@ -119,6 +112,18 @@ def pose_explorer(world_or_robot: World | Robot, start: Pose | None = None) -> P
     return PoseExplorer(world_or_robot, start)
 
 
+def slider_pose(start: Pose, values: Values) -> Pose:
+    """Pose of the sliders x, y, z [m] and angle or roll, pitch, yaw [deg]; what has no slider stays as at the start."""
+    position = [values.get(axis, place) for axis, place in zip("xyz", start.position)]
+    if start.dimension == 2:
+        return Pose(position, angle=np.deg2rad(values["angle"])) if "angle" in values \
+            else Pose(position, matrix=start.rotation)
+    if "yaw" not in values:
+        return Pose(position, matrix=start.rotation)
+    roll = values.get("roll", np.rad2deg(start.rpy[0]))
+    return Pose(position, rpy=np.deg2rad([roll, values["pitch"], values["yaw"]]))
+
+
 def row_names(robot: Robot) -> list[str]:
     """Names of the rows of W, with units."""
     return [ROW_NAMES[row] for row in robot.pattern.rows]
@@ -138,7 +143,7 @@ def _checked_start(robot: Robot, start: Pose | None) -> Pose:
     return start
 
 
-def _position_sliders(robot: Robot, floor: float, start: Pose) -> list[Slider]:
+def position_sliders(robot: Robot, floor: float, start: Pose) -> list[Slider]:
     """Within the exit points' box, a tenth clear of it: on its faces cables have no length or lie in one plane."""
     low, high = robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)
     low[-1] = min(low[-1], floor)
@@ -151,7 +156,8 @@ def _position_sliders(robot: Robot, floor: float, start: Pose) -> list[Slider]:
     return sliders
 
 
-def _turn_sliders(robot: Robot, start: Pose) -> list[Slider]:
+def turn_sliders(robot: Robot, start: Pose) -> list[Slider]:
+    """Of the turns the cables control [deg]."""
     if not robot.pattern.turns:
         return []
     if robot.dimension == 2:
