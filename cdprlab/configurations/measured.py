@@ -118,6 +118,39 @@ def reset_by_marks(readings: ArrayLike, marks: Iterable[tuple[int, float]]) -> A
     return length
 
 
+def hanging_position(robot: Robot, lengths: ArrayLike) -> tuple[Array, Configuration]:
+    """Where a weight comes to rest on ropes of given lengths, and which of them are then taut.
+
+    The lowest point that every rope reaches: min z subject to ‖M − A_i‖ ≤ ρ_i, which is convex and so has one answer,
+    on one, two or three taut ropes.
+
+    lengths : (m,) of rope let out [m]
+    Returns (3,) M [m] and the taut Configuration.
+    Raises InvalidInput for another kind of robot, or ropes so short that no point is within reach of all.
+    Source: the point-mass case of Carricato and Merlet 2011 (direct geometrico-static problem).
+
+    >>> import cdprlab as cl
+    >>> robot = cl.load_world("point_mass").robot
+    >>> M, taut = hanging_position(robot, cl.cable_lengths(robot, cl.Pose([0.5, 0.1, 1.0])) + [0, 0, 0, 0.2])
+    >>> M.round(6), taut
+    (array([0.5, 0.1, 1. ]), A123)
+    """
+    triplets(robot)
+    rho, exits = as_array(lengths, "lengths", (robot.n_cables,), "m"), robot.exit_points
+    found = []
+    for k in (1, 2, 3):
+        for chosen in combinations(range(robot.n_cables), k):
+            place = (_below_one, _below_two, _below_three)[k - 1](exits[list(chosen)], rho[list(chosen)], 0.0)
+            # 1e-9 m: a rope that is taut as well is not too short.
+            if place is not None and (np.linalg.norm(exits - place[0], axis=1) <= rho + 1e-9).all():
+                found.append((float(place[0][2]), k, place[0], Configuration(np.array(chosen) + 1)))
+    if not found:
+        raise InvalidInput(f"no point is within reach of all ropes of lengths {rho.tolist()} m")
+    # Fewer ropes first where they hold the same point: the others are just not slack.
+    _, _, M, taut = min(found, key=lambda candidate: (round(candidate[0], 9), candidate[1]))
+    return M, taut
+
+
 # --- positions from lengths, with their error ---------------------------------------------------------------
 def _possible(exits: Array, rho: Array, chosen: list[int], error: float, exit_uncertainty: float) -> bool:
     """Whether taut cables ``chosen`` can carry the load alone, given all lengths ± error."""
