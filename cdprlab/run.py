@@ -5,9 +5,9 @@ from __future__ import annotations
 import csv
 import json
 import time
-from array import array
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -263,22 +263,23 @@ class _Loop:
         if push is not None and not callable(push):
             engine.push(push)
         steps, period = self.table.shape[0], engine.dt * substeps
-        log, within, every = array("d"), [], max(1, steps // 100)
-        commanded = []
-        sample, wind = engine.sample, engine.wind
+        log, within, commanded, every = _Samples(), [], [], max(1, steps // 100)
+        sample, wind, note = engine.sample, engine.wind, log.rows.append
         began = time.perf_counter()
-        log.extend(sample())
+        note(sample())
         for k, lengths in enumerate(self._lengths(engine, ahead.pose)):
             commanded.append(lengths)
             if callable(push):
                 engine.push(push(k * period))
             within.append(wind(lengths, substeps))
-            log.extend(sample())
-            if progress is not None and ((k + 1) % every == 0 or k + 1 == steps):
-                progress(k + 1, steps)
+            note(sample())
+            if (k + 1) % every == 0 or k + 1 == steps:
+                log.pack(5000 if k + 1 < steps else 1)
+                if progress is not None:
+                    progress(k + 1, steps)
         elapsed = time.perf_counter() - began
         self.feasible, self.commanded_lengths = np.array(within), np.array(commanded)
-        self._fill(np.array(log).reshape(steps + 1, -1))
+        self._fill(np.concatenate(log.blocks))
         return elapsed
 
     def _lengths(self, engine: Simulator, ahead: Pose) -> Iterator[list[float]]:
@@ -351,6 +352,22 @@ class _Loop:
                    lengths, _errors(world.robot, poses, self.reference.pose), self.feasible, factor, dt, period,
                    settings, None if self.commanded_lengths is None else frozen(self.commanded_lengths),
                    None if self.drive is None else frozen(np.array(self.drive.poses)))
+
+
+class _Samples:
+    """Rows of floats as they come, packed into arrays now and then: the quickest log from Python numbers."""
+
+    def __init__(self) -> None:
+        self.rows: list[Any] = []
+        self.blocks: list[Array] = []
+
+    def pack(self, least: int) -> None:
+        """Move the rows into an array of their own, if there are that many."""
+        count = len(self.rows)
+        if count < least:
+            return
+        self.blocks.append(np.fromiter(chain.from_iterable(self.rows), np.float64).reshape(count, -1))
+        self.rows.clear()
 
 
 class _Drive:

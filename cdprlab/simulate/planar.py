@@ -52,7 +52,11 @@ class PlanarSimulator(Simulator):
                  solver_iterations: int | None = None) -> None:
         self.world, self.dt, self.cables = world, float(dt), cables
         self._pymunk = import_pymunk()
-        self._calls = _Calls()
+        # What runs every step comes straight from the engine's library: pymunk's own checks would double its time.
+        from pymunk._chipmunk_cffi import lib
+
+        self._set_velocity, self._impulse = lib.cpBodySetVelocity, lib.cpConstraintGetImpulse
+        self._getters = (lib.cpBodyGetPosition, lib.cpBodyGetVelocity, lib.cpBodyGetAngle, lib.cpBodyGetAngularVelocity)
         self._iterations = solver_iterations or _iterations_needed(world)
         self._center = [float(x) for x in world.robot.platform.center_of_mass]
         self._anchors = (world.robot.anchor_points - world.robot.platform.center_of_mass).tolist()
@@ -108,7 +112,11 @@ class PlanarSimulator(Simulator):
         self._reel(after)
         self._advance()
         self._paid_out = after
-        self._pulls = self._rope_tensions()
+        if self._cut:
+            self._pulls = self._rope_tensions()
+        else:
+            impulse, dt = self._impulse, self.dt
+            self._pulls = [impulse(rope) / dt for rope in self._joints]
         return after is wanted
 
     def drive(self, speeds: ArrayLike) -> Array:
@@ -218,12 +226,12 @@ class PlanarSimulator(Simulator):
 
     def _reel(self, lengths: list[float]) -> None:
         """Let every rope end the coming step no longer than this."""
-        set_velocity, rate = self._calls.set_velocity, 1 / self.dt
         if self._push is not None:
             self._load(())
         if self._bases.moving:
             self._reel_from_driven_bases(lengths)
             return
+        set_velocity, rate = self._set_velocity, 1 / self.dt
         for reel, (ux, uy), length in zip(self._reels, self._directions, lengths):
             speed = length * rate
             set_velocity(reel, (-speed * ux, -speed * uy))
@@ -236,10 +244,7 @@ class PlanarSimulator(Simulator):
             rope.a.position, rope.a.velocity = place, (vx - speed * ux, vy - speed * uy)
 
     def _rope_tensions(self) -> list[float]:
-        impulse, dt = self._calls.impulse, self.dt
-        if not self._cut:
-            return [impulse(joint) / dt for joint in self._joints]
-        return [0.0 if i in self._cut else impulse(joint) / dt for i, joint in enumerate(self._joints)]
+        return [0.0 if i in self._cut else self._impulse(rope) / self.dt for i, rope in enumerate(self._joints)]
 
     def _load(self, pulls: Any) -> None:
         """Sum of the pulls and the push, at the center of mass: held by the engine for one step."""
@@ -265,11 +270,11 @@ class PlanarSimulator(Simulator):
 
     def _look(self) -> None:
         """Where the platform is about to be, and the cables there; plain floats, which are quicker than arrays."""
-        body, dt, calls = self._platform, self.dt, self._calls
-        position, velocity, spin = calls.position(body), calls.velocity(body), calls.spin(body)
-        vx, vy = velocity.x, velocity.y
-        x, y, angle = position.x + vx * dt, position.y + vy * dt, calls.angle(body) + spin * dt
-        if not (abs(x) < self._reach and abs(y) < self._reach and abs(spin) * dt < math.tau):
+        (get_position, get_velocity, get_angle, get_spin), body, dt = self._getters, self._platform, self.dt
+        position, velocity, spin = get_position(body), get_velocity(body), get_spin(body)
+        vx, vy, reach = velocity.x, velocity.y, self._reach
+        x, y, angle = position.x + vx * dt, position.y + vy * dt, get_angle(body) + spin * dt
+        if not (-reach < x < reach and -reach < y < reach and -math.tau < spin * dt < math.tau):
             self._diverged()
         c, s = math.cos(angle), math.sin(angle)
         lengths, directions = [], []
@@ -379,17 +384,6 @@ def _iterations_needed(world: World) -> int:
     if slowest > 1 - 1e-9:   # fewer ropes than freedoms: some error is nobody's
         return _MOST_ITERATIONS if len(robot.cables) >= robot.n_dof else 30
     return int(np.clip(math.ceil(math.log(1e-6) / math.log(max(slowest, 1e-6))), 10, _MOST_ITERATIONS))
-
-
-class _Calls:
-    """What runs every step, straight from the engine's library: pymunk's own checks would double the step's time."""
-
-    def __init__(self) -> None:
-        from pymunk._chipmunk_cffi import lib
-
-        self.set_velocity, self.impulse = lib.cpBodySetVelocity, lib.cpConstraintGetImpulse
-        self.position, self.velocity = lib.cpBodyGetPosition, lib.cpBodyGetVelocity
-        self.angle, self.spin = lib.cpBodyGetAngle, lib.cpBodyGetAngularVelocity
 
 
 @cache
