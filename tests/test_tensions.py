@@ -8,6 +8,7 @@ from hypothesis.extra.numpy import arrays
 from scipy.optimize import linprog, lsq_linear
 
 import cdprlab as cl
+from cdprlab.tensions import solver_for
 from robots import random_poses, robot_3r3t
 
 METHODS = ("linear_program", "quadratic_program", "pseudo_inverse", "closed_form", "improved_closed_form", "puncture",
@@ -234,6 +235,23 @@ def test_input_that_cannot_be_used(change, says):
         cl.distribute_tensions(**{"W": np.ones((6, 8)), "w_e": np.ones(6), "tension_min": LOW, "tension_max": HIGH,
                                   **change})
     assert says in str(raised.value)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_what_the_control_loop_calls_is_never_silent(method):
+    """Tensions without a reason keep the limits; a wrench that is no number gets one."""
+    W, w_e = problems(60, seed=14)
+    solve = solver_for(method, 6, LOW, HIGH)
+    judged = cl.distribute_tensions(W, w_e, LOW, HIGH, method)
+    for k in range(60):
+        tau, reason = solve(W[k], w_e[k])
+        assert (reason == "") == judged.feasible[k]
+        assert reason or ((tau >= LOW - 1e-6) & (tau <= HIGH + 1e-6)).all()
+    nothing = w_e[0].copy()
+    nothing[2] = np.nan
+    assert solve(W[0], nothing)[1] == "the wrench is not finite"
+    again, reason = solve(np.asfortranarray(W[1]), w_e[1])     # any memory layout, and no memory of what came before
+    np.testing.assert_allclose(again, judged.tensions[1], rtol=1e-6, atol=1e-4)
 
 
 def test_require_raises_with_the_answer_in_hand():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import isfinite
 from operator import sub
 from typing import Any, NamedTuple
 
@@ -18,6 +19,8 @@ LIMIT_TOLERANCE = 1e-8
 
 INFEASIBLE = "no tensions within the limits balance the wrench"
 OUT_OF_RANGE = "the cables cannot exert this wrench at any tension: it lies outside the range of W"
+
+NOT_FINITE = "the wrench is not finite"
 
 Texts = NDArray[np.object_]
 
@@ -69,6 +72,8 @@ def vectorized(batch: Callable[..., BatchSolver], *, complete: bool, summary: st
             tensions, reasons = solve_batch(W[None], w_e[None], low, high)
             tau = tensions[0]
             taus = tau.tolist()
+            if not isfinite(sum(taus)):
+                return tau, reasons[0] or NOT_FINITE
             if min(map(sub, taus, lows)) < slack or min(map(sub, highs, taus)) < slack:
                 return tau, reasons[0] or broken_limit(tau, tension_min, tension_max)
             return tau, reasons[0]

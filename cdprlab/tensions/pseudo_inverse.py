@@ -5,19 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array
-from .method import Method, Solution, Solver
+from .method import Answers, BatchSolver, no_reasons, vectorized
 
 
-def build(n: int, tension_min: Array, tension_max: Array) -> Solver:
+def batch() -> BatchSolver:
     """τ = −W⁺ w_e; the limits only judge it afterwards.
 
     Source: Okoli 2016, eq. (6.26).
     """
 
-    def solve(W: Array, w_e: Array) -> Solution:
-        return -np.linalg.pinv(W) @ w_e, ""
+    def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
+        return -np.einsum("kij,kj->ki", np.linalg.pinv(W), w_e), no_reasons(W.shape[0])
 
     return solve
 
 
-METHOD = Method(build, complete=False, summary="τ = −W⁺ w_e: least norm, limits ignored (tensions may be negative)")
+METHOD = vectorized(batch, complete=False,
+                    summary="τ = −W⁺ w_e: least norm, limits ignored (tensions may be negative)")

@@ -8,7 +8,16 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from .method import INFEASIBLE, LIMIT_TOLERANCE, RESIDUAL_TOLERANCE, Method, Solution, Solver, around_fixed
+from .method import (
+    INFEASIBLE,
+    LIMIT_TOLERANCE,
+    NOT_FINITE,
+    RESIDUAL_TOLERANCE,
+    Method,
+    Solution,
+    Solver,
+    around_fixed,
+)
 
 
 def build(n: int, tension_min: Array, tension_max: Array, *, solver: str = "quadprog") -> Solver:
@@ -35,7 +44,7 @@ def _quadprog(n: int, tension_min: Array, tension_max: Array) -> Solver:
         if tau is not None:
             return tau, ""
         if not np.isfinite(w_e).all():   # quadprog answers NaN with numbers
-            return np.full(m, np.nan), "the wrench is not finite"
+            return np.full(m, np.nan), NOT_FINITE
         if not program:   # quadprog wants Cᵀ x ≥ b, equalities first; all but W and w_e is written once
             one = np.eye(m)
             program.extend((one, np.zeros(m), np.concatenate([np.zeros((m, n)), one, -one], axis=1),

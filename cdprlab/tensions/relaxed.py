@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
 from . import quadratic_program
-from .method import INFEASIBLE, RESIDUAL_TOLERANCE, Method, Solution, Solver, around_fixed
+from .method import INFEASIBLE, NOT_FINITE, RESIDUAL_TOLERANCE, Method, Solution, Solver, around_fixed
 from .quadratic_program import independent_rows, min_norm
 
 # The first program's weight on ‖τ‖², relative to W's: small enough to find the right active limits,
@@ -34,8 +34,8 @@ def _relaxed(scale: Array, low: Array, high: Array) -> Solver:
 
     def solve(W: Array, w_e: Array) -> Solution:
         least_norm, reason = exact(W, w_e)
-        if not reason:
-            return least_norm, ""
+        if not reason or reason == NOT_FINITE:
+            return least_norm, reason
         rows, goal = W * scale[:, None], -w_e * scale
         tau = _least_tension(rows, goal, _least_error(rows, goal, low, high), low, high)
         left = float(np.abs(W @ tau + w_e).max())

@@ -86,7 +86,7 @@ def _numbers(chart: Axes, table: Any, values: Array, label: str, logarithmic: bo
     chart.hlines(rows, 0, 1, transform=chart.get_yaxis_transform(), color="#DDE1E6", linewidth=0.8, zorder=0)
     chart.plot(values[known & ~jumping], rows[known & ~jumping], "o", color=BLUE, markersize=7)
     chart.plot(values[jumping], rows[jumping], "D", color=VERMILION, markersize=7, label="jumps")
-    if logarithmic and known.any() and (values[known] > 0).all():
+    if logarithmic and known.any() and 0 < 10 * values[known].min() < values[known].max():
         chart.set_xscale("log")
     for row in rows[known]:
         chart.annotate(f"{values[row]:.3g}", (values[row], row), xytext=(7, 0), textcoords="offset points",
