@@ -424,6 +424,10 @@ def test_slack_cables_are_grey_and_the_picture_follows_the_robot():
         simulator.step(np.full(4, 20.0))
         picture = simulator.render(320, 240)
     assert picture.shape == (240, 320, 3) and near(picture, SLACK_COLOR) > 20
+    below = camera.project([1.0, 1.0], 640, 480).astype(int)
+    taut, loose = (camera.picture(world.pose, [0.0, 9, 9, 9], rope_lengths=lengths)[below[1]:, :below[0]]
+                   for lengths in (np.full(4, 0.1), np.full(4, 3.5)))
+    assert near(loose, SLACK_COLOR) > near(taut, SLACK_COLOR)   # hangs through
 
 
 def test_each_camera_refuses_the_other_worlds():

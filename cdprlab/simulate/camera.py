@@ -313,9 +313,9 @@ def _draw_cables(canvas: _Canvas, view: _View, robot: Robot, pose: Pose, tau: Ar
 
 
 def hanging(start: Array, end: Array, length: float, pieces: int = 32) -> Array:
-    """(pieces + 1, 3) points of a rope of this length between two points: straight, or a parabola hanging through.
+    """(pieces + 1, d) points of a rope of this length between two points: straight, or a parabola hanging through.
 
-    start, end : (3,) [m]; length : [m], too short counts as straight
+    start, end : (d,) [m]; length : [m], too short counts as straight
 
     >>> points = hanging(np.zeros(3), np.array([2.0, 0, 0]), 3.0)
     >>> float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum().round(6))
@@ -326,7 +326,7 @@ def hanging(start: Array, end: Array, length: float, pieces: int = 32) -> Array:
     low, high = 0.0, float(length)
     if length <= np.linalg.norm(end - start) * (1 + 1e-6):
         return line
-    bow = 4 * shares * (1 - shares) * np.array([0.0, 0.0, -1.0])
+    bow = 4 * shares * (1 - shares) * -np.eye(start.size)[-1]
     for _ in range(40):
         sag = (low + high) / 2
         longer = np.linalg.norm(np.diff(line + sag * bow, axis=0), axis=1).sum() > length

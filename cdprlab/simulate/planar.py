@@ -162,7 +162,8 @@ class PlanarSimulator(Simulator):
             self._camera = PlanarCamera(self.world)
         tensions = self.tensions
         tensions[list(self._cut)] = np.nan
-        return self._camera.picture(Pose.of(self.position, self.rotation), tensions, width, height, robot=self.robot)
+        return self._camera.picture(Pose.of(self.position, self.rotation), tensions, width, height,
+                                    rope_lengths=self.rope_lengths, robot=self.robot)
 
     def close(self) -> None:
         self._camera = None

@@ -27,6 +27,7 @@ from .camera import (
     Color,
     Picture,
     default_limits,
+    hanging,
     tension_colors,
 )
 
@@ -63,7 +64,7 @@ class PlanarCamera:
 
     def picture(self, pose: Pose, tensions: ArrayLike, width: int = 640, height: int = 480,
                 limits: tuple[float, float] | None = None, trail: ArrayLike | None = None,
-                robot: Robot | None = None) -> Picture:
+                rope_lengths: ArrayLike | None = None, robot: Robot | None = None) -> Picture:
         """The robot at one pose.
 
         pose : single Pose
@@ -71,6 +72,7 @@ class PlanarCamera:
         width, height : [pixels]
         limits : tensions of the first and last color [N]; default 0 and the smaller of weight and largest limit
         trail : (k, 2) points joined by a thin line, such as where P has been [m]
+        rope_lengths : (m,) what is let out of each cable; what is not needed hangs through [m]
         robot : the robot with its bases where they are now; default the world's
         Returns (height, width, 3).
         """
@@ -83,7 +85,9 @@ class PlanarCamera:
         page.draw_platform(shown, pose)
         if trail is not None:
             page.draw_trail(as_array(trail, "trail", ("k", 2), "m"))
-        page.draw_cables(shown, pose, tau, tension_colors(tau, limits or default_limits(shown)))
+        page.draw_cables(shown, pose, tau, tension_colors(tau, limits or default_limits(shown)),
+                         np.zeros(shown.n_cables) if rope_lengths is None
+                         else as_array(rope_lengths, "rope_lengths", (shown.n_cables,), "m"))
         small = page.image.resize((width, height), Image.Resampling.BOX)
         self._label(ImageDraw.Draw(small), width, height)
         return np.asarray(small)
@@ -207,13 +211,15 @@ class _Page:
         for start, end in pairwise(points):
             self.line([start, end], TRAIL, 2.0)
 
-    def draw_cables(self, robot: Robot, pose: Pose, tau: Array, colors: Picture) -> None:
+    def draw_cables(self, robot: Robot, pose: Pose, tau: Array, colors: Picture, lengths: Array) -> None:
         anchors = pose.position + robot.anchor_points @ pose.rotation.T
-        for start, end, tension, color in zip(anchors, robot.exit_points, tau, colors.tolist()):
-            cuts = np.linspace(0, 1, 33)[:, None]
-            pieces = [[start, end]] if tension > 0 else (start + cuts * (end - start))[:32].reshape(16, 2, 2)
-            for piece in pieces:
-                self.line(piece, tuple(color) if tension > 0 else SLACK_COLOR, 2.8)
+        for start, end, tension, color, length in zip(anchors, robot.exit_points, tau, colors.tolist(), lengths):
+            if tension > 0:
+                self.line([start, end], tuple(color), 2.8)
+            else:
+                sagging = length if robot.gravity > 0 else 0.0
+                for piece in hanging(start, end, sagging)[:32].reshape(16, 2, 2):
+                    self.line(piece, SLACK_COLOR, 2.8)
         for point in robot.exit_points:
             self.dot(point, 4.0, INK)
         for point in anchors:

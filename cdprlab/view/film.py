@@ -73,7 +73,7 @@ def _frames(run: Any, times: Array, width: int) -> Iterator[Image.Image]:
     indices = np.clip(np.searchsorted(run.time, times - 1e-9), 0, len(run.time) - 1)
     for index in indices:
         trail = run.poses.position[np.unique(np.linspace(0, index, 50).astype(int))]
-        shown = run.poses[index], _shown_tensions(run, index), width, height, limits, trail
+        shown = run.poses[index], _shown_tensions(run, index), width, height, limits, trail, _rope_lengths(run, index)
         if isinstance(camera, PlanarCamera):
             picture = camera.picture(*shown, robot=run.robot_at(index))
         else:
@@ -96,6 +96,14 @@ def _planar_camera(run: Any) -> PlanarCamera:
         for robot in map(run.robot_at, some):
             places += [robot.exit_points, *(base.to_world(base.footprint) for base in robot.bases)]
     return PlanarCamera(run.world, np.concatenate(places))
+
+
+def _rope_lengths(run: Any, index: int) -> Array | None:
+    """What is let out as a control step begins, None where tensions are commanded."""
+    commanded = getattr(run, "commanded_lengths", None)
+    if commanded is None:
+        return None
+    return np.asarray(commanded[index - 1] if index else run.lengths[0])
 
 
 def _shown_tensions(run: Any, index: int) -> Array:
