@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
 import numpy as np
 
 from ..arrays import Array
-from .method import Answers, BatchSolver, no_reasons, vectorized
+from .method import NOT_FINITE, Answers, BatchSolver, Method, Solution, Solver, no_reasons
 
 
 def batch() -> BatchSolver:
@@ -20,5 +22,15 @@ def batch() -> BatchSolver:
     return solve
 
 
-METHOD = vectorized(batch, complete=False,
-                    summary="τ = −W⁺ w_e: least norm, limits ignored (tensions may be negative)")
+def build(n: int, tension_min: Array, tension_max: Array) -> Solver:
+    """One wrench at a time. In a control loop too the limits play no part: its log tells where they were broken."""
+    solve_batch = batch()
+
+    def solve(W: Array, w_e: Array) -> Solution:
+        tau = solve_batch(W[None], w_e[None], tension_min, tension_max)[0][0]
+        return tau, "" if isfinite(sum(tau.tolist())) else NOT_FINITE
+
+    return solve
+
+
+METHOD = Method(build, False, "τ = −W⁺ w_e: least norm, limits ignored (tensions may be negative)", batch)
