@@ -25,7 +25,7 @@ ifneq ($(and $(PYTHON),$(wildcard $(BIN)/python)),)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help run test lab lessons student-zip bench requirements clean
+.PHONY: help run test lab lessons student-zip docs bench requirements clean
 run test bench: export OMP_NUM_THREADS = 1
 
 help:  ## this list
@@ -50,6 +50,9 @@ lessons: $(VENV)/.tests  ## for instructors: the lessons without their solutions
 
 student-zip: lessons  ## for instructors: what students get, dist/cdprlab-students.zip
 	$(BIN)/python lessons/source/student_zip.py
+
+docs: $(VENV)/.students  ## figures and tables of the pages in docs/, made anew
+	set -e; for page in docs/*.py; do $(BIN)/python "$$page"; done
 
 bench: $(VENV)/.tests  ## speed, as ratios to what it stands on
 	$(BIN)/python -m pytest tests/benchmarks --benchmark-enable
