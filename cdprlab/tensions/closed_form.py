@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..arrays import Array
-from .method import Answers, BatchSolver, fixed_cables, vectorized
+from .method import Answers, BatchSolver, vectorized
 from .polygon import closest_tensions
 
 
@@ -15,8 +15,7 @@ def batch() -> BatchSolver:
     """
 
     def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
-        tensions, reasons, _ = closest_tensions(W, w_e, (low + high) / 2, fixed_cables(low, high))
-        return tensions, reasons
+        return closest_tensions(W, w_e, low, high, 0.5)
 
     return solve
 

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ..arrays import Array
-from .method import Answers, BatchSolver, fixed_cables, vectorized
+from .method import Answers, BatchSolver, vectorized
 from .polygon import closest_tensions
 
 OUT_OF_REDUNDANCY = "the improved closed form ran out of redundancy"
-
-# A limit counts as broken beyond rounding, long before the result's check would mind.
-_ROUNDING = 1e-12
 
 
 def batch() -> BatchSolver:
@@ -22,24 +17,7 @@ def batch() -> BatchSolver:
     """
 
     def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
-        low, high = (np.broadcast_to(limit, (W.shape[0], W.shape[2])) for limit in (low, high))
-        target, held = (low + high) / 2, fixed_cables(low, high)
-        tensions, reasons, spare = closest_tensions(W, w_e, target, held)
-        at = np.flatnonzero(reasons == "")
-        while at.size:
-            excess = np.maximum(low[at] - tensions[at], tensions[at] - high[at])
-            excess[held[at]] = 0.0
-            worst = excess.argmax(axis=-1)
-            broken = excess[np.arange(at.size), worst] > _ROUNDING * high[at].max(axis=-1)
-            spent = broken & (spare[at] == 0)
-            reasons[at[spent]] = OUT_OF_REDUNDANCY
-            at, worst = at[broken & ~spent], worst[broken & ~spent]
-            target[at, worst] = np.where(tensions[at, worst] < low[at, worst], low[at, worst], high[at, worst])
-            held[at, worst] = True
-            tensions[at], again, spare[at] = closest_tensions(W[at], w_e[at], target[at], held[at])
-            reasons[at] = np.where(again == "", "", OUT_OF_REDUNDANCY)
-            at = at[again == ""]
-        return tensions, reasons
+        return closest_tensions(W, w_e, low, high, 0.5, rounds=W.shape[2], spent=OUT_OF_REDUNDANCY)
 
     return solve
 

@@ -21,14 +21,16 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 # Fused multiply-adds, and divisions by zero that give inf: nothing that would let NaN or rounding pass.
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
 
-FOUND, EMPTY, OUT_OF_RANGE, TOO_REDUNDANT = 0, 1, 2, 3
-"""Why `polygons` has no answer: no tensions inside the limits; none at all; more than a polygon (r > 2)."""
+FOUND, EMPTY, OUT_OF_RANGE, TOO_REDUNDANT, SPENT = 0, 1, 2, 3, 4
+"""Why there is no answer: no tensions inside the limits, none at all, more than a polygon (r > 2), no cable left."""
 
 # A row this much smaller than it was depends on those before it: elimination leaves about 1e-15 of it.
 _DEPENDENT = 1e-12
 # Limits are met when missed by rounding only; and if nothing meets them, by half of what the result's check forgives.
 _ROUNDING, _BORDER = 1e-13, 5e-9
 _OFF_RANGE = 1e-8
+# Cables with limits closer than this have no choice; a limit is broken beyond rounding from this on.
+_FIXED, _BROKEN = 1e-9, 1e-12
 # A polygon of less area than this, relative to its length squared, is a segment: rounding leaves about 1e-16.
 _THIN = 1e-12
 
@@ -123,33 +125,66 @@ def _nearest(c: Array, D: Array, free: int, target: Array, gram: Array, lam: Arr
 
 
 @compiled
-def closest(W: Array, w_e: Array, target: Array, held: Any) -> tuple[Array, Any, Any]:
-    """The tensions nearest to a target among all that balance the wrench, held cables at their target.
+def _project(W: Array, w_e: Array, k: int, wish: Array, rows: Array, line: Array, owner: Any, c: Array, D: Array,
+             gram: Array, lam: Array, tau: Array) -> tuple[int, bool]:
+    """Pose k's balanced tensions nearest to ``wish``; cables with owner −2 are held at it, the others have owner −1."""
+    free = 0
+    for j in range(owner.shape[0]):
+        free += 1 if owner[j] == -1 else 0
+    rank, reachable = _reduce(W, w_e, k, wish, rows, line, owner)
+    free -= rank
+    _spread(rows, owner, wish, c, D)
+    _nearest(c, D, free, wish, gram, lam)
+    for i in range(c.shape[0]):
+        tau[i] = c[i]
+        for a in range(free):
+            tau[i] += D[i, a] * lam[a]
+    return free, reachable
 
-    W (k, n, m); w_e (k, n); target, held (k or 1, m)
-    Returns tensions (k, m); free cables beyond W's rank (k,); whether the wrench is in W's range (k,).
+
+@compiled
+def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds: int) -> tuple[Array, Any]:
+    """The tensions nearest to low + share (high − low) among all that balance the wrench; equal limits hold a cable.
+
+    rounds : how often the cable that leaves its limits by most may be fixed there, and the others solved anew
+    W (k, n, m); w_e (k, n); low, high both (k, m) or both (1, m)
+    Returns tensions (k, m); FOUND, OUT_OF_RANGE or, where rounds or redundancy ran out, SPENT (k,).
     """
     count, n, m = W.shape
-    tensions, spare, reachable = np.empty((count, m)), np.empty(count, np.int64), np.empty(count, np.bool_)
+    tensions, found = np.empty((count, m)), np.empty(count, np.int64)
     rows, line, owner, wish = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64), np.empty(m)
-    c, D, gram, lam = np.empty(m), np.empty((m, m)), np.empty((m, m)), np.empty(m)
+    c, D, gram, lam, tau = np.empty(m), np.empty((m, m)), np.empty((m, m)), np.empty(m), np.empty(m)
+    held = np.empty(m, np.bool_)
     for k in range(count):
-        free = 0
+        row = k if low.shape[0] > 1 else 0
+        largest = 0.0
         for j in range(m):
-            wish[j] = target[min(k, target.shape[0] - 1), j]
-            owner[j] = -2 if held[min(k, held.shape[0] - 1), j] else -1
-            free += 1 if owner[j] == -1 else 0
-        rank, reachable[k] = _reduce(W, w_e, k, wish, rows, line, owner)
-        free -= rank
-        _spread(rows, owner, wish, c, D)
-        _nearest(c, D, free, wish, gram, lam)
-        for i in range(m):
-            tension = c[i]
-            for a in range(free):
-                tension += D[i, a] * lam[a]
-            tensions[k, i] = tension
-        spare[k] = free
-    return tensions, spare, reachable
+            largest = max(largest, high[row, j])
+        for j in range(m):
+            wish[j] = low[row, j] + share * (high[row, j] - low[row, j])
+            held[j] = high[row, j] - low[row, j] <= _FIXED * largest
+        left = rounds
+        while True:
+            for j in range(m):
+                owner[j] = -2 if held[j] else -1
+            free, reachable = _project(W, w_e, k, wish, rows, line, owner, c, D, gram, lam, tau)
+            found[k] = FOUND if reachable else OUT_OF_RANGE if left == rounds else SPENT
+            worst, excess = -1, _BROKEN * largest
+            for j in range(m):
+                over = max(low[row, j] - tau[j], tau[j] - high[row, j])
+                if not held[j] and over > excess:
+                    worst, excess = j, over
+            if worst < 0 or rounds == 0 or found[k] != FOUND:
+                break
+            if left == 0 or free == 0:
+                found[k] = SPENT
+                break
+            wish[worst] = low[row, worst] if tau[worst] < low[row, worst] else high[row, worst]
+            held[worst] = True
+            left -= 1
+        for j in range(m):
+            tensions[k, j] = tau[j]
+    return tensions, found
 
 
 @compiled

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from .method import INFEASIBLE, OUT_OF_RANGE, Texts, no_reasons
+from .method import INFEASIBLE, OUT_OF_RANGE, Texts, fixed_cables, no_reasons
 
 CENTROID, LOWEST, HIGHEST = 0, 1, 2
 """What `polygon_points` picks: the area's centroid, or the corner of least or largest sum of tensions."""
@@ -37,26 +37,29 @@ def too_redundant(spare: NDArray[np.int64], reasons: Texts) -> NDArray[np.bool_]
     return most & (reasons == "") if most.any() else most
 
 
-def closest_tensions(W: Array, w_e: Array, target: Array,
-                     held: NDArray[np.bool_]) -> tuple[Array, Texts, NDArray[np.int64]]:
-    """target − W⁺ (w_e + W target): the nearest tensions that balance the wrench, held cables kept at their target.
+def closest_tensions(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds: int = 0, *,
+                     spent: str = "") -> tuple[Array, Texts]:
+    """τ_0 − W⁺ (w_e + W τ_0), τ_0 = τ_min + share (τ_max − τ_min); cables with equal limits stay at them.
 
-    target, held : (k or 1, m)
-    Returns tensions (k, m), reasons (k,), redundancy left to the cables not held (k,); limits play no part.
-    Outside the range of W the least-squares answer.
+    rounds : how often the cable that leaves its limits by most is fixed there and the others are solved anew
+    spent : the reason where rounds, or the redundancy to do so, run out
+    W (k, n, m); w_e (k, n); low, high (k or 1, m)
+    Returns tensions (k, m) and reasons (k,); outside the range of W the least-squares answer.
     """
     from . import kernels
 
-    tensions, spare, reachable = kernels.closest(_plain(W), _plain(w_e), _plain(target), _plain(held))
+    tensions, found = kernels.closest(_plain(W), _plain(w_e), _plain(low), _plain(high), share, rounds)
     reasons = no_reasons(tensions.shape[0])
-    if not reachable.all():
-        off = ~reachable
+    if found.any():
+        reasons[found == kernels.SPENT] = spent
+        off = found == kernels.OUT_OF_RANGE
         reasons[off] = OUT_OF_RANGE
-        wish, keep = (np.broadcast_to(part, tensions.shape)[off] for part in (target, held))
-        free = np.where(keep[:, None, :], 0.0, W[off])
+        wish, fixed = (np.broadcast_to(part, tensions.shape)[off]
+                       for part in (low + share * (high - low), fixed_cables(low, high)))
         missed = w_e[off] + (W[off] @ wish[..., None])[..., 0]
+        free = np.where(fixed[:, None, :], 0.0, W[off])
         tensions[off] = wish - (np.linalg.pinv(free) @ missed[..., None])[..., 0]
-    return tensions, reasons, spare
+    return tensions, reasons
 
 
 def _plain(array: Any) -> Any:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import Array
 from . import improved_closed_form
-from .method import LIMIT_TOLERANCE, Answers, BatchSolver, fixed_cables, vectorized
+from .method import LIMIT_TOLERANCE, Answers, BatchSolver, vectorized
 from .polygon import closest_tensions
 
 
@@ -20,7 +20,7 @@ def batch() -> BatchSolver:
 
     def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
         start, reasons = start_solver(W, w_e, low, high)
-        goal, _, _ = closest_tensions(W, w_e, low, fixed_cables(low, high))
+        goal, _ = closest_tensions(W, w_e, low, high, 0.0)
         way = goal - start
         # Steps below rounding point nowhere; a cable at its limit must not stop the others for them.
         moves = np.abs(way) > LIMIT_TOLERANCE * 1e-3 * high.max(axis=-1, keepdims=True)
