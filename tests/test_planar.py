@@ -194,6 +194,20 @@ def test_a_base_drives_while_ropes_hold_the_platform_still(name):
         np.testing.assert_allclose(simulator.lengths, cl.cable_lengths(simulator.robot, world.pose), atol=1e-6)
 
 
+def test_a_base_that_stops_holds_its_exit_points_there():
+    world = cl.load_world("planar_mcdpr")
+    with cl.open_simulator(world, "length") as simulator:
+        for speed in (0.5, 0.0):
+            simulator.drive([0, -speed, 0, 0, 0, 0])
+            for _ in range(100):
+                before = simulator.robot.bases[0].position[0]
+                bases = {"left": (before - speed * 1e-3, 0.0, 0.0)}
+                simulator.wind(cl.cable_lengths(world.robot.with_bases(bases), world.pose))
+        np.testing.assert_allclose(simulator.robot.bases[0].position, [-0.05, 0], atol=1e-12)
+        np.testing.assert_allclose(simulator.position, world.pose.position, atol=1e-9)
+        np.testing.assert_allclose(balance(simulator), 0, atol=1e-6)
+
+
 @pytest.mark.parametrize("name", MOBILE)
 def test_a_base_drives_while_tensions_hold_the_platform_still(name):
     world = cl.load_world(name)
@@ -375,8 +389,9 @@ def test_wrong_requests_are_named():
     with cl.open_simulator(world, "length") as simulator:
         with pytest.raises(InvalidInput, match=r"use wind\(lengths\)"):
             simulator.step(np.ones(4))
-        for lengths, message in (([1.0, 2.0], "must be 4 numbers"), ([-1.0, 1, 1, 1], "must be positive"),
-                                 ([np.nan] * 4, "must be positive")):
+        for lengths, message in (([1.0, 2.0], "must be 4 numbers"),
+                                 ([*simulator.lengths, 1.0], "must be 4 numbers"),
+                                 ([-1.0, 1, 1, 1], "must be positive"), ([np.nan] * 4, "must be positive")):
             with pytest.raises(InvalidInput, match=message):
                 simulator.wind(lengths)
     with cl.open_simulator(world) as simulator, pytest.raises(InvalidInput, match=r'open .* with cables="length"'):

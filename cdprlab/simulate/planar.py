@@ -25,14 +25,11 @@ from ..control import State
 from ..errors import InvalidInput, MissingDependency, SimulationDiverged
 from ..pose import Pose
 from ..robot import Robot
-from ..statics import wrench_matrix
 from ..world import World
 from .planar_bases import DrivenBases
-from .planar_camera import BASE_HEIGHT, CORNERS, PlanarCamera
+from .planar_camera import PlanarCamera
+from .planar_space import PlanarSpace, iterations_needed
 from .simulator import Simulator
-
-_FRICTION = 0.5
-_MOST_ITERATIONS = 1000
 
 
 class PlanarSimulator(Simulator):
@@ -57,7 +54,7 @@ class PlanarSimulator(Simulator):
 
         self._set_velocity, self._impulse = lib.cpBodySetVelocity, lib.cpConstraintGetImpulse
         self._getters = (lib.cpBodyGetPosition, lib.cpBodyGetVelocity, lib.cpBodyGetAngle, lib.cpBodyGetAngularVelocity)
-        self._iterations = solver_iterations or _iterations_needed(world)
+        self._iterations = solver_iterations or iterations_needed(world)
         self._center = [float(x) for x in world.robot.platform.center_of_mass]
         self._anchors = (world.robot.anchor_points - world.robot.platform.center_of_mass).tolist()
         self._speed_max = world.robot.speed_max.tolist()
@@ -73,10 +70,13 @@ class PlanarSimulator(Simulator):
         self._push: tuple[float, float, float] | None = None
         self._pulls = [0.0] * self.world.robot.n_cables
         self._reach = 20 * (1 + float(np.abs(self.world.robot.exit_points).max() + np.abs(start.position).max()))
-        self._build(start)
+        # A new space: nothing of the last run, such as an impulse kept for the solver's start, stays behind.
+        self._space = PlanarSpace(self._pymunk, self.world, start, self._iterations)
+        self._body, self._platform = self._space.body, self._space.body._body
+        self._space.place_bases(self._bases, self.dt)
         self._look()
         self._paid_out = self._lengths
-        self._ropes = self._tie() if self.cables == "length" else []
+        self._ropes = self._space.tie(self._bases.exits, self._anchors) if self.cables == "length" else []
         self._joints = [rope._constraint for rope in self._ropes]
         self._reels = [rope.a._body for rope in self._ropes]
         return self.state()
@@ -102,6 +102,8 @@ class PlanarSimulator(Simulator):
                                "with cables=\"length\"")
         before = self._paid_out
         after = wanted = lengths if isinstance(lengths, list) else np.asarray(lengths, dtype=float).tolist()
+        if len(wanted) != len(before):
+            raise InvalidInput(f"lengths must be {len(before)} numbers [m], got {len(wanted)}")
         for now, wish, limit in zip(before, wanted, self._speed_max):
             if not (wish > 0 and abs(wish - now) <= limit * self.dt * substeps):
                 after = self._reachable(wanted, self.dt * substeps)
@@ -126,7 +128,9 @@ class PlanarSimulator(Simulator):
         Returns (3p,) what they drive: clipped to each base's limits, 0 where a direction is held.
         """
         driven = self._bases.drive(speeds)
-        self._place_base_bodies()
+        self._space.place_bases(self._bases, self.dt)
+        for rope, place in zip(self._ropes, self._bases.exits):  # where they stay if nothing drives on
+            rope.a.position = place
         return driven
 
     def state(self) -> State:
@@ -138,7 +142,7 @@ class PlanarSimulator(Simulator):
             if not 0 <= i < m:
                 raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {i}")
             if self._ropes and i not in self._cut:
-                self._space.remove(self._ropes[i])
+                self._space.space.remove(self._ropes[i])
             self._cut.add(i)
             self._pulls[i] = 0.0
 
@@ -148,14 +152,7 @@ class PlanarSimulator(Simulator):
         self._push = (fx, fy, moment) if any(given) else None
 
     def contact_force(self) -> float:
-        total = 0.0
-
-        def add(arbiter: Any) -> None:
-            nonlocal total
-            total += abs(arbiter.total_impulse.dot(arbiter.contact_point_set.normal)) / self.dt
-
-        self._body.each_arbiter(add)
-        return total
+        return self._space.contact_force(self.dt)
 
     def render(self, width: int = 640, height: int = 480) -> Any:
         if self._camera is None:
@@ -216,8 +213,6 @@ class PlanarSimulator(Simulator):
     # --- every step -------------------------------------------------------------------------------
     def _reachable(self, wanted: list[float], period: float) -> list[float]:
         """The wanted lengths as far as the winches' speed limits allow; the same list if they all do."""
-        if len(wanted) != len(self._ropes):
-            raise InvalidInput(f"lengths must be {len(self._ropes)} numbers [m], got {len(wanted)}")
         if not all(0 < wish < math.inf for wish in wanted):
             raise InvalidInput(f"rope lengths must be positive [m], got {wanted}")
         # A speed exactly at its limit must not fail by rounding: 1 nm.
@@ -262,8 +257,8 @@ class PlanarSimulator(Simulator):
 
     def _advance(self) -> None:
         if self._bases.moving:
-            self._place_base_bodies()
-        self._space.step(self.dt)
+            self._space.place_bases(self._bases, self.dt)
+        self._space.space.step(self.dt)
         if self._bases.moving:
             self._bases.advance()
         self._steps += 1
@@ -298,93 +293,6 @@ class PlanarSimulator(Simulator):
             f"the simulation diverged at t = {now:.4g} s: the platform left the scene; cable {worst + 1} pulled "
             f"hardest, {pulls[worst]:.3g} N; take a smaller dt or lower gains (K_d times the control period "
             "must stay below 2)", now, worst + 1)
-
-    # --- building ---------------------------------------------------------------------------------
-    def _build(self, start: Pose) -> None:
-        """A new space: nothing of the last run, such as an impulse kept for the solver's start, stays behind."""
-        m, robot = self._pymunk, self.world.robot
-        space = self._space = m.Space()
-        space.gravity, space.iterations = (0.0, -robot.gravity), self._iterations
-        body = self._body = m.Body(robot.mass, float(robot.platform.inertia))
-        body.position = (start.position + start.rotation @ robot.platform.center_of_mass).tolist()
-        body.angle = float(start.angle)
-        self._platform = body._body
-        outline = robot.platform.center - robot.platform.center_of_mass + CORNERS * robot.platform.size
-        space.add(body, self._solid(body, outline))
-        if robot.motion_pattern == "1T":
-            self._run_on_a_rail(float(start.position[1]))
-        self._make_scene()
-        self._base_bodies = [self._base_body(k) for k in range(len(robot.bases))]
-        self._place_base_bodies()
-
-    def _run_on_a_rail(self, height: float) -> None:
-        """In 1T the cables control x alone: a rail along x carries the rest."""
-        self._body.moment = math.inf
-        rail = self._pymunk.GrooveJoint(self._space.static_body, self._body, (-1e3, height), (1e3, height), (0, 0))
-        rail.error_bias = 0.0
-        self._space.add(rail)
-
-    def _make_scene(self) -> None:
-        scene, ground = self.world.scene, self._space.static_body
-        self._space.add(self._solid(ground, [(x, scene.floor_height + y) for x in (-1e3, 1e3) for y in (-1.0, 0.0)]))
-        for box in scene.boxes:
-            turn = Pose([0.0, 0.0], angle=box.yaw).rotation
-            self._space.add(self._solid(ground, box.position + CORNERS * box.size @ turn.T))
-
-    def _base_body(self, k: int) -> Any:
-        """Kinematic: it drives as told and no cable moves it. Its deck, over the footprint, is solid."""
-        body, footprint = self._pymunk.Body(body_type=self._pymunk.Body.KINEMATIC), self.world.robot.bases[k].footprint
-        self._space.add(body)
-        if len(footprint):
-            (left, _), (right, _) = sorted(footprint.tolist())
-            self._space.add(self._solid(body, [(left, 0.0), (right, 0.0), (right, BASE_HEIGHT), (left, BASE_HEIGHT)]))
-        return body
-
-    def _place_base_bodies(self) -> None:
-        for body, ((x, y), heading, (vx, vy), spin) in zip(self._base_bodies, self._bases.motions()):
-            body.velocity, body.angular_velocity = (vx, vy), spin
-            body.position, body.angle = (x - vx * self.dt, y - vy * self.dt), heading - spin * self.dt
-            self._space.reindex_shapes_for_body(body)
-
-    def _solid(self, body: Any, corners: ArrayLike) -> Any:
-        shape = self._pymunk.Poly(body, np.asarray(corners, dtype=float).tolist())
-        shape.friction = _FRICTION
-        return shape
-
-    def _tie(self) -> list[Any]:
-        ropes = []
-        for place, anchor in zip(self._bases.exits, self._anchors):
-            reel = self._pymunk.Body(body_type=self._pymunk.Body.STATIC)
-            reel.position = place
-            rope = self._pymunk.SlideJoint(reel, self._body, (0, 0), anchor, 0.0, 0.0)
-            rope.error_bias = 0.0
-            self._space.add(reel, rope)
-            ropes.append(rope)
-        return ropes
-
-
-def _iterations_needed(world: World) -> int:
-    """As many as bring the solver's error down a millionfold, wherever a task starts or ends.
-
-    Ropes are solved one after the other (Gauss and Seidel); a round over all of them projects the remaining error on
-    one rope's complement after the other's. Left unfinished, taut redundant ropes would tighten each other step by
-    step.
-    """
-    robot = world.robot
-    weights = np.array([robot.mass, robot.mass, float(robot.platform.inertia)])[:robot.n_dof]
-    slowest = 0.0
-    for pose in (world.pose, *(end for task in world.tasks.values() for end in (task.start, task.end))):
-        rows = wrench_matrix(robot, pose).T
-        if robot.n_dof == 3:   # moments about the center of mass
-            x, y = pose.rotation @ robot.platform.center_of_mass
-            rows = rows - np.outer(x * rows[:, 1] - y * rows[:, 0], [0.0, 0.0, 1.0])
-        once = np.eye(robot.n_dof)
-        for row in rows / np.sqrt(weights):
-            once = once - np.outer(row, row @ once) / max(row @ row, 1e-12)
-        slowest = max(slowest, float(np.abs(np.linalg.eigvals(once)).max()))
-    if slowest > 1 - 1e-9:   # fewer ropes than freedoms: some error is nobody's
-        return _MOST_ITERATIONS if len(robot.cables) >= robot.n_dof else 30
-    return int(np.clip(math.ceil(math.log(1e-6) / math.log(max(slowest, 1e-6))), 10, _MOST_ITERATIONS))
 
 
 @cache

@@ -1,0 +1,125 @@
+"""What stands in a planar world's pymunk space: platform, floor, boxes, mobile bases, and the ropes between them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..pose import Pose
+from ..robot import Base
+from ..statics import wrench_matrix
+from ..world import World
+from .planar_bases import DrivenBases
+from .planar_camera import BASE_HEIGHT, CORNERS
+
+_FRICTION = 0.5
+_MOST_ITERATIONS = 1000
+
+
+class PlanarSpace:
+    """A new pymunk space with a world's platform at rest.
+
+    pymunk : the module
+    start : the platform's pose
+    iterations : of the constraint solver
+    """
+
+    def __init__(self, pymunk: Any, world: World, start: Pose, iterations: int) -> None:
+        self._pymunk, robot = pymunk, world.robot
+        self.space = pymunk.Space()
+        self.space.gravity, self.space.iterations = (0.0, -robot.gravity), iterations
+        body = self.body = pymunk.Body(robot.mass, float(robot.platform.inertia))
+        body.position = (start.position + start.rotation @ robot.platform.center_of_mass).tolist()
+        body.angle = float(start.angle)
+        outline = robot.platform.center - robot.platform.center_of_mass + CORNERS * robot.platform.size
+        self.space.add(body, self._solid(body, outline))
+        if robot.motion_pattern == "1T":
+            self._run_on_a_rail(float(start.position[1]))
+        self._make_scene(world)
+        self._bases = [self._base_body(base) for base in robot.bases]
+
+    def place_bases(self, bases: DrivenBases, dt: float) -> None:
+        """Put the bases' bodies where the coming step takes them to where they are now, and let them drive."""
+        for body, ((x, y), heading, (vx, vy), spin) in zip(self._bases, bases.motions()):
+            body.velocity, body.angular_velocity = (vx, vy), spin
+            body.position, body.angle = (x - vx * dt, y - vy * dt), heading - spin * dt
+            self.space.reindex_shapes_for_body(body)
+
+    def tie(self, exits: Iterable[ArrayLike], anchors: Iterable[ArrayLike]) -> list[Any]:
+        """A rope of length zero from a reel at each exit point to the platform, anchors from its center of mass."""
+        ropes = []
+        for exit_point, anchor in zip(exits, anchors):
+            reel = self._pymunk.Body(body_type=self._pymunk.Body.STATIC)
+            reel.position = exit_point
+            rope = self._pymunk.SlideJoint(reel, self.body, (0, 0), anchor, 0.0, 0.0)
+            rope.error_bias = 0.0
+            self.space.add(reel, rope)
+            ropes.append(rope)
+        return ropes
+
+    def contact_force(self, dt: float) -> float:
+        """Sum of the normal forces on the platform during the last step [N]."""
+        total = 0.0
+
+        def add(arbiter: Any) -> None:
+            nonlocal total
+            total += abs(arbiter.total_impulse.dot(arbiter.contact_point_set.normal)) / dt
+
+        self.body.each_arbiter(add)
+        return total
+
+    def _run_on_a_rail(self, height: float) -> None:
+        """In 1T the cables control x alone: a rail along x carries the rest."""
+        self.body.moment = math.inf
+        rail = self._pymunk.GrooveJoint(self.space.static_body, self.body, (-1e3, height), (1e3, height), (0, 0))
+        rail.error_bias = 0.0
+        self.space.add(rail)
+
+    def _make_scene(self, world: World) -> None:
+        ground, floor = self.space.static_body, world.scene.floor_height
+        self.space.add(self._solid(ground, [(x, floor + y) for x in (-1e3, 1e3) for y in (-1.0, 0.0)]))
+        for box in world.scene.boxes:
+            turn = Pose([0.0, 0.0], angle=box.yaw).rotation
+            self.space.add(self._solid(ground, box.position + CORNERS * box.size @ turn.T))
+
+    def _base_body(self, base: Base) -> Any:
+        """Kinematic: it drives as told and no cable moves it. Its deck, over the footprint, is solid."""
+        body = self._pymunk.Body(body_type=self._pymunk.Body.KINEMATIC)
+        self.space.add(body)
+        if len(base.footprint):
+            left, right = sorted(base.footprint[:, 0].tolist())
+            self.space.add(self._solid(body, [(left, 0.0), (right, 0.0), (right, BASE_HEIGHT), (left, BASE_HEIGHT)]))
+        return body
+
+    def _solid(self, body: Any, corners: ArrayLike) -> Any:
+        shape = self._pymunk.Poly(body, np.asarray(corners, dtype=float).tolist())
+        shape.friction = _FRICTION
+        return shape
+
+
+def iterations_needed(world: World) -> int:
+    """As many as bring the solver's error down a millionfold, wherever a task starts or ends.
+
+    Ropes are solved one after the other (Gauss and Seidel); a round over all of them projects the remaining error on
+    one rope's complement after the other's. Left unfinished, taut redundant ropes would tighten each other step by
+    step.
+    """
+    robot = world.robot
+    weights = np.array([robot.mass, robot.mass, float(robot.platform.inertia)])[:robot.n_dof]
+    slowest = 0.0
+    for pose in (world.pose, *(end for task in world.tasks.values() for end in (task.start, task.end))):
+        rows = wrench_matrix(robot, pose).T
+        if robot.n_dof == 3:   # moments about the center of mass
+            x, y = pose.rotation @ robot.platform.center_of_mass
+            rows = rows - np.outer(x * rows[:, 1] - y * rows[:, 0], [0.0, 0.0, 1.0])
+        once = np.eye(robot.n_dof)
+        for row in rows / np.sqrt(weights):
+            once = once - np.outer(row, row @ once) / max(row @ row, 1e-12)
+        slowest = max(slowest, float(np.abs(np.linalg.eigvals(once)).max()))
+    if slowest > 1 - 1e-9:   # fewer ropes than freedoms: some error is nobody's
+        return _MOST_ITERATIONS if len(robot.cables) >= robot.n_dof else 30
+    return int(np.clip(math.ceil(math.log(1e-6) / math.log(max(slowest, 1e-6))), 10, _MOST_ITERATIONS))
