@@ -1,6 +1,5 @@
 """What tensions cost on the CAROCA beside a bare quadprog loop over the same wrenches, in the same run."""
 
-import statistics
 import time
 
 import numpy as np
@@ -50,12 +49,17 @@ def seconds(call, *arguments):
 
 
 def paired(reference, candidate, repeats=41):
-    """Median of reference / candidate, measured in turn: a drifting machine slows both."""
+    """Least time of the reference over least time of the candidate, measured in turn.
+
+    What else the machine does only ever adds time, and to a call of a millisecond it adds in lumps.
+    """
     candidate()
-    return statistics.median(reference() / candidate() for _ in range(repeats))
+    times = [(reference(), candidate()) for _ in range(repeats)]
+    return min(first for first, _ in times) / min(second for _, second in times)
 
 
-@pytest.mark.parametrize("method, promised", [("closed_form", 12), ("barycenter", 15), ("linear_program", None)])
+@pytest.mark.parametrize("method, promised", [("closed_form", 12), ("barycenter", 15), ("linear_program", None),
+                                              ("improved_closed_form", None), ("puncture", None)])
 def test_batches(benchmark, report, wrenches, method, promised):
     """Checked distributions of a batch; poses a second."""
     W, w_e, low, high = wrenches
@@ -99,7 +103,7 @@ def test_quadratic_program_in_the_loop(benchmark, report, wrenches):
             assert not reason and error < 1e-5
             assert tau.min() >= 50 - 1e-4 and tau.max() <= 10000 + 1e-4
 
-    ratio = paired(lambda: 1 / seconds(loop, share), lambda: 1 / seconds(solves))
+    ratio = 1 / paired(lambda: seconds(loop, share), lambda: seconds(solves))
     report("quadratic_program in the loop / bare quadprog", ratio, 1.4)
     benchmark(solves)
 
@@ -108,12 +112,12 @@ def test_quadratic_program_in_the_loop(benchmark, report, wrenches):
                                               ("closed_form", None), ("improved_closed_form", None)])
 def test_one_public_call(benchmark, report, wrenches, method, promised):
     W, w_e, low, high = wrenches
-    loop, share = quadprog_loop(*wrenches), 300
+    loop, share = quadprog_loop(*wrenches), 50
 
     def calls():
         for k in range(share):
             cl.distribute_tensions(W[k], w_e[k], low, high, method)
 
-    ratio = paired(lambda: 1 / seconds(loop, share), lambda: 1 / seconds(calls))
+    ratio = 1 / paired(lambda: seconds(loop, share), lambda: seconds(calls), repeats=151)
     report(f"distribute_tensions, one {method} / bare quadprog", ratio, promised)
     benchmark(calls)
