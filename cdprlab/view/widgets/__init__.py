@@ -14,6 +14,7 @@ _HOMES = {
     "hanging_explorer": "hanging",
     "equilibrium_explorer": "equilibrium",
     "forward_kinematics_explorer": "forward_kinematics",
+    "tension_explorer": "tension",
     "base_explorer": "bases",
 }
 """Public name → the file of this folder it lives in; one line each. No file is named as what it exports: once
