@@ -5,13 +5,14 @@ from __future__ import annotations
 import csv
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .arrays import Array, as_array, as_number, frozen
 from .control import ComputedTorque, Controller
@@ -30,6 +31,9 @@ WOUND = ("length", "elastic")
 
 INFEASIBLE = ("relax", "stop", "hold")
 """Where the method finds no tensions: take the least wrench error, raise, or keep the last tensions."""
+
+Cuts = Mapping[float, ArrayLike]
+"""Time [s] → the cables cut then, by index from 0."""
 
 Progress = Callable[[int, int], Any]
 """``(steps done, steps in all)``, called about a hundred times in a run."""
@@ -153,8 +157,8 @@ class Run:
 def run(world: World, task: str = "default", method: str | Callable[..., Any] = "quadratic_program",
         cables: str = "tension", controller: Controller | None = None, dt: float = 1e-3,
         control_period: float | None = None, infeasible: str = "relax", external_wrench: Any = None,
-        duration: float | None = None, seed: int = 0, *, base_speeds: Any = None, progress: Progress | None = None,
-        simulator: Simulator | None = None, **engine_options: Any) -> Run:
+        duration: float | None = None, seed: int = 0, *, base_speeds: Any = None, cut: Cuts | None = None,
+        progress: Progress | None = None, simulator: Simulator | None = None, **engine_options: Any) -> Run:
     """Move a world's robot along a task in its engine and log every control step.
 
     world, task : what moves, and one of its tasks' names
@@ -169,6 +173,7 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
     seed : kept with the log for whatever draws random numbers; the loop itself draws none
     base_speeds : (3p,) θ̇, ρ̇₁, ρ̇₂ of each mobile base or t → (3p,), driven while the cables work, clipped to the bases'
         limits; winches and tensions follow the bases; planar worlds [rad/s, m/s]
+    cut : time [s] → cables cut then, by index from 0; methods know at once: limits 0 to 0, and a zero column of W
     progress : called as (steps done, steps in all), about a hundred times
     simulator : an open Simulator to use (and leave open) instead of a new one
     engine_options : passed to ``open_simulator``
@@ -191,6 +196,7 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
     law = ComputedTorque() if controller is None else controller
     loop = _Loop(world.robot, method, infeasible, law, external_wrench, times.size)
     loop.drive = None if base_speeds is None else _Drive(base_speeds, period)
+    loop.cuts = _cut_steps(cut or {}, world.robot.n_cables, times.size, period)
     engine = simulator or open_simulator(world, cables, dt, **engine_options)
     try:
         engine.reset(job.start)
@@ -209,6 +215,8 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
                 "duration": float(times.size * period), "seed": seed, **engine_options}
     if base_speeds is not None:
         settings["base_speeds"] = str(base_speeds)
+    if cut:
+        settings["cut"] = {float(at): np.ravel(indices).tolist() for at, indices in cut.items()}
     return loop.log(world, task, name, cables, times, times.size * period / elapsed, dt, period, settings)
 
 
@@ -219,9 +227,10 @@ class _Loop:
                  external_wrench: Any, steps: int) -> None:
         self.robot, self.infeasible, self.controller = robot, infeasible, controller
         self.external_wrench = external_wrench
-        self.method = method if isinstance(method, str) else ""
-        self.solve = self._solver(method)
-        self.relax = solver_for("relaxed", robot.n_dof, robot.tension_min, robot.tension_max)
+        self.chosen, self.method = method, method if isinstance(method, str) else ""
+        self.cuts: dict[int, list[int]] = {}
+        self.whole: Array | None = None
+        self._limit(robot.tension_min, robot.tension_max)
         d, m = robot.dimension, robot.n_cables
         self.widths = (d, d * d, 3 if d == 2 else 6, robot.n_dof, m, m, m)
         self.table = np.empty((steps, sum(self.widths)))
@@ -242,6 +251,8 @@ class _Loop:
         for k, wish in enumerate(map(Reference, *reference)):
             if self.drive is not None:
                 self.drive.step(engine)
+            if k in self.cuts:
+                self._cut(engine, k)
             state = engine.state()
             if callable(push):
                 engine.push(push(state.time))
@@ -269,6 +280,8 @@ class _Loop:
         note(sample())
         for k, lengths in enumerate(self._lengths(engine, ahead.pose)):
             commanded.append(lengths)
+            if k in self.cuts:
+                engine.cut(self.cuts[k])
             if callable(push):
                 engine.push(push(k * period))
             within.append(wind(lengths, substeps))
@@ -298,10 +311,28 @@ class _Loop:
         self.table[:, states + self.widths[3]:][:, :m] = samples[:-1, states:states + m]
         self.table[:, -m:] = samples[1:, -m:]
 
+    def _limit(self, low: Array, high: Array) -> None:
+        self.low, self.high = low, high
+        self.solve = self._solver(self.chosen, low, high)
+        self.relax = solver_for("relaxed", self.robot.n_dof, low, high)
+
+    def _cut(self, engine: Simulator, step: int) -> None:
+        """Cut what is due, and leave the method nothing to ask of it."""
+        engine.cut(self.cuts[step])
+        self.whole = np.ones(self.robot.n_cables) if self.whole is None else self.whole.copy()
+        self.whole[self.cuts[step]] = 0.0
+        self._limit(self.low * self.whole, self.high * self.whole)
+        if self.last is not None:
+            self.last = self.last * self.whole
+
     def _tensions(self, W: Array, wanted: Array, now: float) -> Array:
         if self.last is None:
             wanted = as_array(wanted, "the controller's wrench", (self.robot.n_dof,), "N, N m")
+        if self.whole is not None:
+            W = W * self.whole  # the pseudo-inverse looks at no limits, but gives a zero column nothing
         tensions, reason = self.solve(W, -wanted)
+        if self.whole is not None:
+            tensions = tensions * self.whole  # what rounding leaves of nothing
         if not reason:
             self.last = tensions
             return tensions
@@ -310,20 +341,30 @@ class _Loop:
                                "it must be finite")
         if self.infeasible == "stop":
             raise InfeasibleTensions(f"at t = {now:.4g} s: {reason}; infeasible=\"relax\" goes on with the least "
-                                     "wrench error inside the limits", self._judge(W, -wanted, tensions, reason))
+                                     "wrench error inside the limits",
+                                     self._judge(W, -wanted, tensions, reason, self.low, self.high))
         if self.infeasible == "relax" or self.last is None:
             self.last = self.relax(W, -wanted)[0]
         return self.last
 
-    def _judge(self, W: Array, w_e: Array, tensions: Array, reasons: Any) -> TensionDistribution:
-        robot = self.robot
-        low, high = (np.broadcast_to(limit, tensions.shape) for limit in (robot.tension_min, robot.tension_max))
+    def _judge(self, W: Array, w_e: Array, tensions: Array, reasons: Any, low: Array,
+               high: Array) -> TensionDistribution:
+        low, high = (np.broadcast_to(limit, tensions.shape) for limit in (low, high))
         return checked_distribution(W, w_e, low, high, tensions, np.broadcast_to(np.array(reasons, dtype=object),
                                                                                 tensions.shape[:-1]), self.method)
 
-    def _solver(self, method: Any) -> Callable[[Array, Array], tuple[Array, str]]:
+    def _limits(self) -> tuple[Array, Array]:
+        """(N, m) smallest and largest tension of every step, (m,) where no cable was cut."""
+        low, high = self.robot.tension_min, self.robot.tension_max
+        if not self.cuts:
+            return low, high
+        whole = np.ones((self.table.shape[0], low.size))
+        for step, indices in self.cuts.items():
+            whole[step:, indices] = 0.0
+        return low * whole, high * whole
+
+    def _solver(self, method: Any, low: Array, high: Array) -> Callable[[Array, Array], tuple[Array, str]]:
         robot = self.robot
-        low, high = robot.tension_min, robot.tension_max
         if isinstance(method, str):
             return solver_for(method, robot.n_dof, low, high)
 
@@ -347,7 +388,7 @@ class _Loop:
         if self.feasible is None:
             # Judged by the law for the whole run at once: equilibrium with the wanted wrench, and the limits.
             W = wrench_matrix(world.robot, poses) if self.drive is None else np.array(self.drive.matrices)
-            self.feasible = self._judge(W, -wrenches, commanded, "").feasible
+            self.feasible = self._judge(W, -wrenches, commanded, "", *self._limits()).feasible
         return Run(world, task, method, cables, frozen(times), poses, twists, self.reference, commanded, measured,
                    lengths, _errors(world.robot, poses, self.reference.pose), self.feasible, factor, dt, period,
                    settings, None if self.commanded_lengths is None else frozen(self.commanded_lengths),
@@ -407,6 +448,25 @@ def _control_steps(dt: float, control_period: float | None) -> tuple[int, float]
     if substeps < 1 or abs(substeps * step - period) > 1e-9 * period:
         raise InvalidInput(f"control_period must be a whole multiple of dt, got {period:g} s and {step:g} s")
     return substeps, substeps * step
+
+
+def _cut_steps(cut: Cuts, m: int, steps: int, period: float) -> dict[int, list[int]]:
+    """Control step → the cables cut as it begins."""
+    due: dict[int, list[int]] = {}
+    for moment, cables in cut.items():
+        at = as_number(moment, "the time of a cut", "s")
+        step = int(np.ceil(at / period - 1e-9))
+        if not 0 <= step < steps:
+            raise InvalidInput(f"a cut must fall within the run, 0 to {steps * period:g} s, got {at:g} s")
+        due.setdefault(step, []).extend(_indices(cables, m))
+    return due
+
+
+def _indices(cables: ArrayLike, m: int) -> list[int]:
+    given = np.atleast_1d(np.asarray(cables)).ravel().tolist()
+    if any(isinstance(i, bool) or not isinstance(i, int) or not 0 <= i < m for i in given):
+        raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {given}")
+    return given
 
 
 def _describe(controller: Any) -> str:

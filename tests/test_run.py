@@ -172,3 +172,57 @@ def test_progress_counts_every_step(caroca):
     counts = []
     cl.run(caroca, duration=0.25, progress=lambda done, total: counts.append((done, total)))
     assert counts[-1] == (250, 250) and [done for done, _ in counts] == sorted(done for done, _ in counts)
+
+
+def test_a_cable_cut_in_flight_carries_nothing_and_is_not_counted_on(caroca):
+    """The method works on the other seven: W without the column and without the cable give the same tensions."""
+    run = cl.run(caroca, duration=0.4, cut={0.2: [7]}, dt=2e-3)
+    after = run.time >= 0.2
+    before = ~after
+    assert (run.commanded_tensions[before] >= 50).all() and run.commanded_tensions[before].shape == (100, 8)
+    assert not run.commanded_tensions[after, 7].any() and not run.measured_tensions[after, 7].any()
+    others = [0, 1, 2, 3, 4, 5, 6]
+    assert (run.commanded_tensions[after][:, others] >= 50 - 1e-4).all() and run.settings["cut"] == {0.2: [7]}
+    for k in np.flatnonzero(after):
+        W = cl.wrench_matrix(caroca.robot, run.poses[k])[:, others]
+        exerted = W @ run.commanded_tensions[k, others]
+        found = cl.distribute_tensions(W, -exerted, 50, 1e4)
+        assert found.feasible
+        if run.feasible[k]:
+            np.testing.assert_allclose(run.commanded_tensions[k, others], found.tensions, rtol=1e-6)
+
+
+def test_every_method_learns_of_a_cut(caroca):
+    for method in ("linear_program", "pseudo_inverse", "closed_form", "improved_closed_form", "puncture", "relaxed"):
+        run = cl.run(caroca, method=method, duration=0.1, cut={0.05: 7, 0.08: [2]}, dt=5e-3)
+        after, later = run.time >= 0.05, run.time >= 0.08 - 1e-9
+        assert run.commanded_tensions[~after, 7].all() and not run.commanded_tensions[after, 7].any(), method
+        assert run.commanded_tensions[~later, 2].all() and not run.commanded_tensions[later, 2].any(), method
+
+    limits = []
+
+    def own(W, w_e, low, high):
+        limits.append((bool(W[:, 3].any()), low[3], high[3]))
+        return cl.distribute_tensions(W, w_e, low, high, "relaxed").tensions
+
+    cl.run(caroca, method=own, duration=0.04, cut={0.02: 3}, dt=1e-2)
+    assert limits == [(True, 50.0, 10000.0)] * 2 + [(False, 0.0, 0.0)] * 2
+
+
+def test_held_tensions_forget_a_cut_cable(caroca):
+    weak = replace(caroca, robot=caroca.robot.with_payload(5e4, [0, 0, 0]))
+    held = cl.run(weak, duration=0.05, infeasible="hold", cut={0.02: [0]})
+    assert held.commanded_tensions[0, 0] > 0 and not held.commanded_tensions[20:, 0].any()
+    np.testing.assert_array_equal(held.commanded_tensions[0, 1:], held.commanded_tensions[-1, 1:])
+
+
+def test_ropes_can_be_cut_too(caroca):
+    run = cl.run(caroca, cables="length", duration=0.1, cut={0.05: [6]})
+    assert run.measured_tensions[:50, 6].all() and not run.measured_tensions[50:, 6].any()
+
+
+@pytest.mark.parametrize("cut, message", [({0.2: [0]}, "within the run, 0 to 0.1 s"), ({-1.0: [0]}, "within the run"),
+                                          ({0.05: [8]}, "0 to 7"), ({0.05: [-1]}, "0 to 7"), ({0.05: 1.5}, "0 to 7")])
+def test_what_cannot_be_cut(caroca, cut, message):
+    with pytest.raises(InvalidInput, match=message):
+        cl.run(caroca, duration=0.1, cut=cut)
