@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import csv
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from .compare import TensionComparison, compare_tensions
 from .control import ComputedTorque
-from .errors import CdprError
+from .errors import CdprError, InvalidInput
 from .run import INFEASIBLE, WOUND, Run, run
 from .simulate import CABLE_MODELS
 from .tensions import tension_methods
@@ -38,11 +40,12 @@ def _parser() -> argparse.ArgumentParser:
     worlds = commands.add_parser("worlds", help="list the robots that come with cdprlab")
     worlds.set_defaults(command=_worlds)
     flight = commands.add_parser("run", help="move a robot along a task, headless, and write plots, film and log")
-    flight.set_defaults(command=_run)
+    flight.set_defaults(command=_run, parser=flight)
     flight.add_argument("world", metavar="WORLD", help="a world's name (see `worlds`) or the path of a .yaml file")
     flight.add_argument("--task", default="default", help="one of the world's tasks (default: %(default)s)")
-    flight.add_argument("--method", default="quadratic_program", choices=list(tension_methods()), metavar="METHOD",
-                        help=f"tension distribution: {', '.join(tension_methods())} (default: %(default)s)")
+    flight.add_argument("--method", default="quadratic_program", choices=[*tension_methods(), "all"],
+                        metavar="METHOD", help=f"tension distribution: {', '.join(tension_methods())} (default: "
+                        "%(default)s); or all: each of them along the task's reference, without an engine, side by side")
     flight.add_argument("--cables", default="tension", choices=list(CABLE_MODELS), help="cable model "
                         "(default: %(default)s)")
     flight.add_argument("--kp", type=float, default=100.0, help="position gain [1/s²] (default: %(default)g)")
@@ -67,15 +70,15 @@ class _Parser(argparse.ArgumentParser):
 class _Bar:
     """A progress bar that appears with the first step: an error before it keeps the terminal clean."""
 
-    def __init__(self, name: str) -> None:
-        self.name = name
+    def __init__(self, name: str, unit: str = "steps") -> None:
+        self.name, self.unit = name, unit
         self.bar: Any = None
 
     def __call__(self, done: int, total: int) -> None:
         if self.bar is None:
             from tqdm import tqdm
 
-            self.bar = tqdm(total=total, desc=self.name, unit=" steps", leave=False)
+            self.bar = tqdm(total=total, desc=self.name, unit=f" {self.unit}", leave=False)
         self.bar.update(done - self.bar.n)
 
     def close(self) -> None:
@@ -91,8 +94,11 @@ def _worlds(_: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
+    if options.method == "all":
+        return _compare(options)
     world = load_world(options.world)
-    print(f"{world.title or world.name}: task {options.task}, {options.method}, cables={options.cables}")
+    how = "inverse kinematics" if options.cables in WOUND else options.method
+    print(f"{world.title or world.name}: task {options.task}, {how}, cables={options.cables}")
     bar = _Bar("flying")
     law = None if options.cables in WOUND else ComputedTorque(options.kp, options.kd)
     flown = run(world, options.task, options.method, options.cables, law,
@@ -106,6 +112,42 @@ def _run(options: argparse.Namespace) -> int:
         _pictures(flown, folder)
     print(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir()))}")
     return 0
+
+
+_NO_SAY = ("cables", "kp", "kd", "dt", "control_period", "duration", "infeasible")
+"""What belongs to an engine, and a comparison without one does not ask."""
+
+
+def _compare(options: argparse.Namespace) -> int:
+    given = [name for name in _NO_SAY if getattr(options, name) != options.parser.get_default(name)]
+    if given:
+        raise InvalidInput(f"--method all compares without an engine: --{given[0].replace('_', '-')} has no say; "
+                           "give one method to fly it")
+    world = load_world(options.world)
+    print(f"{world.title or world.name}: task {options.task}, every tension distribution along the reference")
+    bar = _Bar("comparing", "methods")
+    table = compare_tensions(world, options.task, progress=bar)
+    bar.close()
+    print(table)
+    folder = options.out or Path("out") / world.name
+    written = _write_comparison(table, folder, picture=not options.no_pictures)
+    print(f"written to {folder}: {', '.join(written)}")
+    return 0
+
+
+def _write_comparison(table: TensionComparison, folder: Path, picture: bool) -> list[str]:
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "methods.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(f"{name} [{unit}]" if unit else name for name, unit in table.COLUMNS.items())
+        writer.writerows([f"{value:.9g}" if isinstance(value, float) else str(value) for value in row.values()]
+                         for row in table.rows())
+    if not picture:
+        return ["methods.csv"]
+    from .view import save_figure
+
+    save_figure(table.plot(), folder / "methods.png")
+    return ["methods.csv", "methods.png"]
 
 
 def _pictures(flown: Run, folder: Path) -> None:
