@@ -45,7 +45,7 @@ def _parser() -> argparse.ArgumentParser:
     flight.add_argument("--task", default="default", help="one of the world's tasks (default: %(default)s)")
     flight.add_argument("--method", default="quadratic_program", choices=[*tension_methods(), "all"],
                         metavar="METHOD", help=f"tension distribution: {', '.join(tension_methods())} (default: "
-                        "%(default)s); or all: each of them along the task's reference, without an engine, side by side")
+                        "%(default)s); or all: each along the task's reference, without an engine, side by side")
     flight.add_argument("--cables", default="tension", choices=list(CABLE_MODELS), help="cable model "
                         "(default: %(default)s)")
     flight.add_argument("--kp", type=float, default=100.0, help="position gain [1/s²] (default: %(default)g)")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -58,8 +58,10 @@ class TensionComparison:
     tensions: Array = field(repr=False)
     feasible: Any = field(repr=False)
 
-    COLUMNS = ("method", "feasible_share", "smallest", "largest", "energy", "largest_step", "continuous", "margin",
-               "solve_time")
+    COLUMNS: ClassVar[dict[str, str]] = {
+        "method": "", "feasible_share": "", "smallest": "N", "largest": "N", "energy": "N² s", "largest_step": "N",
+        "continuous": "", "margin": "N", "solve_time": "s"}
+    """Column → unit."""
 
     def rows(self) -> list[dict[str, Any]]:
         """One dictionary a method, keys as the columns."""
@@ -81,12 +83,14 @@ class TensionComparison:
 
 
 def compare_tensions(world: World, task: str = "default", methods: str | Iterable[str] | None = None, *,
-                     time_step: float | None = None) -> TensionComparison:
+                     time_step: float | None = None,
+                     progress: Callable[[int, int], Any] | None = None) -> TensionComparison:
     """Each method's tensions for W τ = M a + C v − f_g along a task's reference, without an engine.
 
     world, task : what moves, and one of its tasks' names
     methods : names; default all that apply to this robot's number of redundant cables
     time_step : between samples [s]; default 400 of them
+    progress : called as (methods done, methods in all)
     Raises InvalidInput for unknown names or a time step that is not positive.
     Source: the comparison of Okoli 2016, ch. 6, on the same path for all.
 
@@ -101,7 +105,11 @@ def compare_tensions(world: World, task: str = "default", methods: str | Iterabl
     times = np.linspace(0.0, job.duration, max(2, round(job.duration / step) + 1))
     path = job.trajectory()
     W, w_e = _wrenches(robot, path, times)
-    found = [_follow(robot, path, times, W, w_e, name) for name in names]
+    found = []
+    for name in names:
+        found.append(_follow(robot, path, times, W, w_e, name))
+        if progress is not None:
+            progress(len(found), len(names))
     columns = {name: frozen(np.array([entry[name] for entry in found])) for name in found[0]}
     return TensionComparison(world, task, names, time=frozen(times), **columns)
 

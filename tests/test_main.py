@@ -1,7 +1,10 @@
 """The command line: what it writes, and one line with exit code 2 for what it cannot do."""
 
+import csv
+
 import pytest
 
+import cdprlab as cl
 from cdprlab.__main__ import main
 from cdprlab.errors import MissingDependency
 
@@ -31,11 +34,30 @@ def test_run_writes_everything(tmp_path, capsys):
         assert quantity in printed
 
 
+@pytest.mark.parametrize("pictures", [True, False])
+def test_all_methods_side_by_side_need_no_engine(pictures, tmp_path, capsys):
+    out = tmp_path / "compared"
+    arguments = ["run", "planar_rigid", "--method", "all", "--out", str(out)]
+    assert main(arguments + ([] if pictures else ["--no-pictures"])) == 0
+    assert {path.name for path in out.iterdir()} == {"methods.csv", *(["methods.png"] if pictures else [])}
+    with (out / "methods.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    printed = capsys.readouterr().out
+    # One redundant cable: all of them apply, the kernel too.
+    assert [row["method"] for row in rows] == list(cl.tension_methods())
+    for row in rows:
+        assert row["method"] in printed and float(row["solve_time [s]"]) > 0
+        if float(row["feasible_share"]):
+            assert float(row["smallest [N]"]) >= 5 and float(row["margin [N]"]) >= 0
+
+
 @pytest.mark.parametrize("arguments, message", [
     (["run", "carroca"], "did you mean 'caroca'"),
     (["run", "caroca", "--task", "none"], "there are default"),
     (["run", "caroca", "--dt", "0"], "dt must be positive"),
     (["run", "caroca", "--duration", "-1"], "duration must be positive"),
+    (["run", "caroca", "--method", "all", "--kp", "50"], "--kp has no say"),
+    (["run", "caroca", "--method", "all", "--task", "none"], "there are default"),
 ])
 def test_wrong_input_is_one_line_and_exit_2(arguments, message, capsys):
     assert main(arguments) == 2
