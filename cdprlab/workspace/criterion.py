@@ -1,0 +1,68 @@
+"""What it means for a pose to belong to a workspace."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from ..pose import Pose
+from ..robot import Robot
+
+Flags = NDArray[np.bool_]
+
+
+class Judgement(NamedTuple):
+    """One entry a pose: ``inside, margin = …``.
+
+    inside : (N,) whether the pose belongs to the workspace
+    margin : (N,) how far it is from the border, in the criterion's unit, negative outside; NaN where none is known
+    """
+
+    inside: Flags
+    margin: Array
+
+
+class Criterion(ABC):
+    """Judges poses of a robot; ``a & b`` asks for both."""
+
+    unit: str = ""
+
+    @abstractmethod
+    def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
+        """Judge a batch (N,) of poses; without ``margin`` only the verdict, which may be much quicker."""
+
+    def __and__(self, other: Criterion) -> Criterion:
+        return Both(self, other)
+
+
+@dataclass(frozen=True)
+class Both(Criterion):
+    """A pose inside both; the margin is the smaller one if they have the same unit, else NaN."""
+
+    first: Criterion
+    second: Criterion
+
+    @property
+    def unit(self) -> str:  # type: ignore[override]
+        return self.first.unit if self.first.unit == self.second.unit else ""
+
+    def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
+        a, b = self.first.judge(robot, poses, margin), self.second.judge(robot, poses, margin)
+        smaller = np.minimum(a.margin, b.margin) if self.first.unit == self.second.unit else np.full(
+            a.margin.shape, np.nan)
+        return Judgement(a.inside & b.inside, smaller)
+
+
+def verdict(margins: Array) -> Judgement:
+    """Inside where the margin is not negative; NaN, where there is none, is outside."""
+    return Judgement(margins >= 0, margins)
+
+
+def unknown(inside: Flags) -> Judgement:
+    """A verdict without margins."""
+    return Judgement(inside, np.full(inside.shape, np.nan))

@@ -1,0 +1,205 @@
+"""The compiled margin: how far inside its limits a cable robot can balance a wrench, for many poses.
+
+With τ = c + D λ (one or two λ, or none) the largest s with τ_min + p s ≤ c + D λ ≤ τ_max − q s is a linear program in
+(λ, s), solved by walking along active rows: uphill in s while nothing blocks, dropping rows that pull the wrong way.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..tensions.kernels import _reduce, _spread, compiled
+
+FOUND, UNREACHABLE, TOO_REDUNDANT, UNSETTLED = 0, 1, 2, 3
+
+_STEPS = 100   # a vertex of 16 rows in three unknowns is found in about ten
+_FLAT = 1e-10  # directions and multipliers below this, of rows of size about 1, are zero
+
+
+@compiled
+def _onto_free(active: Array, count: int, basis: Array, direction: Array) -> float:
+    """Remove from e_s what the active rows span (Gram–Schmidt into ``basis``); returns the squared size left."""
+    q = direction.shape[0]
+    for a in range(q):
+        direction[a] = 0.0
+    direction[q - 1] = 1.0
+    kept = 0
+    for k in range(count):
+        size = 0.0
+        for a in range(q):
+            basis[kept, a] = active[k, a]
+            size += active[k, a] * active[k, a]
+        for j in range(kept):
+            along = 0.0
+            for a in range(q):
+                along += basis[kept, a] * basis[j, a]
+            for a in range(q):
+                basis[kept, a] -= along * basis[j, a]
+        left = 0.0
+        for a in range(q):
+            left += basis[kept, a] * basis[kept, a]
+        if left > _FLAT * size:
+            for a in range(q):
+                basis[kept, a] /= np.sqrt(left)
+            along = 0.0
+            for a in range(q):
+                along += direction[a] * basis[kept, a]
+            for a in range(q):
+                direction[a] -= along * basis[kept, a]
+            kept += 1
+    total = 0.0
+    for a in range(q):
+        total += direction[a] * direction[a]
+    return total
+
+
+@compiled
+def _worst_multiplier(active: Array, count: int, gram: Array, mu: Array) -> int:
+    """The active row whose multiplier in e_s = Σ μ a is most negative, or −1: least squares by Cholesky-free Gauss."""
+    q = active.shape[1]
+    for i in range(count):
+        mu[i] = active[i, q - 1]
+        for j in range(count):
+            total = 0.0
+            for a in range(q):
+                total += active[i, a] * active[j, a]
+            gram[i, j] = total
+    for i in range(count):
+        pivot = gram[i, i]
+        if pivot <= _FLAT:
+            return i   # depends on the rows before it
+        for j in range(i + 1, count):
+            factor = gram[j, i] / pivot
+            for k in range(i, count):
+                gram[j, k] -= factor * gram[i, k]
+            mu[j] -= factor * mu[i]
+    worst, lowest = -1, -_FLAT
+    for i in range(count - 1, -1, -1):
+        for k in range(i + 1, count):
+            mu[i] -= gram[i, k] * mu[k]
+        mu[i] /= gram[i, i]
+    for i in range(count):
+        if mu[i] < lowest:
+            worst, lowest = i, mu[i]
+    return worst
+
+
+@compiled
+def _climb(rows: Array, limits: Array, x: Array, active: Array, held: Any, basis: Array, gram: Array,
+           mu: Array, direction: Array) -> bool:
+    """Move x, which meets ``rows @ x ≤ limits``, to the largest last coordinate; False if it does not settle."""
+    q, total = x.shape[0], rows.shape[0]
+    count = 0
+    for _ in range(_STEPS):
+        if _onto_free(active, count, basis, direction) <= _FLAT:
+            drop = _worst_multiplier(active, count, gram, mu)
+            if drop < 0:
+                return True
+            for k in range(drop, count - 1):
+                held[k] = held[k + 1]
+                for a in range(q):
+                    active[k, a] = active[k + 1, a]
+            count -= 1
+            continue
+        step, block = np.inf, -1
+        for i in range(total):
+            slope, gap = 0.0, limits[i]
+            for a in range(q):
+                slope += rows[i, a] * direction[a]
+                gap -= rows[i, a] * x[a]
+            busy = False
+            for k in range(count):
+                busy |= held[k] == i
+            if slope > _FLAT and not busy and max(gap, 0.0) < step * slope:
+                step, block = max(gap, 0.0) / slope, i
+        if block < 0:
+            x[q - 1] = np.inf
+            return True
+        for a in range(q):
+            x[a] += step * direction[a]
+        if count == q:
+            return False
+        held[count] = block
+        for a in range(q):
+            active[count, a] = rows[block, a]
+        count += 1
+    return False
+
+
+@compiled
+def _rows_of(c: Array, D: Array, free: int, low: Array, high: Array, p: float, q: float, rows: Array,
+             limits: Array) -> int:
+    """Rows over (λ, s) of the limits of τ = c + D λ; returns how many there are."""
+    used = 0
+    for i in range(c.shape[0]):
+        for side in range(2):
+            sign = 1.0 if side else -1.0
+            limit = high[i] - c[i] if side else c[i] - low[i]
+            if limit < np.inf:
+                for a in range(free):
+                    rows[used, a] = sign * D[i, a]
+                rows[used, free] = q if side else p
+                limits[used] = limit
+                used += 1
+    return used
+
+
+@compiled
+def _lift(rows: Array, limits: Array, x: Array) -> None:
+    """The largest last coordinate that the others allow."""
+    last = x.shape[0] - 1
+    x[last] = np.inf
+    for i in range(rows.shape[0]):
+        if rows[i, last] > 0:
+            gap = limits[i]
+            for a in range(last):
+                gap -= rows[i, a] * x[a]
+            x[last] = min(x[last], gap / rows[i, last])
+
+
+@compiled
+def margins(W: Array, w_e: Array, low: Array, high: Array, p: float, q: float) -> tuple[Array, Any]:
+    """Largest s with W τ + w_e = 0 and low + p s ≤ τ ≤ high − q s.
+
+    W (k, n, m); w_e (k, n); low, high (m,), high may be inf; p, q 0 or 1, not both 0
+    Returns (k,), NaN without an answer; FOUND or why not (k,).
+    """
+    count, n, m = W.shape
+    found, best = np.zeros(count, np.int64), np.full(count, np.nan)
+    reduced, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
+    c, D, limits = np.empty(m), np.zeros((m, max(m, 2))), np.empty(2 * m)
+    for k in range(count):
+        for j in range(m):
+            owner[j] = -1
+        rank, reachable = _reduce(W, w_e, k, c, reduced, line, owner)
+        free = m - rank
+        if not reachable or free > 2:
+            found[k] = TOO_REDUNDANT if reachable else UNREACHABLE
+            continue
+        _spread(reduced, owner, c, c, D)
+        size = free + 1
+        rows, soft = np.empty((2 * m, size)), np.empty((2 * m, size))
+        active, held = np.empty((size, size)), np.empty(size, np.int64)
+        basis, gram, mu, direction = np.empty((size, size)), np.empty((size, size)), np.empty(size), np.empty(size)
+        used = _rows_of(c, D, free, low, high, p, q, rows, limits)
+        # Rows that s does not soften may be broken at λ = 0: a first climb, with all rows softened, mends that.
+        x, climbs = np.zeros(size), 1
+        for i in range(used):
+            for a in range(size):
+                soft[i, a] = rows[i, a]
+            soft[i, free] = 1.0
+            if rows[i, free] == 0.0 and limits[i] < 0.0:
+                climbs = 2
+        for climb in range(climbs):
+            now = soft if climb < climbs - 1 else rows
+            _lift(now[:used], limits[:used], x)
+            if not _climb(now[:used], limits[:used], x, active, held, basis, gram, mu, direction):
+                found[k] = UNSETTLED
+                break
+            best[k] = x[free]
+            if climb < climbs - 1 and x[free] < 0.0:
+                break
+    return best, found

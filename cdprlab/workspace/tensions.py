@@ -1,0 +1,207 @@
+"""Workspaces of tensions: closure, feasibility of wrenches, equilibrium under weight and in motion, standing bases."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array
+from ..errors import InvalidInput
+from ..pose import Pose
+from ..robot import Robot
+from ..statics import gravity_wrench, tipping_rows, wrench_matrix
+from ..tensions.polygon import CENTROID, polygon_points
+from .criterion import Criterion, Flags, Judgement, unknown, verdict
+
+_ROUNDING = 1e-9
+"""Of the largest limit: margins this far below zero are rounding."""
+
+
+@dataclass(frozen=True)
+class WrenchClosure(Criterion):
+    """Every wrench can be exerted by tensions large enough: W has full rank and a null vector with all entries positive.
+
+    margin : the largest s with W τ = 0, s ≤ τ_i ≤ 1, the smallest over the largest entry at best; 0 where there is none
+    Source: Pham et al. 2006; Gouttefarde and Gosselin 2006.
+    """
+
+    unit = ""
+
+    def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
+        W = wrench_matrix(robot, poses)
+        n, m = W.shape[-2:]
+        s = tension_margins(W, np.zeros((len(W), n)), np.zeros(m), np.ones(m), at_high=False)
+        s = np.where(np.linalg.matrix_rank(W) == n, s, 0.0)
+        return Judgement(s > _ROUNDING, s)
+
+
+@dataclass(frozen=True, eq=False)
+class WrenchFeasible(Criterion):
+    """Tensions within the limits balance the weight and every one of the given external wrenches.
+
+    wrenches : (k, n) or (n,) external wrenches besides the weight; default none [N, N m]
+    margin : the largest s with τ_min + s ≤ τ ≤ τ_max − s, the smallest over the wrenches [N]
+    Source: Bosscher et al. 2006; the margin is the tension margin of Ruiz et al. 2015 with all cables alike.
+    """
+
+    wrenches: ArrayLike | None = None
+    unit = "N"
+
+    def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
+        W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
+        low, high = robot.tension_min, robot.tension_max
+        loads = external_wrenches(self.wrenches, robot.n_dof)
+        if not margin and W.shape[-1] - W.shape[-2] <= 2:
+            return unknown(np.logical_and.reduce([_feasible(W, weight + load, low, high) for load in loads]))
+        s = np.min([tension_margins(W, weight + load, low, high) for load in loads], axis=0)
+        return Judgement(s >= -_ROUNDING * high.max(), s)
+
+
+@dataclass(frozen=True)
+class StaticEquilibrium(Criterion):
+    """Cables that only pull, however hard, balance the weight.
+
+    margin : the smallest tension at best, at most that at which the others reach a hundred weights [N]
+    Source: Pusey et al. 2004 (static equilibrium workspace).
+    """
+
+    unit = "N"
+
+    def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
+        W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
+        most = np.full(robot.n_cables, 100 * robot.mass * max(robot.gravity, 1.0))
+        s = tension_margins(W, weight, np.zeros(robot.n_cables), most, at_high=False)
+        return Judgement(s >= -_ROUNDING * most.max(), s)
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicEquilibrium(Criterion):
+    """Tensions within the limits give the platform, at rest, every acceleration of a box.
+
+    accelerations : (n,) half widths of the box, in the motion pattern's rows [m/s², rad/s²]
+    margin : as `WrenchFeasible`, the smallest over the box's corners [N]
+    Source: Barrette and Gosselin 2005 (dynamic workspace).
+    """
+
+    accelerations: ArrayLike
+    unit = "N"
+
+    def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
+        half = as_array(self.accelerations, "accelerations", (robot.n_dof,), "m/s², rad/s²")
+        W, weight, M = wrench_matrix(robot, poses), _weights(robot, poses), mass_matrix(robot, poses)
+        low, high = robot.tension_min, robot.tension_max
+        # Wrenches are convex in the acceleration: the corners decide, and directions that are held make none.
+        corners = [np.array(signs) * half for signs in product(*[(1, -1) if h else (0,) for h in half])]
+        s = np.min([tension_margins(W, weight - M @ corner, low, high) for corner in corners], axis=0)
+        return Judgement(s >= -_ROUNDING * high.max(), s)
+
+
+@dataclass(frozen=True)
+class TippingSafe(Criterion):
+    """Tensions within the limits balance the weight and leave every mobile base standing.
+
+    margin : the largest moment by which every footprint edge can be kept from lifting, negative where one must [N m];
+        −inf where the weight cannot be balanced at all
+    Source: Pedemonte et al. 2020, eq. (21)–(24).
+    """
+
+    unit = "N m"
+
+    def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
+        rows = tipping_rows(robot, poses)
+        if not rows:
+            raise InvalidInput("tipping needs bases with a footprint; this robot has none")
+        A = np.concatenate([edge.matrix for edge in rows.values()], axis=-2)
+        b = -np.concatenate([edge.offset for edge in rows.values()], axis=-1)
+        W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
+        return verdict(np.array([_standing(*pose, robot) for pose in zip(W, weight, A, b)]))
+
+
+def tension_margins(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> Array:
+    """Largest s with W τ + w_e = 0 and τ_min + s ≤ τ ≤ τ_max − s, for each pose; −inf where nothing balances w_e.
+
+    W : (N, n, m); w_e : (N, n) [N, N m]; low, high : (m,) [N]
+    at_high : whether s is kept from the upper limits too
+    Returns (N,) [N], negative where the limits must be broken by −s.
+
+    >>> W = np.array([[[1.0, -1.0]]])
+    >>> tension_margins(W, np.zeros((1, 1)), np.array([1.0, 1.0]), np.array([5.0, 9.0]))
+    array([2.])
+    """
+    from . import margin_kernel as kernel
+
+    plain = [np.ascontiguousarray(array, dtype=float) for array in (W, w_e, low, high)]
+    s, found = kernel.margins(*plain, 1.0, 1.0 if at_high else 0.0)
+    s[found == kernel.UNREACHABLE] = -np.inf
+    for k in np.flatnonzero((found == kernel.TOO_REDUNDANT) | (found == kernel.UNSETTLED)):
+        s[k] = _margin_by_program(W[k], w_e[k], low, high, at_high)
+    return np.asarray(s)
+
+
+def mass_matrix(robot: Robot, poses: Pose) -> Array:
+    """(N, n, n) inertia of the platform at rest in the motion pattern's rows, moments at P [kg, kg m, kg m²]."""
+    body, R = robot.platform, poses.rotation
+    arm = (R @ body.center_of_mass)
+    d = robot.dimension
+    if d == 2:
+        full = np.zeros((*R.shape[:-2], 3, 3))
+        full[..., 0, 0] = full[..., 1, 1] = body.mass
+        full[..., 2, 0] = full[..., 0, 2] = -body.mass * arm[..., 1]
+        full[..., 2, 1] = full[..., 1, 2] = body.mass * arm[..., 0]
+        full[..., 2, 2] = body.inertia + body.mass * (arm**2).sum(axis=-1)
+        return full[..., :robot.n_dof, :robot.n_dof]
+    from ..pose import cross_matrix
+
+    cross, full = cross_matrix(arm), np.zeros((*R.shape[:-2], 6, 6))
+    full[..., :3, :3] = body.mass * np.eye(3)
+    full[..., :3, 3:], full[..., 3:, :3] = -body.mass * cross, body.mass * cross
+    full[..., 3:, 3:] = R @ body.inertia @ np.swapaxes(R, -1, -2) - body.mass * cross @ cross
+    basis = robot.pattern.basis(R)
+    return np.swapaxes(basis, -1, -2) @ full @ basis
+
+
+def external_wrenches(wrenches: ArrayLike | None, n: int) -> Array:
+    """(k, n) from None, one or several."""
+    if wrenches is None:
+        return np.zeros((1, n))
+    return np.atleast_2d(as_array(wrenches, "wrenches", (n,), "N, N m", batch=True))
+
+
+def _weights(robot: Robot, poses: Pose) -> Array:
+    return np.broadcast_to(gravity_wrench(robot, poses), (*poses.batch_shape, robot.n_dof))
+
+
+def _feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
+    _, reasons, _ = polygon_points(W, w_e, low[None], high[None], CENTROID)
+    return np.asarray(reasons == "")
+
+
+def _margin_by_program(W: Array, w_e: Array, low: Array, high: Array, at_high: bool) -> float:
+    m = W.shape[1]
+    identity, ones = np.eye(m), np.ones((m, 1))
+    rows = np.block([[-identity, ones], [identity, ones if at_high else 0 * ones]])
+    answer = _program(np.append(np.zeros(m), -1.0), rows, np.concatenate([-low, high]),
+                      np.concatenate([W, np.zeros((W.shape[0], 1))], axis=1), -w_e)
+    return -np.inf if answer is None else -answer
+
+
+def _standing(W: Array, w_e: Array, A: Array, b: Array, robot: Robot) -> float:
+    """Largest s with A τ + s ≤ b among balanced tensions within the limits."""
+    n, m = W.shape
+    identity, none = np.eye(m), np.zeros((m, 1))
+    rows = np.block([[-identity, none], [identity, none], [A, np.ones((len(A), 1))]])
+    answer = _program(np.append(np.zeros(m), -1.0), rows, np.concatenate([-robot.tension_min, robot.tension_max, b]),
+                      np.concatenate([W, np.zeros((n, 1))], axis=1), -w_e)
+    return -np.inf if answer is None else -answer
+
+
+def _program(cost: Array, A: Array, b: Array, A_eq: Array, b_eq: Array) -> float | None:
+    """min cost·x; None where nothing satisfies the rows."""
+    from scipy.optimize import linprog
+
+    done: Any = linprog(cost, A_ub=A, b_ub=b, A_eq=A_eq, b_eq=b_eq, bounds=(None, None), method="highs")
+    return float(done.fun) if done.status == 0 else None
