@@ -29,7 +29,8 @@ class Winding:
 
     time : (N,) [s]; positions : (N, 3) where the load shall be [m]
     lengths : (N, m) of rope let out [m]
-    taut : (N, m) whether the plan wants the cable taut; while it changes, both the old and the new ones
+    taut : (N, m) whether the plan lets the cable be taut; while it changes, both the old and the new ones, and all
+        of them until the first slack is out
     """
 
     time: Array
@@ -42,8 +43,8 @@ def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0
                  reeling: float = 0.05, dt: float = 1e-3) -> Winding:
     """Rope lengths that lead a point mass along a sequence.
 
-    The cables that shall not carry are first let out by ``slack``; then the load moves, rest to rest, from step to
-    step. At a change the cable that comes in is taken up **before** the one that goes is paid out: done at once, two
+    The cables that shall not carry are first let out by ``slack``; then the load moves from step to step. All is done
+    rest to rest. At a change the cable that comes in is taken up **before** the one that goes is paid out: done at once, two
     taut cables would be left for a moment, and the load would swing.
 
     robot : as the sequence was planned for; slack : 0 winds every rope by inverse kinematics alone [m]
@@ -80,7 +81,8 @@ _Piece = tuple[Array, Array, Flags]
 def _pieces(m: int, sequence: ConfigurationSequence, slack: float, speed: float, reeling: float,
             dt: float) -> Iterator[_Piece]:
     place, chosen = sequence.steps[0]
-    yield _reeled(place, np.zeros(m), slack * _loose(m, chosen), _held(m, chosen), reeling, dt)
+    # Until the slack is out, chance decides which cables carry.
+    yield _reeled(place, np.zeros(m), slack * _loose(m, chosen), np.ones(m, dtype=bool), reeling, dt)
     for here, now in sequence.steps[1:]:
         if now == chosen:
             yield _moved(place, here, slack * _loose(m, now), _held(m, now), speed, dt)
@@ -104,8 +106,10 @@ def _loose(m: int, chosen: Configuration) -> Array:
 
 
 def _reeled(place: Array, before: Array, after: Array, taut: Flags, reeling: float, dt: float) -> _Piece:
-    steps = int(np.ceil(np.abs(after - before).max() / reeling / dt))
-    shares = np.arange(1, steps + 1)[:, None] / max(steps, 1)
+    steps = int(np.ceil(_PEAK * np.abs(after - before).max() / reeling / dt))
+    # Rest to rest: a rope that is a little off becomes taut, or slack, while the winch is slow, and jerks nothing.
+    s = np.arange(1, steps + 1)[:, None] / max(steps, 1)
+    shares = s**3 * (10 - 15 * s + 6 * s**2)
     return np.tile(place, (steps, 1)), before + shares * (after - before), np.tile(taut, (steps, 1))
 
 

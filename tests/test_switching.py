@@ -54,6 +54,21 @@ def test_the_plan_takes_up_before_it_pays_out(world, best):
     assert set(held.tolist()) == {3, 4}
 
 
+def test_winches_start_and_stop_gently(world, best):
+    """A rope that jerks taut at reeling speed throws the load off the others."""
+    plan = winding_plan(world.robot, best, slack=0.1, speed=0.4, reeling=0.2)
+    speeds = np.diff(plan.lengths, axis=0) / 1e-3
+    # The quintic's largest acceleration is 10/√3 D/T² with T = 15/8 D/v: below 1.7 v²/D, here 0.2² / 0.1 of reeling.
+    jumps = np.abs(np.diff(speeds, axis=0)).max()
+    assert jumps <= 1e-3 * 1.7 * max(0.2**2 / 0.1, 0.4**2 / 0.1)
+
+
+def test_gentle_winches_hold_a_robot_that_is_a_little_off(world, best):
+    """Millimeters of error move the load by millimeters, also while the cables change."""
+    off = try_errors(world, best, 2, slack=0.1, speed=0.4, reeling=0.1, length_error=0.002, exit_error=0.002)
+    assert max(trial.off_path for trial in off) < 0.012 and max(trial.unplanned for trial in off) < 0.01
+
+
 def test_an_exact_robot_keeps_to_the_plan(flown, best, world):
     assert flown.position_errors.max() <= 1e-6
     assert (flown.measured_tensions >= 0).all()
