@@ -121,7 +121,7 @@ def chart(rows, names, title):
 
 def map_figure(maps):
     """Largest payload over the workspace, one panel a world; 7 kg outlined."""
-    levels = [0, 1, 2, 3, 5, 7, 9, 11, 13, 15]
+    levels = [0, 1, 2, 3, 5, 7, 9, 11, 13, 15, 17]
     with house_style():
         figure = Figure(figsize=(9.6, 7.4), layout="constrained")
         for axes, (name, found) in zip(figure.subplots(2, 1), maps.items()):

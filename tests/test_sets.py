@@ -218,6 +218,34 @@ def test_wrench_facets_equal_qhulls_hull_of_all_corners(name):
     assert (np.abs(planes[:, None] - mine[None]).max(axis=-1).min(axis=0) < 1e-6).all()
 
 
+@pytest.mark.parametrize("name", cl.world_names())
+@pytest.mark.parametrize("middle", [False, True])
+def test_every_world_at_its_symmetric_poses(name, middle):
+    """Where many cables lie in a plane, planes coincide and corners are shared: facets are still Qhull's."""
+    world = cl.load_world(name)
+    robot, pose = world.robot, world.pose
+    if middle:
+        upright = np.append(np.zeros(robot.dimension - 1), pose.position[-1])
+        pose = cl.Pose(upright, angle=0.0) if robot.dimension == 2 else cl.Pose(upright)
+    aws, d = cl.available_wrench_set(robot, pose), np.random.default_rng(18).normal(size=(60, robot.n_dof))
+    scale = np.abs(aws.component_range()).max()
+    np.testing.assert_allclose((d @ aws.vertices.T).max(axis=1), aws.support(d), rtol=0, atol=1e-9 * scale)
+    assert aws.contains(aws.vertices).all()
+    if aws.dimension == robot.n_dof > 1:
+        corners = np.array(list(itertools.product(*zip(robot.tension_min, robot.tension_max)))) \
+            @ cl.wrench_matrix(robot, pose).T
+        hull = ConvexHull(corners / np.ptp(corners, axis=0))
+        assert len(np.unique(hull.equations.round(6), axis=0)) == len(aws.normals)
+        assert aws.volume == pytest.approx(hull.volume * np.ptp(corners, axis=0).prod(), rel=1e-6)
+    standing = cl.available_wrench_set(robot, pose, tipping=True)
+    if not standing.is_empty:
+        np.testing.assert_allclose(standing.support(d), lp_support(standing, d), rtol=0, atol=1e-9 * scale)
+    if np.isfinite(robot.speed_max).all():
+        ats = cl.available_twist_set(robot, pose)
+        np.testing.assert_allclose(ats.support(d), lp_support(ats, d), rtol=0, atol=1e-9)
+        np.testing.assert_allclose((d @ ats.vertices.T).max(axis=1), ats.support(d), rtol=0, atol=1e-8)
+
+
 @pytest.mark.parametrize("name", BASED)
 def test_tipping_facets_are_support_planes_and_enough(name):
     robot, pose = with_tensions(heavier(BASED[name]()), 5.0, 2000.0), robots.random_pose(BASED[name](), 12)

@@ -2,64 +2,38 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from math import comb
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, frozen
+from ..arrays import Array
 from ..errors import NotListable
-from .zonotope import MOST_COMBINATIONS, PARALLEL, first_of_each, n_choices, shifting_normals
+from .frame import Frame
+from .zonotope import (
+    MOST_COMBINATIONS,
+    PARALLEL,
+    box_corners,
+    first_of_each,
+    hyperplane_shifting,
+    n_choices,
+    zonotope_volume,
+)
 
 if TYPE_CHECKING:
     from .polytope import Polytope
 
-_FLAT = 1e-9
-"""A set is flat across a direction in which it is narrower than this share of its size."""
-
-_SOLID = 1e-3
-"""Points spread in all directions by more than this leave no doubt that the set is not flat."""
-
 _SAME = 1e-8
 """Corners of a set of size 1 this close together are one: Qhull merges within about 1e-12 of its own accord."""
 
+_FULL_RANK = 1e-12
+"""Smallest eigenvalue of Σ n nᵀ over unit normals that meet in a corner; rounding is 1e-15."""
+
+_MOST_SIGNS = 12
+"""Generators up to which a zonotope's corners are sought among all 2ᵏ sign combinations."""
+
 _MOST_CANDIDATES = 20_000
 """Rows to be sorted into facets and others, before a listing is called too long."""
-
-
-class Frame(NamedTuple):
-    """Where a set lies: center + scales·(U z) with z in ``dimension`` coordinates, all of size 1.
-
-    center : (n,) inside; scales : (n,) half the range of each component; basis : U, (n, dimension) orthonormal
-    missing : (n, n − dimension) orthonormal directions, of x, across which the set is flat
-    """
-
-    center: Array
-    scales: Array
-    basis: Array
-    missing: Array
-
-    @property
-    def dimension(self) -> int:
-        """Of the set; −1 when it is empty."""
-        return -1 if np.isnan(self.center).any() else self.basis.shape[1]
-
-    @property
-    def span(self) -> Array:
-        """(n, dimension) orthonormal directions of x in which the set extends."""
-        if self.dimension < 1:
-            return np.zeros((len(self.center), 0))
-        return np.asarray(np.linalg.qr(self.scales[:, None] * self.basis)[0])
-
-    def outside(self, z: Array) -> Array:
-        """(…, n) points of the set from their coordinates in the frame."""
-        return self.center + self.scales * (z @ self.basis.T)
-
-    def rows(self, normals: Array, offsets: Array) -> tuple[Array, Array]:
-        """Unit rows over x from rows over z."""
-        n = normals @ self.basis.T / self.scales
-        d = offsets + n @ self.center
-        size = np.linalg.norm(n, axis=1)
-        return n / size[:, None], d / size
 
 
 class Planes(NamedTuple):
@@ -71,63 +45,6 @@ class Planes(NamedTuple):
     normals: Array
     offsets: Array
     corners: Array | None = None
-
-
-def frame(polytope: Polytope) -> Frame:
-    """The affine hull of the set, found by asking how wide it is: n directions, each extends it or is missing.
-
-    Raises NotListable where the set is unbounded.
-    """
-    if (known := _symmetric(polytope)) is not None:
-        return known
-    n, eye = polytope.n, np.eye(polytope.n)
-    ends = polytope.support_point(np.concatenate([-eye, eye])).reshape(2, n, n)
-    reach = polytope.component_range() if np.isnan(ends).any() else np.diagonal(ends, axis1=1, axis2=2).T
-    if np.isinf(reach).any():
-        raise NotListable("the set is unbounded (a cable without a speed limit, or too few cables), so it has no list "
-                          "of vertices and facets; contains, support and the ranges still answer")
-    if np.isnan(reach).any():
-        return Frame(np.full(n, np.nan), np.ones(n), np.zeros((n, 0)), np.eye(n))
-    half = (reach[:, 1] - reach[:, 0]) / 2
-    scales = np.where(half > _FLAT * np.abs(reach).max(axis=1), half, 1.0)
-    points = ends.reshape(-1, n)
-    if np.linalg.svd((points - points.mean(axis=0)) / scales, compute_uv=False)[-1] > _SOLID:
-        return Frame(frozen(points.mean(axis=0)), frozen(scales), frozen(eye), frozen(np.zeros((n, 0))))
-    return _probed(polytope, scales, float(np.abs(reach / scales[:, None]).max()))
-
-
-def _symmetric(polytope: Polytope) -> Frame | None:
-    """Without a program: rows N x ≤ d and −N x ≤ d with d > 0 and N of full rank enclose a solid around the origin."""
-    if polytope.outer is None:
-        return None
-    normals, offsets = polytope.outer()
-    normals, offsets = normals[np.isfinite(offsets)], offsets[np.isfinite(offsets)]
-    half, n = len(offsets) // 2, polytope.n
-    if not half or (offsets <= 0).any() or not (np.array_equal(normals[:half], -normals[half:])
-                                                and np.array_equal(offsets[:half], offsets[half:])):
-        return None
-    near = np.abs(normals[:half] / offsets[:half, None]).max(axis=0)    # 1 / distance to the border along each axis
-    spread = np.linalg.svd(normals[:half] / offsets[:half, None] / np.where(near > 0, near, 1.0), compute_uv=False)
-    if len(spread) < n or spread[-1] < _SOLID:
-        return None
-    return Frame(frozen(np.zeros(n)), frozen(1 / near), frozen(np.eye(n)), frozen(np.zeros((n, 0))))
-
-
-def _probed(polytope: Polytope, scales: Array, size: float) -> Frame:
-    """Direction by direction: across each the set extends, or it is flat."""
-    n = polytope.n
-    basis, missing, seen = np.zeros((n, 0)), np.zeros((n, 0)), []
-    for _ in range(n):
-        way = _unused(np.concatenate([basis, missing], axis=1))
-        ends = polytope.support_point(np.stack([way, -way]) / scales) / scales
-        step = (ends[0] - ends[1]) - basis @ (basis.T @ (ends[0] - ends[1]))
-        seen.append(ends * scales)
-        if abs(way @ (ends[0] - ends[1])) > _FLAT * max(1.0, size):
-            basis = np.concatenate([basis, (step / np.linalg.norm(step))[:, None]], axis=1)
-        else:
-            missing = np.concatenate([missing, way[:, None]], axis=1)
-    across = np.linalg.qr(missing / scales[:, None])[0] if missing.shape[1] else missing
-    return Frame(frozen(np.concatenate(seen).mean(axis=0)), frozen(scales), frozen(basis), frozen(across))
 
 
 def planes(polytope: Polytope) -> Planes:
@@ -154,7 +71,13 @@ def planes(polytope: Polytope) -> Planes:
 def corners(polytope: Polytope) -> Array:
     """(v, k) vertices in the frame's coordinates; in the plane counter-clockwise."""
     found = polytope._planes
-    points = found.corners if found.corners is not None else _meetings(*found[:2])
+    if found.corners is not None:
+        points = found.corners
+    elif polytope.box is not None and polytope.map.shape[1] <= _MOST_SIGNS:
+        at, every = polytope._frame, polytope.map @ box_corners(*polytope.box).T + polytope.shift[:, None]
+        points = _tips(at.basis.T @ ((every.T - at.center) / at.scales).T, *found[:2])
+    else:
+        points = _meetings(*found[:2])
     if points.shape[1] != 2:
         return points
     middle = points.mean(axis=0)
@@ -173,20 +96,13 @@ def facets(polytope: Polytope) -> tuple[Array, Array]:
 
 def volume(polytope: Polytope) -> float:
     """Volume of the set, 0 where it is flat."""
-    from scipy.spatial import ConvexHull
-
     at = polytope._frame
     if at.dimension < polytope.n:
         return 0.0
-    inside = np.ptp(polytope._corners) if polytope.n == 1 else ConvexHull(polytope._corners).volume
+    if polytope.box is not None and comb(polytope.map.shape[1], polytope.n) <= MOST_COMBINATIONS:
+        return zonotope_volume(polytope.center_and_generators[1])
+    inside = np.ptp(polytope._corners) if polytope.n == 1 else _hull(polytope._corners).volume
     return float(inside * at.scales.prod())
-
-
-def _unused(directions: Array) -> Array:
-    """A unit vector orthogonal to all columns, as close to an axis as there is."""
-    left = np.eye(len(directions)) - directions @ directions.T
-    way = left[np.linalg.norm(left, axis=1).argmax()]
-    return np.asarray(way / np.linalg.norm(way))
 
 
 def _short(polytope: Polytope, at: Frame) -> Planes:
@@ -205,10 +121,8 @@ def _zonotope_planes(polytope: Polytope, at: Frame) -> Planes:
     if n_choices(*inside.shape) > MOST_COMBINATIONS:
         raise NotListable(f"{inside.shape[1]} cables in {inside.shape[0]} dimensions make {n_choices(*inside.shape)} "
                           f"candidate planes, more than {MOST_COMBINATIONS}; ask contains and support instead")
-    normals = shifting_normals(inside)
-    reach = np.abs(normals @ inside).sum(axis=1)
-    middle = normals @ (at.basis.T @ ((center - at.center) / at.scales))
-    return Planes(np.concatenate([normals, -normals]), np.concatenate([reach + middle, reach - middle]))
+    middle = at.basis.T @ ((center - at.center) / at.scales)
+    return Planes(*hyperplane_shifting(middle, inside))
 
 
 def _in_frame(polytope: Polytope, at: Frame, normals: Array, offsets: Array) -> tuple[Array, Array]:
@@ -234,17 +148,31 @@ def _in_frame(polytope: Polytope, at: Frame, normals: Array, offsets: Array) -> 
 
 def _without_superfluous(normals: Array, offsets: Array) -> Planes:
     """Planes n·z ≤ d around an inner point and points n/d are dual: a facet is a corner of the points' hull."""
-    from scipy.spatial import ConvexHull
-
-    hull = ConvexHull(normals / offsets[:, None])
+    hull = _hull(normals / offsets[:, None])
     kept = np.sort(hull.vertices)
     return Planes(normals[kept], offsets[kept], _from_dual(hull.equations))
 
 
 def _meetings(normals: Array, offsets: Array) -> Array:
-    from scipy.spatial import ConvexHull
+    return _from_dual(_hull(normals / offsets[:, None]).equations)
 
-    return _from_dual(ConvexHull(normals / offsets[:, None]).equations)
+
+def _tips(points: Array, normals: Array, offsets: Array) -> Array:
+    """(v, k) those of the columns at which planes of full rank meet."""
+    on = (normals @ points >= offsets[:, None] - _SAME).astype(float)
+    spread = np.einsum("fp,fi,fj->pij", on, normals, normals)
+    tips = points.T[np.linalg.eigvalsh(spread)[:, 0] > _FULL_RANK]
+    return tips[first_of_each(tips, _SAME)]
+
+
+def _hull(points: Array) -> Any:
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return ConvexHull(points)
+    except QhullError as error:
+        raise NotListable("Qhull cannot tell the facets of this set apart (too many meet in one corner); ask contains, "
+                          "support or axis_section, or list a part of it by project or slice") from error
 
 
 def _from_dual(equations: Array) -> Array:
@@ -254,8 +182,6 @@ def _from_dual(equations: Array) -> Array:
 
 def _asked_hull(polytope: Polytope, at: Frame) -> Planes:
     """Hull of support points, new ones asked for beyond every facet until there are none."""
-    from scipy.spatial import ConvexHull
-
     k = at.dimension
     back = at.basis.T / at.scales
     signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * k)).reshape(k, -1).T
@@ -266,7 +192,7 @@ def _asked_hull(polytope: Polytope, at: Frame) -> Planes:
         asked, before = np.concatenate([asked, directions]), len(points)
         points = np.concatenate([points, found])
         points = points[first_of_each(points, _SAME)]
-        hull = ConvexHull(points)
+        hull = _hull(points)
         flat = hull.equations[first_of_each(hull.equations, _SAME)]
         new = first_of_each(np.concatenate([asked, flat[:, :-1]]), _SAME)
         directions = flat[new[new >= len(asked)] - len(asked), :-1]

@@ -11,8 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array, as_array, frozen
 from ..errors import InvalidInput
+from .frame import Frame, frame
+from .line import line_ends
 from .linear_program import TOLERANCE, Program, maximize
-from .listing import Frame, Planes, corners, facets, frame, planes, volume
+from .listing import Planes, corners, facets, planes, volume
 from .subspace import null_space, solve
 
 
@@ -133,7 +135,7 @@ class Polytope:
         start = self._origin(origin)
         if not self.contains(start):
             return np.full((self.n, 2), np.nan)
-        ends = np.array([self._line(start, axis) for axis in np.eye(self.n)])
+        ends = np.array([line_ends(self, start, axis) for axis in np.eye(self.n)])
         ends = np.where(np.isnan(ends), 0.0, ends)     # inside by less than rounding
         return np.stack([np.minimum(ends[:, 0], 0.0), np.maximum(ends[:, 1], 0.0)], axis=1)
 
@@ -145,7 +147,7 @@ class Polytope:
         """
         points, start = self._points(x, "x"), self._origin(origin)
         flat = (points - start).reshape(-1, self.n)
-        return np.array([self._line(start, way)[1] for way in flat]).reshape(points.shape[:-1])[()]
+        return np.array([line_ends(self, start, way)[1] for way in flat]).reshape(points.shape[:-1])[()]
 
     # --- parts of it ------------------------------------------------------------------------------
     def project(self, components: Sequence[int]) -> Polytope:
@@ -248,22 +250,6 @@ class Polytope:
         finite = np.isfinite(self.limits) & (sizes > 0)
         largest = np.abs(self.limits[finite] / sizes[finite]).max(initial=0.0)
         return frozen(np.where(sizes > 0, sizes, 1.0) * (largest or 1.0))
-
-    def _line(self, start: Array, way: Array) -> tuple[float, float]:
-        """Smallest and largest s with start + s way inside, nan where no s is."""
-        q, reached = solve(self.map, np.stack([start - self.shift, way]))
-        if not reached[1]:      # the set does not extend that way at all
-            inside = bool(self.contains(start))
-            return (0.0, 0.0) if inside else (np.nan, np.nan)
-        rows = self.rows @ np.concatenate([self._null, q[1][:, None]], axis=1)
-        goals = np.zeros((2, rows.shape[1]))
-        goals[:, -1] = -1.0, 1.0
-        low, high = maximize(rows, self.limits - self.rows @ q[0], goals).values
-        if not reached[0] or np.isneginf(low):
-            return np.nan, np.nan
-        if not way.any():
-            return -np.inf, np.inf
-        return -float(low), float(high)
 
     def _points(self, x: ArrayLike, name: str) -> Array:
         return as_array(x, name, (self.n,), batch=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from itertools import combinations
+from itertools import combinations, product
 from math import comb
 
 import numpy as np
@@ -50,6 +50,29 @@ def shifting_normals(generators: Array) -> Array:
     q, r = np.linalg.qr(np.swapaxes(chosen, -1, -2), mode="complete")
     pivots = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
     return _distinct(q[pivots.min(axis=-1) > PARALLEL, :, -1])
+
+
+def zonotope_volume(generators: Array) -> float:
+    """2ⁿ Σ |det of n generators| over all choices.
+
+    generators : (n, k)
+    Source: McMullen 1984, Volumes of projections of unit cubes.
+
+    >>> zonotope_volume(np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]))
+    12.0
+    """
+    n, k = generators.shape
+    chosen = generators.T[_choices(k, n)]
+    return float(2.0 ** n * np.abs(np.linalg.det(chosen)).sum())
+
+
+def box_corners(lower: Array, upper: Array) -> Array:
+    """(2ᵏ, k) all corners of a box.
+
+    >>> box_corners(np.zeros(2), np.ones(2)).tolist()
+    [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]
+    """
+    return np.array(list(product(*zip(lower, upper))))
 
 
 def n_choices(n: int, k: int) -> int:
