@@ -20,6 +20,7 @@ from cdprlab.configurations import (
 )
 from cdprlab.configurations.accuracy import position_sensitivity
 from cdprlab.configurations.forms import FORMS, side_range
+from cdprlab.configurations.region import region
 from cdprlab.configurations.sequence import location_score
 from cdprlab.errors import InvalidInput
 
@@ -76,6 +77,19 @@ def test_classes_never_contradict_sampled_perturbations(seed, form):
         up = np.broadcast_to([[0.0], [0.0], [1.0]], (1250, 3, 1))
         holds = (np.linalg.solve(np.swapaxes(u, 1, 2), up)[..., 0] > 0).all(axis=1)
         assert verdict == "uncertain" or (holds.all() if verdict == "inside" else not holds.any())
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_polygon_in_plan_is_what_is_certainly_inside(seed):
+    rng = np.random.default_rng(seed)
+    exits, height = random_robot(rng, 3).exit_points, rng.uniform(0.5, 3.4)
+    known = region(exits, 0.02, 0.05)
+    corners = known.polygon(exits[:, :2], height)
+    for x, y in rng.uniform(-2, 2, (300, 2)):
+        low = known.certainty(np.array([x, y, height]))[0]
+        edge = np.roll(corners, -1, axis=0) - corners
+        side = edge[:, 0] * (y - corners[:, 1]) - edge[:, 1] * (x - corners[:, 0])
+        assert (low > 0) == (len(corners) > 2 and ((side > 0).all() or (side < 0).all())) or abs(low) < 1e-9
 
 
 def test_above_the_exits_nothing_holds(marionet):

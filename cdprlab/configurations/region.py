@@ -57,6 +57,35 @@ class Region:
         last = float(min(1.0, zeros[slope < 0].min(initial=1.0)))
         return (first, last) if first <= last else None
 
+    def polygon(self, triangle: Array, height: float) -> Array:
+        """(K, 2) corners, in plan, of what is certainly inside at a height; (0, 2) if nothing is.
+
+        triangle : (3, 2) of the exit points in plan, which holds it [m]
+        height : z of the positions [m]
+        """
+        n, c, r = map(np.concatenate, (self.normals, self.offsets, self.spreads))
+        corners, n, c = triangle, n[:, :2], c + r - n[:, 2] * height
+        while len(corners) and (short := (corners @ n.T - c).min(axis=0)).min() < -_ON_EDGE:
+            corners = _cut(corners, n[short.argmin()], c[short.argmin()])
+        return corners
+
+
+_ON_EDGE = 1e-9
+"""[m² and m³] a corner this near a condition's edge fulfills it."""
+
+
+def _cut(corners: Array, n: Array, c: float) -> Array:
+    """What n · x ≥ c leaves of a convex polygon."""
+    value = corners @ n - c
+    after, value_after = np.roll(corners, -1, axis=0), np.roll(value, -1)
+    kept: list[Array] = []
+    for a, b, f, g in zip(corners, after, value, value_after):
+        if f >= 0:
+            kept.append(a)
+        if f * g < 0:
+            kept.append(a + f / (f - g) * (b - a))
+    return np.array(kept).reshape(-1, 2)
+
 
 def region(exits: Array, exit_uncertainty: float = 0.0, position_uncertainty: float = 0.0) -> Region:
     """The region of one triplet.
