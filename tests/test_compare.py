@@ -1,10 +1,12 @@
 """Comparisons along a path: the numbers are those of the tensions, jumps are told from slopes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import cdprlab as cl
-from cdprlab.compare import compare_tensions
+from cdprlab.compare import _shrinks, compare_tensions
 from cdprlab.errors import InvalidInput
 
 
@@ -50,7 +52,23 @@ def test_energy_and_smoothness_order_the_methods(table):
     whole = [row for row in rows.values() if row["feasible_share"] == 1]
     assert all(row["energy"] >= least["energy"] * (1 - 1e-9) for row in whole)
     assert least["continuous"] and rows["barycenter"]["continuous"]
-    assert not rows["puncture"]["continuous"] and rows["puncture"]["largest_step"] > 100 * least["largest_step"]
+
+
+def test_a_jump_is_told_from_a_slope(table):
+    """A made-up method that switches in the middle of a sample, and one as steep as that but smooth."""
+    robot, path, span = table.world.robot, table.world.task().trajectory(), table.time[200:202]
+    ends = [cl.wrench_matrix(robot, path(t).pose)[0, 0] for t in span]
+
+    def share(W):
+        return (W[0, 0] - ends[0]) / (ends[1] - ends[0])
+
+    def jump(W, w_e):
+        return np.full(8, 100.0 + 50 * (share(W) > 0.4)), ""
+
+    def slope(W, w_e):
+        return np.full(8, 100.0 + 50 * share(W)), ""
+
+    assert not _shrinks(robot, path, span, jump, 50.0) and _shrinks(robot, path, span, slope, 50.0)
 
 
 def test_a_slope_stays_a_slope_when_sampled_coarsely():
@@ -65,6 +83,7 @@ def test_it_prints_as_a_table(table):
 
 
 def test_the_figure_shows_every_method_and_says_so(table, tmp_path):
+    table = replace(table, continuous=np.array([name != "puncture" for name in table.method]))
     figure = cl.plot(table)
     titles = [panel.get_title(loc="left") for panel in figure.axes]
     assert [name.replace("_", " ") for name in table.method] == [title for title in titles if title]

@@ -76,17 +76,17 @@ def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions
     """
     if tensions.ndim == 1:
         return _judge_one(Problem(W, w_e, low, high), tensions, reasons, method, complete)
-    residual = np.einsum("...ij,...j->...i", W, tensions)
-    residual += w_e
     margin = 0.0 - _largest(np.maximum(low - tensions, tensions - high))
-    error = _largest(np.abs(residual))
-    feasible = margin >= -LIMIT_TOLERANCE * high.max(axis=-1)
-    if not (error <= RESIDUAL_TOLERANCE).all():   # else no wrench is so small that this would be too much
-        feasible &= error <= RESIDUAL_TOLERANCE * (1 + _largest(np.abs(w_e)))
-    near = feasible & (margin < 0)
-    if near.any():
+    inside = margin >= -LIMIT_TOLERANCE * high.max(axis=-1)
+    near = inside & (margin < 0)
+    if near.any():   # first clipped, then weighed: what is returned is what was judged
         tensions = np.where(near[..., None], np.minimum(np.maximum(tensions, low), high), tensions)
         margin[near] = 0.0
+    residual = np.einsum("...ij,...j->...i", W, tensions)
+    residual += w_e
+    error, feasible = _largest(np.abs(residual)), inside
+    if not (error <= RESIDUAL_TOLERANCE).all():   # else no wrench is so small that this would be too much
+        feasible = inside & (error <= RESIDUAL_TOLERANCE * (1 + _largest(np.abs(w_e))))
     problem = None if feasible.all() else _selected(Problem(W, w_e, low, high), ~feasible)
     return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method, complete, problem, reasons)
 
@@ -106,15 +106,15 @@ def _largest(values: Array) -> Array:
 def _judge_one(problem: Problem, tensions: Array, reason: str, method: str, complete: bool) -> TensionDistribution:
     """The same for one wrench, on plain numbers: numpy's fixed cost per call would be most of it."""
     W, w_e, low, high = problem
-    residual = W.dot(tensions) + w_e
     lows, taus, highs = low.tolist(), tensions.tolist(), high.tolist()
+    margin, slack = min(min(map(sub, taus, lows)), min(map(sub, highs, taus))), LIMIT_TOLERANCE * max(highs)
+    if -slack <= margin < 0:
+        tensions, margin = np.minimum(np.maximum(tensions, low), high), 0.0
+    residual = W.dot(tensions) + w_e
     error, wrench = max(map(abs, residual.tolist())), max(map(abs, w_e.tolist()))
-    margin = min(min(map(sub, taus, lows)), min(map(sub, highs, taus)))
-    feasible = error <= RESIDUAL_TOLERANCE * (1 + wrench) and margin >= -LIMIT_TOLERANCE * max(highs)
+    feasible = margin >= 0 and error <= RESIDUAL_TOLERANCE * (1 + wrench)
     if isnan(sum(taus)):   # NaN hides from min and max
         feasible, margin = False, nan
-    if feasible and margin < 0:
-        tensions, margin = np.minimum(np.maximum(tensions, low), high), 0.0
     kept = None if feasible else Problem(*(part[None].copy() for part in problem))
     return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method, complete, kept, reason)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array
-from .method import INFEASIBLE, OUT_OF_RANGE, RESIDUAL_TOLERANCE, Answers, BatchSolver, Solution, vectorized
+from .method import INFEASIBLE, OUT_OF_RANGE, RESIDUAL_TOLERANCE, Answers, BatchSolver, Solution, sharpened, vectorized
 from .polygon import LOWEST, polygon_points, too_redundant
 
 
@@ -31,22 +31,10 @@ def _highs(W: Array, w_e: Array, low: Array, high: Array) -> Solution:
 
     found = linprog(np.ones(low.size), A_eq=W, b_eq=-w_e, bounds=np.stack([low, high], axis=1), method="highs-ds")
     if found.status == 0:
-        return _sharpened(W, w_e, low, high, found.x), ""
+        return sharpened(W, w_e, low, high, found.x), ""   # HiGHS leaves 1e-7 of equilibrium, ten times the tolerance
     best = np.linalg.lstsq(W, -w_e, rcond=None)[0]
     reachable = np.abs(W @ best + w_e).max() <= RESIDUAL_TOLERANCE * (1 + np.abs(w_e).max())
     return np.full(low.size, np.nan), INFEASIBLE if reachable else OUT_OF_RANGE
-
-
-def _sharpened(W: Array, w_e: Array, low: Array, high: Array, tau: Array) -> Array:
-    """The same corner to rounding: the program leaves 1e-7 of equilibrium, ten times what the check allows."""
-    close = 1e-6 * (1 + high.max())
-    at_low, at_high = tau - low < close, high - tau < close
-    held = at_low | at_high
-    sharp = np.where(at_low, low, np.where(at_high, high, tau))
-    sharp[~held] = np.linalg.lstsq(W[:, ~held], -w_e - W[:, held] @ sharp[held], rcond=None)[0]
-    inside = (sharp >= low - close).all() and (sharp <= high + close).all()
-    balanced = np.abs(W @ sharp + w_e).max() <= np.abs(W @ tau + w_e).max()
-    return sharp if inside and balanced else tau
 
 
 METHOD = vectorized(batch, complete=True,

@@ -97,6 +97,20 @@ def broken_limit(tau: Array, low: Array, high: Array) -> str:
     return f"cable {worst + 1} would need {tau[worst]:.4g} N, allowed {low[worst]:g} to {high[worst]:g} N"
 
 
+def sharpened(W: Array, w_e: Array, low: Array, high: Array, tau: Array) -> Array:
+    """A solver's corner or border point to rounding: cables at a limit are put on it, the others balance the wrench."""
+    close = 1e-6 * (1 + high.max())
+    at_low, at_high = tau - low < close, high - tau < close
+    held = at_low | at_high
+    sharp = np.where(at_low, low, np.where(at_high, high, tau))
+    sharp[~held] = np.linalg.lstsq(W[:, ~held], -w_e - W[:, held] @ sharp[held], rcond=None)[0]
+    slack = LIMIT_TOLERANCE * high.max()
+    inside = (sharp >= low - slack).all() and (sharp <= high + slack).all()
+    clipped = np.clip(tau, low, high)
+    better = np.abs(W @ sharp + w_e).max() <= np.abs(W @ clipped + w_e).max()
+    return sharp if inside and better else tau
+
+
 def fixed_cables(low: Array, high: Array) -> NDArray[np.bool_]:
     """Which cables have no choice: limits closer than a tenth of what the result's check forgives are one number."""
     return high - low <= 1e-9 * high.max(axis=-1, keepdims=True)

@@ -17,6 +17,7 @@ from .method import (
     Solution,
     Solver,
     around_fixed,
+    sharpened,
 )
 
 
@@ -119,6 +120,7 @@ def _without_dependent_rows(W: Array, w_e: Array, low: Array, high: Array) -> So
     if found is None:   # one last tension on the very border is lost to rounding: half of what the check forgives
         slack = LIMIT_TOLERANCE / 2 * high.max()
         found = min_norm(rows, values, low - slack, high + slack)
+        found = None if found is None else sharpened(W, w_e, low, high, found)
     return (nothing, INFEASIBLE) if found is None else (found, "")
 
 
