@@ -7,12 +7,14 @@
 """
 
 from . import errors
+from .base_placement import place_bases
 from .configurations import ConfigurationSequence, classify_configurations, plan_configurations
 from .control import ComputedTorque, State
 from .errors import CdprError
 from .geometry import cable_directions, cable_lengths, cable_vectors
 from .kinematics import base_jacobian, forward_kinematics, jacobian
 from .pose import Pose
+from .redundancy import TwistResolution, resolve_twist
 from .robot import Base, Cable, Platform, Robot
 from .run import Run, run
 from .sets import Polytope, available_twist_set, available_wrench_set
@@ -27,9 +29,10 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Base", "Cable", "CdprError", "ComputedTorque", "ConfigurationSequence", "Platform", "Polytope", "Pose",
-    "Reference", "Robot", "Run", "Simulator", "State", "TensionDistribution", "Trajectory", "World",
+    "Reference", "Robot", "Run", "Simulator", "State", "TensionDistribution", "Trajectory", "TwistResolution", "World",
     "available_twist_set", "available_wrench_set", "base_jacobian", "cable_directions", "cable_lengths",
-    "cable_vectors", "classify_configurations", "distribute_tensions", "errors", "forward_kinematics", "gravity_wrench",
-    "hold", "jacobian", "load_world", "open_simulator", "plan_configurations", "plot", "quintic", "run", "stiffness",
-    "tension_methods", "tipping_moments", "tipping_rows", "world_names", "world_schema", "wrench_matrix",
+    "cable_vectors", "classify_configurations", "distribute_tensions", "errors", "forward_kinematics",
+    "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator", "place_bases", "plan_configurations", "plot",
+    "quintic", "resolve_twist", "run", "stiffness", "tension_methods", "tipping_moments", "tipping_rows",
+    "world_names", "world_schema", "wrench_matrix",
 ]
