@@ -203,3 +203,34 @@ def test_a_suspended_robot_cannot_be_pulled_to_the_middle_of_its_limits():
     found = cl.distribute_tensions(cl.wrench_matrix(robot, pose), cl.gravity_wrench(robot, pose), 50, 10000,
                                    "closed_form")
     assert (found.tensions < 3000).all()   # 5025 N is the middle
+
+
+def mixed_problem(rng):
+    """1 to 6 rows, r from −1 to 3, limits from zero, equal or wide, tensions inside, on the border or missing."""
+    n = rng.integers(1, 7)
+    m = max(1, n + rng.integers(-1, 4))
+    W = rng.normal(size=(n, m)) if rng.random() < 0.5 else rng.integers(-2, 3, (n, m)).astype(float)
+    low = rng.choice([0.0, 1.0, 5.0], m)
+    high = low + rng.choice([0.0, 1.0, 10.0, 1000.0], m)
+    tau = low + (high - low) * rng.random(m)
+    kind = rng.choice(["inside", "border", "anywhere"])
+    if kind == "border":
+        tau = np.where(rng.random(m) < 0.7, np.where(rng.random(m) < 0.5, low, high), tau)
+    return W, -W @ tau + (kind == "anywhere") * rng.normal(size=n) * rng.choice([1, 10, 300]), low, high, kind
+
+
+def test_problems_of_every_size_and_kind():
+    rng = np.random.default_rng(8)
+    for _ in range(250):
+        W, w_e, low, high, kind = mixed_problem(rng)
+        r = low.size - np.linalg.matrix_rank(W)
+        exists = kind != "anywhere" or linprog(low, A_eq=W, b_eq=-w_e, bounds=np.stack([low, high], axis=1)).status == 0
+        for method in cl.tension_methods():
+            found = cl.distribute_tensions(W, w_e, low, high, method)
+            applies = {"barycenter": r <= 2, "kernel": r == 1}.get(method, True)
+            assert found.feasible == exists or not (found.complete and applies)
+            assert exists or not found.feasible
+            assert (found.reason == "") == found.feasible
+            if found.feasible:
+                assert ((found.tensions >= low) & (found.tensions <= high)).all()
+                assert np.abs(W @ found.tensions + w_e).max() <= 1.001e-8 * (1 + np.abs(w_e).max())
