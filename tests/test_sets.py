@@ -319,6 +319,41 @@ def test_a_singular_pose_has_a_flat_wrench_set():
     np.testing.assert_allclose((aws.normals @ aws.vertices.T).max(axis=1), aws.offsets, atol=1e-6)
 
 
+def test_a_flat_set_with_tipping_is_listed_in_its_span():
+    exits = [[x, y, 2.0] for x in (-0.2, 0.2) for y in (-1, 1)]
+    contacts = [[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]]
+    bases = [cl.Base(name, [x, 0.0], 0.0, 150.0, [0, 0, 0.5], contacts, [0, 0, 0])
+             for name, x in (("left", -2.0), ("right", 2.0))]
+    robot = robots.build("3R3T", exits * 2, [[0, 0, 0.2]] * 4 + [[0, 0, -0.2]] * 4, (5.0, 400.0), bases=bases,
+                         carriers=["left", "right"] * 4, center_of_mass=[0, 0, 0])
+    pose = cl.Pose([0.1, 0.2, 1.0])
+    free, standing = (cl.available_wrench_set(robot, pose, tipping=t) for t in (False, True))
+    d = np.random.default_rng(19).normal(size=(100, 6))
+    assert standing.dimension == free.dimension == 5 and (standing.support(d) < free.support(d) - 1).any()
+    np.testing.assert_allclose((d @ standing.vertices.T).max(axis=1), standing.support(d), rtol=0, atol=1e-6)
+    np.testing.assert_allclose((standing.normals @ standing.vertices.T).max(axis=1), standing.offsets, atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_limits_that_pin_cables_and_bases_about_to_tip(seed):
+    """Sets that are thin, flat or empty: all the same laws."""
+    robot, pose = case(list(BASED)[seed % 2], seed)
+    rng = np.random.default_rng(seed)
+    low = rng.choice([0.0, 5.0, 50.0], robot.n_cables)
+    high = low + rng.choice([0.0, 100.0, 1000.0], robot.n_cables)
+    cables = tuple(dataclasses.replace(c, tension_min=a, tension_max=b) for c, a, b in zip(robot.cables, low, high))
+    bases = tuple(dataclasses.replace(b, mass=rng.choice([20.0, 60.0, 400.0])) for b in robot.bases)
+    robot, d = dataclasses.replace(robot, cables=cables, bases=bases), rng.normal(size=(20, robot.n_dof))
+    for conditions in ({}, {"tipping": True}, {"tipping": True, "friction": 0.3}):
+        aws = cl.available_wrench_set(robot, pose, **conditions)
+        feasible = linprog(np.zeros(robot.n_cables), A_ub=aws.rows, b_ub=aws.limits, bounds=(None, None)).status == 0
+        assert aws.is_empty != feasible
+        if feasible:
+            np.testing.assert_allclose(aws.support(d), lp_support(aws, d), rtol=1e-9, atol=1e-6)
+            np.testing.assert_allclose((d @ aws.vertices.T).max(axis=1), aws.support(d), rtol=1e-8, atol=1e-6)
+            assert aws.contains(aws.vertices).all()
+
+
 def test_what_can_be_added_while_holding():
     robot, pose = case("3R3T", 16)
     aws, weight = cl.available_wrench_set(robot, pose), cl.gravity_wrench(robot, pose)

@@ -15,14 +15,15 @@ from .zonotope import MOST_COMBINATIONS, PARALLEL
 
 def can_eliminate(M: Array, A: Array) -> bool:
     """Whether the combinations of rows are few enough to go through."""
-    return comb(len(A), M.shape[1] - M.shape[0] + 1) <= MOST_COMBINATIONS
+    return comb(len(A), null_space(M).shape[1] + 1) <= MOST_COMBINATIONS
 
 
 def eliminate(M: Array, A: Array, b: Array) -> tuple[Array, Array]:
-    """Rows (N, d) with {M q : A q ≤ b} = {x : N x ≤ d}, some of them superfluous; M must have full row rank.
+    """Rows (N, d) with {M q : A q ≤ b} = {x : N x ≤ d}, some of them superfluous.
 
     x = M q leaves q = M⁺ x + K y open, K spanning the null space of M. By Farkas some y will do unless a combination
     λ ≥ 0 of rows with λᵀ A K = 0 forbids it, and combinations of at most r + 1 rows are enough for r columns.
+    Where M has no full row rank, pairs of opposite rows hold x in its span.
 
     M : (n, k); A : (r, k); b : (r,)
     Source: Schrijver 1986, Theory of Linear and Integer Programming, sec. 7.1 and 12.2.
@@ -39,7 +40,9 @@ def eliminate(M: Array, A: Array, b: Array) -> tuple[Array, Array]:
     normals, offsets = multipliers @ (rows @ back), multipliers @ limits
     sizes = np.linalg.norm(normals, axis=1)
     says = sizes > PARALLEL * max(sizes.max(initial=0.0), 1e-300)
-    return normals[says] / sizes[says, None], offsets[says] / sizes[says]
+    across = null_space(M.T).T
+    return (np.concatenate([normals[says] / sizes[says, None], across, -across]),
+            np.concatenate([offsets[says] / sizes[says], np.zeros(2 * len(across))]))
 
 
 def _conformal(rows: Array) -> Array:

@@ -60,7 +60,7 @@ def planes(polytope: Polytope) -> Planes:
         return _short(polytope, at)
     if polytope.box is not None:
         return _zonotope_planes(polytope, at)
-    if polytope.outer is not None and k == polytope.n:
+    if polytope.outer is not None:
         return _without_superfluous(*_in_frame(polytope, at, *polytope.outer()))
     if k <= 3:
         return _asked_hull(polytope, at)

@@ -44,9 +44,8 @@ def available_wrench_set(robot: Robot, pose: Pose, tipping: bool = False, fricti
     eye = np.eye(robot.n_cables)
     A = np.concatenate([eye, -eye, *(matrix for matrix, _ in standing)])
     b = np.concatenate([high, -low, *(limit for _, limit in standing)])
-    listed = np.linalg.matrix_rank(W) == len(W) and can_eliminate(W, A)
     return Polytope(frozen(W), frozen(A), frozen(b), frozen(np.zeros(len(W))),
-                    outer=(lambda: eliminate(W, A, b)) if listed else None)
+                    outer=(lambda: eliminate(W, A, b)) if can_eliminate(W, A) else None)
 
 
 def sliding_rows(robot: Robot, pose: Pose, friction: float, sides: int = 8) -> tuple[Array, Array]:
