@@ -75,7 +75,7 @@ def test_contains_agrees_with_highs_inside_outside_and_off_a_flat_set(kind, n):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("n", [2, 3])
+@pytest.mark.parametrize("n", [2, 3, 5])
 def test_vertices_and_facets_are_each_others_dual(kind, n):
     polytope = some_polytope(kind, n, seed=n + 2)
     v, normals, offsets = polytope.vertices, polytope.normals, polytope.offsets
@@ -213,7 +213,9 @@ def test_unbounded_sets_answer_but_are_not_listed():
 
 
 def test_too_large_to_list_but_not_to_ask():
-    image = some_polytope("image", 6, seed=1)
+    rng = np.random.default_rng(1)
+    A = np.concatenate([np.eye(14), -np.eye(14), rng.normal(size=(4, 14))])
+    image = cl.Polytope.from_image(rng.normal(size=(6, 14)), A, np.ones(32))
     with pytest.raises(NotListable, match="project"):
         _ = image.normals
     many = cl.Polytope.from_box(np.random.default_rng(0).normal(size=(6, 40)), -np.ones(40), np.ones(40))

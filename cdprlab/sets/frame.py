@@ -80,9 +80,9 @@ def frame(polytope: Polytope) -> Frame:
 
 def _symmetric(polytope: Polytope) -> Frame | None:
     """Without a program: rows N x ≤ d and −N x ≤ d with d > 0 and N of full rank enclose a solid around the origin."""
-    if polytope.outer is None:
+    if polytope._outer_rows is None:
         return None
-    normals, offsets = polytope.outer()
+    normals, offsets = polytope._outer_rows
     normals, offsets = normals[np.isfinite(offsets)], offsets[np.isfinite(offsets)]
     half, n = len(offsets) // 2, polytope.n
     if not half or (offsets <= 0).any() or not (np.array_equal(normals[:half], -normals[half:])

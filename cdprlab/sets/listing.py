@@ -60,8 +60,8 @@ def planes(polytope: Polytope) -> Planes:
         return _short(polytope, at)
     if polytope.box is not None:
         return _zonotope_planes(polytope, at)
-    if polytope.outer is not None:
-        return _without_superfluous(*_in_frame(polytope, at, *polytope.outer()))
+    if polytope._outer_rows is not None:
+        return _without_superfluous(*_in_frame(polytope, at, *polytope._outer_rows))
     if k <= 3:
         return _asked_hull(polytope, at)
     raise NotListable(f"the facets of this {k}-dimensional image cannot be listed at sensible cost; ask contains, "

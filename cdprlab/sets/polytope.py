@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array, as_array, frozen
 from ..errors import InvalidInput
+from .elimination import can_eliminate, eliminate
 from .frame import Frame, frame
 from .line import line_ends
 from .linear_program import TOLERANCE, Program, maximize
@@ -46,7 +47,10 @@ class Polytope:
         """
         m = as_array(M, "M", ("n", "k"))
         a = as_array(A, "A", ("r", m.shape[1]))
-        return cls(m, a, _limits(b, "b", a.shape[0]), frozen(np.zeros(m.shape[0])))
+        limits = _limits(b, "b", a.shape[0])
+        known = m.shape[0] > 3 and can_eliminate(m, a)      # up to 3-D support points are quicker
+        return cls(m, a, limits, frozen(np.zeros(m.shape[0])),
+                   outer=(lambda: eliminate(m, a, limits)) if known else None)
 
     @classmethod
     def from_rows(cls, normals: ArrayLike, offsets: ArrayLike) -> Polytope:
@@ -210,6 +214,10 @@ class Polytope:
         return f"Polytope({self.n}-D {kind}{flat})"
 
     # --- inside -----------------------------------------------------------------------------------
+    @cached_property
+    def _outer_rows(self) -> tuple[Array, Array] | None:
+        return None if self.outer is None else self.outer()
+
     @cached_property
     def _frame(self) -> Frame:
         return frame(self)
