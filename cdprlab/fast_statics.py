@@ -25,8 +25,15 @@ def cyclic(position: Array, rotation: Array) -> tuple[Array, Array]:
     return position[_CYCLE, None], rotation[_CYCLE]
 
 
-def cable_statics(robot: Robot) -> Callable[[Array, Array], CableStatics]:
+def cyclic_exits(robot: Robot) -> Array:
+    """(5, m) exit points with rows x, y, z, x, y [m]; given to `cable_statics`, they may be moved in place."""
+    return np.ascontiguousarray(robot.exit_points.T[_CYCLE])
+
+
+def cable_statics(robot: Robot, exits: Array | None = None) -> Callable[[Array, Array], CableStatics]:
     """``(place, turn) → CableStatics`` for a spatial robot, from `cyclic` position and rotation.
+
+    exits : as `cyclic_exits` gives them, if they are to move later
 
     >>> import cdprlab as cl
     >>> robot, pose = cl.load_world("caroca").robot, cl.Pose([0, 0, 1], rpy=[0.1, 0, 0])
@@ -34,7 +41,7 @@ def cable_statics(robot: Robot) -> Callable[[Array, Array], CableStatics]:
     >>> bool(np.allclose(W, cl.wrench_matrix(robot, pose)))
     True
     """
-    exits = np.ascontiguousarray(robot.exit_points.T[_CYCLE])
+    exits = cyclic_exits(robot) if exits is None else exits
     anchors = np.ascontiguousarray(robot.anchor_points.T)
     m, ones, turns = robot.n_cables, np.ones(3), robot.pattern.turns
     basis = robot.pattern.basis if robot.motion_pattern == "2R3T" else None

@@ -44,8 +44,8 @@ def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0
     """Rope lengths that lead a point mass along a sequence.
 
     The cables that shall not carry are first let out by ``slack``; then the load moves from step to step. All is done
-    rest to rest. At a change the cable that comes in is taken up **before** the one that goes is paid out: done at once, two
-    taut cables would be left for a moment, and the load would swing.
+    rest to rest. At a change the cable that comes in is taken up **before** the one that goes is paid out: done at
+    once, two taut cables would be left for a moment, and the load would swing.
 
     robot : as the sequence was planned for; slack : 0 winds every rope by inverse kinematics alone [m]
     speed : the load's largest [m/s]

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array
 from ..control import State
 from ..errors import InvalidInput, MissingDependency, SimulationDiverged
-from ..fast_statics import cable_statics, cyclic
+from ..fast_statics import cable_statics, cyclic, cyclic_exits
 from ..pose import Pose
 from ..robot import Robot
 from ..statics import gravity_wrench
@@ -32,6 +32,9 @@ from .ropes import RopeLaw, rope_law
 from .simulator import Simulator
 
 DEFAULT_TIP_MASS = 1e-4  # kg
+Leg = tuple[int, int]
+"""A cable: the body it belongs to, and that body's prismatic joint, whose link is the tip."""
+
 _NOTHING = (0.0, 0.0, 0.0)
 _AMPLE = 1.0  # m: a cut rope does not become taut in any one step
 
@@ -55,7 +58,8 @@ class SpatialSimulator(Simulator):
         with quiet():  # connect() prints its arguments
             self._client = self._bullet.connect(self._bullet.DIRECT)
         self._camera: Any = None
-        self._statics = cable_statics(self.robot)
+        self._exits = cyclic_exits(self.robot)
+        self._statics = cable_statics(self.robot, self._exits)
         self._ropes = self._make_ropes()
         self.rope_lengths: Array | None = None
         self._frame = _BodyFrame(self.robot)
@@ -65,19 +69,19 @@ class SpatialSimulator(Simulator):
         self._substeps = 1
         self._platform = self._make_platform()
         self._make_scene()
-        self._legs: tuple[int, ...] = ()
+        self._legs: tuple[Leg, ...] = ()
         self.reset()
 
     # --- the interface ----------------------------------------------------------------------------
     def reset(self, pose: Pose | None = None) -> State:
         start = self.world.pose if pose is None else pose
         b, client = self._bullet, self._client
-        for leg in self._legs:
-            b.removeBody(leg, physicsClientId=client)  # takes its constraint along
+        for body in dict.fromkeys(body for body, _ in self._legs):
+            b.removeBody(body, physicsClientId=client)  # takes its constraints along
         b.resetBasePositionAndOrientation(self._platform, *self._frame.body_pose(start), physicsClientId=client)
         b.resetBaseVelocity(self._platform, [0, 0, 0], [0, 0, 0], physicsClientId=client)
         self._legs = () if self.cables == "force" else self._make_legs(start)
-        self._constraints = [self._tie(leg, i) for i, leg in enumerate(self._legs)]
+        self._constraints = [self._tie(*leg, i) for i, leg in enumerate(self._legs)]
         self._cut = np.zeros(self.robot.n_cables, dtype=bool)
         self._any_cut = False
         self._push: Array | None = None
@@ -186,10 +190,10 @@ class SpatialSimulator(Simulator):
     # --- every step -------------------------------------------------------------------------------
     def _pull(self, tensions: Array) -> None:
         control, torque, client = self._bullet.setJointMotorControl2, self._bullet.TORQUE_CONTROL, self._client
-        for leg, tension in zip(self._legs, tensions.tolist()):
+        for (leg, drum), tension in zip(self._legs, tensions.tolist()):
             # Joint torques last one step; positive lengthens the leg. All by position (targets and gains,
             # here unused, stand in between): PyBullet parses keywords in twice the time of the call.
-            control(leg, 2, torque, 0.0, 0.0, -tension, 0.0, 0.0, 0.0, client)
+            control(leg, drum, torque, 0.0, 0.0, -tension, 0.0, 0.0, 0.0, client)
 
     def _reactions(self, directions: Array) -> Array:
         """(m,) tensions of the last step: each constraint's force along its cable."""
@@ -283,18 +287,20 @@ class SpatialSimulator(Simulator):
             b.createMultiBody(0, shape, basePosition=box.position.tolist(),
                               baseOrientation=b.getQuaternionFromEuler([0, 0, box.yaw]), physicsClientId=client)
 
-    def _make_legs(self, start: Pose) -> tuple[int, ...]:
+    def _make_legs(self, start: Pose) -> tuple[Leg, ...]:
         """One fixed-base multibody per cable: faster than one body with all joints."""
-        anchors = start.position + self.robot.anchor_points @ start.rotation.T
+        anchors, middle = start.position + self.robot.anchor_points @ start.rotation.T, self._middle(start)
+        return tuple((self._make_leg(exit_point, middle, anchor), 2)
+                     for exit_point, anchor in zip(self.robot.exit_points, anchors))
+
+    def _middle(self, start: Pose) -> Array:
+        """Of where the platform is to be: legs aimed there keep their universal joints far from singular."""
         places = [self.world.pose.position, start.position]
         places += [end.position for task in self.world.tasks.values() for end in (task.start, task.end)]
-        middle = np.mean(places, axis=0)
-        return tuple(self._make_leg(exit_point, middle, anchor)
-                     for exit_point, anchor in zip(self.robot.exit_points, anchors))
+        return np.mean(places, axis=0)
 
     def _make_leg(self, exit_point: Array, middle: Array, anchor: Array) -> int:
         b, client = self._bullet, self._client
-        # Aimed at the middle of the motion, the universal joint stays far from its singularity at 90°.
         aim = _turn_z_to(middle - exit_point)
         still = [0, 0, 0, 1]
         leg = b.createMultiBody(
@@ -317,11 +323,11 @@ class SpatialSimulator(Simulator):
             b.resetJointState(leg, joint, value, physicsClientId=client)
         return int(leg)
 
-    def _tie(self, leg: int, i: int) -> int:
+    def _tie(self, leg: int, tip: int, i: int) -> int:
         """The platform as parent; pivots are in center-of-mass frames, and the tip's mass is its origin."""
         pivot = self._frame.to_body(self.robot.anchor_points[i]).tolist()
         b = self._bullet
-        return int(b.createConstraint(self._platform, -1, leg, 2, b.JOINT_POINT2POINT, [0, 0, 0], pivot, [0, 0, 0],
+        return int(b.createConstraint(self._platform, -1, leg, tip, b.JOINT_POINT2POINT, [0, 0, 0], pivot, [0, 0, 0],
                                       physicsClientId=self._client))
 
 
