@@ -16,6 +16,7 @@ _HOMES = {
     "forward_kinematics_explorer": "forward_kinematics",
     "tension_explorer": "tension",
     "base_explorer": "bases",
+    "configuration_explorer": "configurations",
     "gain_explorer": "gains",
 }
 """Public name → the file of this folder it lives in; one line each. No file is named as what it exports: once
