@@ -23,7 +23,7 @@ def polygon_points(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> 
     """
     from . import kernels
 
-    tensions, found, spare = kernels.polygons(_plain(W), _plain(w_e), _plain(low), _plain(high), pick)
+    tensions, found, spare = kernels.polygons(plain(W), plain(w_e), plain(low), plain(high), pick)
     reasons = no_reasons(tensions.shape[0])
     if found.any():
         reasons[found == kernels.EMPTY] = INFEASIBLE
@@ -48,7 +48,7 @@ def closest_tensions(W: Array, w_e: Array, low: Array, high: Array, share: float
     """
     from . import kernels
 
-    tensions, found = kernels.closest(_plain(W), _plain(w_e), _plain(low), _plain(high), share, rounds)
+    tensions, found = kernels.closest(plain(W), plain(w_e), plain(low), plain(high), share, rounds)
     reasons = no_reasons(tensions.shape[0])
     if found.any():
         reasons[found == kernels.SPENT] = spent
@@ -62,7 +62,7 @@ def closest_tensions(W: Array, w_e: Array, low: Array, high: Array, share: float
     return tensions, reasons
 
 
-def _plain(array: Any) -> Any:
+def plain(array: Any) -> Any:
     """Contiguous and read-only: the kernels are compiled for one kind of array."""
     plain = np.ascontiguousarray(array).view()
     plain.setflags(write=False)

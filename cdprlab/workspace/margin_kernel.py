@@ -88,11 +88,11 @@ def _worst_multiplier(active: Array, count: int, gram: Array, mu: Array) -> int:
 
 
 @compiled
-def _climb(rows: Array, limits: Array, x: Array, active: Array, held: Any, basis: Array, gram: Array,
+def _climb(rows: Array, limits: Array, used: int, x: Array, active: Array, held: Any, basis: Array, gram: Array,
            mu: Array, direction: Array) -> bool:
     """Move x, which meets ``rows @ x ≤ limits``, to the largest last coordinate; False if it does not settle."""
-    q, total = x.shape[0], rows.shape[0]
-    count = 0
+    q = x.shape[0]
+    count: Any = np.int64(0)   # for a bare literal what is called below would be compiled a second time
     for _ in range(_STEPS):
         if _onto_free(active, count, basis, direction) <= _FLAT:
             drop = _worst_multiplier(active, count, gram, mu)
@@ -105,7 +105,7 @@ def _climb(rows: Array, limits: Array, x: Array, active: Array, held: Any, basis
             count -= 1
             continue
         step, block = np.inf, -1
-        for i in range(total):
+        for i in range(used):
             slope, gap = 0.0, limits[i]
             for a in range(q):
                 slope += rows[i, a] * direction[a]
@@ -148,11 +148,11 @@ def _rows_of(c: Array, D: Array, free: int, low: Array, high: Array, p: float, q
 
 
 @compiled
-def _lift(rows: Array, limits: Array, x: Array) -> None:
+def _lift(rows: Array, limits: Array, used: int, x: Array) -> None:
     """The largest last coordinate that the others allow."""
     last = x.shape[0] - 1
     x[last] = np.inf
-    for i in range(rows.shape[0]):
+    for i in range(used):
         if rows[i, last] > 0:
             gap = limits[i]
             for a in range(last):
@@ -161,19 +161,43 @@ def _lift(rows: Array, limits: Array, x: Array) -> None:
 
 
 @compiled
-def margins(W: Array, w_e: Array, low: Array, high: Array, p: float, q: float) -> tuple[Array, Any]:
+def _best(rows: Array, limits: Array, used: int, x: Array, active: Array, held: Any, basis: Array, gram: Array,
+          mu: Array, direction: Array) -> bool:
+    """The point with the largest last coordinate; −inf there where no point meets the rows that have none of it."""
+    last = x.shape[0] - 1
+    broken = False
+    for i in range(used):
+        broken |= rows[i, last] == 0.0 and limits[i] < 0.0
+    if broken:
+        # Rows that s does not soften are broken at λ = 0: a first climb, with all rows softened, mends that.
+        soft = rows.copy()
+        for i in range(used):
+            soft[i, last] = 1.0
+        _lift(soft, limits, used, x)
+        if not _climb(soft, limits, used, x, active, held, basis, gram, mu, direction):
+            return False
+        if x[last] < 0.0:
+            x[last] = -np.inf
+            return True
+    _lift(rows, limits, used, x)
+    return _climb(rows, limits, used, x, active, held, basis, gram, mu, direction)
+
+
+@compiled
+def margins(W: Array, w_e: Array, low: Array, high: Array, p: float, q: float) -> tuple[Array, Array, Any]:
     """Largest s with W τ + w_e = 0 and low + p s ≤ τ ≤ high − q s.
 
     W (k, n, m); w_e (k, n); low, high (m,), high may be inf; p, q 0 or 1, not both 0
-    Returns (k,), NaN without an answer; FOUND or why not (k,).
+    Returns s (k,) and such tensions (k, m), NaN without an answer; FOUND or why not (k,).
     """
     count, n, m = W.shape
-    found, best = np.zeros(count, np.int64), np.full(count, np.nan)
+    found, best, tensions = np.zeros(count, np.int64), np.empty(count), np.empty((count, m))
     reduced, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
     c, D, limits = np.empty(m), np.zeros((m, max(m, 2))), np.empty(2 * m)
     for k in range(count):
+        best[k] = np.nan
         for j in range(m):
-            owner[j] = -1
+            owner[j], tensions[k, j] = -1, np.nan
         rank, reachable = _reduce(W, w_e, k, c, reduced, line, owner)
         free = m - rank
         if not reachable or free > 2:
@@ -181,25 +205,17 @@ def margins(W: Array, w_e: Array, low: Array, high: Array, p: float, q: float) -
             continue
         _spread(reduced, owner, c, c, D)
         size = free + 1
-        rows, soft = np.empty((2 * m, size)), np.empty((2 * m, size))
-        active, held = np.empty((size, size)), np.empty(size, np.int64)
-        basis, gram, mu, direction = np.empty((size, size)), np.empty((size, size)), np.empty(size), np.empty(size)
+        room, x, held = np.empty((2 * m + 2 * size + 2, size)), np.zeros(size), np.empty(size, np.int64)
+        rows, active, basis = room[:2 * m], room[2 * m:2 * m + size], room[2 * m + size:2 * m + 2 * size]
         used = _rows_of(c, D, free, low, high, p, q, rows, limits)
-        # Rows that s does not soften may be broken at λ = 0: a first climb, with all rows softened, mends that.
-        x, climbs = np.zeros(size), 1
-        for i in range(used):
-            for a in range(size):
-                soft[i, a] = rows[i, a]
-            soft[i, free] = 1.0
-            if rows[i, free] == 0.0 and limits[i] < 0.0:
-                climbs = 2
-        for climb in range(climbs):
-            now = soft if climb < climbs - 1 else rows
-            _lift(now[:used], limits[:used], x)
-            if not _climb(now[:used], limits[:used], x, active, held, basis, gram, mu, direction):
-                found[k] = UNSETTLED
-                break
-            best[k] = x[free]
-            if climb < climbs - 1 and x[free] < 0.0:
-                break
-    return best, found
+        gram = np.empty((size, size))
+        if not _best(rows, limits, used, x, active, held, basis, gram, room[2 * m + 2 * size],
+                     room[2 * m + 2 * size + 1]):
+            found[k] = UNSETTLED
+            continue
+        best[k] = x[free]
+        for j in range(m):
+            tensions[k, j] = c[j]
+            for a in range(free):
+                tensions[k, j] += D[j, a] * x[a]
+    return best, tensions, found

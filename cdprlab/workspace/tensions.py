@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,16 +13,17 @@ from ..errors import InvalidInput
 from ..pose import Pose
 from ..robot import Robot
 from ..statics import gravity_wrench, tipping_rows, wrench_matrix
-from ..tensions.polygon import CENTROID, polygon_points
+from ..tensions.polygon import CENTROID, plain
 from .criterion import Criterion, Flags, Judgement, unknown, verdict
+from .programs import margin_by_program, standing_by_program
 
-_ROUNDING = 1e-9
+ROUNDING = 1e-9
 """Of the largest limit: margins this far below zero are rounding."""
 
 
 @dataclass(frozen=True)
 class WrenchClosure(Criterion):
-    """Every wrench can be exerted by tensions large enough: W has full rank and a null vector with all entries positive.
+    """Every wrench can be exerted by tensions large enough: W has full rank and an all-positive null vector.
 
     margin : the largest s with W τ = 0, s ≤ τ_i ≤ 1, the smallest over the largest entry at best; 0 where there is none
     Source: Pham et al. 2006; Gouttefarde and Gosselin 2006.
@@ -36,7 +36,7 @@ class WrenchClosure(Criterion):
         n, m = W.shape[-2:]
         s = tension_margins(W, np.zeros((len(W), n)), np.zeros(m), np.ones(m), at_high=False)
         s = np.where(np.linalg.matrix_rank(W) == n, s, 0.0)
-        return Judgement(s > _ROUNDING, s)
+        return Judgement(s > ROUNDING, s)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,10 +55,10 @@ class WrenchFeasible(Criterion):
         W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
         low, high = robot.tension_min, robot.tension_max
         loads = external_wrenches(self.wrenches, robot.n_dof)
-        if not margin and W.shape[-1] - W.shape[-2] <= 2:
-            return unknown(np.logical_and.reduce([_feasible(W, weight + load, low, high) for load in loads]))
+        if not margin:
+            return unknown(np.logical_and.reduce([feasible(W, weight + load, low, high) for load in loads]))
         s = np.min([tension_margins(W, weight + load, low, high) for load in loads], axis=0)
-        return Judgement(s >= -_ROUNDING * high.max(), s)
+        return Judgement(s >= -ROUNDING * high.max(), s)
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class StaticEquilibrium(Criterion):
         W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
         most = np.full(robot.n_cables, 100 * robot.mass * max(robot.gravity, 1.0))
         s = tension_margins(W, weight, np.zeros(robot.n_cables), most, at_high=False)
-        return Judgement(s >= -_ROUNDING * most.max(), s)
+        return Judgement(s >= -ROUNDING * most.max(), s)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ class DynamicEquilibrium(Criterion):
         # Wrenches are convex in the acceleration: the corners decide, and directions that are held make none.
         corners = [np.array(signs) * half for signs in product(*[(1, -1) if h else (0,) for h in half])]
         s = np.min([tension_margins(W, weight - M @ corner, low, high) for corner in corners], axis=0)
-        return Judgement(s >= -_ROUNDING * high.max(), s)
+        return Judgement(s >= -ROUNDING * high.max(), s)
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class TippingSafe(Criterion):
         A = np.concatenate([edge.matrix for edge in rows.values()], axis=-2)
         b = -np.concatenate([edge.offset for edge in rows.values()], axis=-1)
         W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
-        return verdict(np.array([_standing(*pose, robot) for pose in zip(W, weight, A, b)]))
+        return verdict(np.array([standing_by_program(*pose, robot) for pose in zip(W, weight, A, b)]))
 
 
 def tension_margins(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> Array:
@@ -132,14 +132,18 @@ def tension_margins(W: Array, w_e: Array, low: Array, high: Array, *, at_high: b
     >>> tension_margins(W, np.zeros((1, 1)), np.array([1.0, 1.0]), np.array([5.0, 9.0]))
     array([2.])
     """
+    return best_tensions(W, w_e, low, high, at_high=at_high)[0]
+
+
+def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> tuple[Array, Array]:
+    """`tension_margins` and tensions (N, m) that have them, NaN where nothing balances w_e."""
     from . import margin_kernel as kernel
 
-    plain = [np.ascontiguousarray(array, dtype=float) for array in (W, w_e, low, high)]
-    s, found = kernel.margins(*plain, 1.0, 1.0 if at_high else 0.0)
+    s, tau, found = kernel.margins(plain(W), plain(w_e), plain(low), plain(high), 1.0, 1.0 if at_high else 0.0)
     s[found == kernel.UNREACHABLE] = -np.inf
     for k in np.flatnonzero((found == kernel.TOO_REDUNDANT) | (found == kernel.UNSETTLED)):
-        s[k] = _margin_by_program(W[k], w_e[k], low, high, at_high)
-    return np.asarray(s)
+        s[k], tau[k] = margin_by_program(W[k], w_e[k], low, high, at_high)
+    return s, tau
 
 
 def mass_matrix(robot: Robot, poses: Pose) -> Array:
@@ -175,33 +179,13 @@ def _weights(robot: Robot, poses: Pose) -> Array:
     return np.broadcast_to(gravity_wrench(robot, poses), (*poses.batch_shape, robot.n_dof))
 
 
-def _feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
-    _, reasons, _ = polygon_points(W, w_e, low[None], high[None], CENTROID)
-    return np.asarray(reasons == "")
+def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
+    """Whether tensions within the limits balance each wrench: the sign of `tension_margins`, found quicker."""
+    from ..tensions import kernels
 
-
-def _margin_by_program(W: Array, w_e: Array, low: Array, high: Array, at_high: bool) -> float:
-    m = W.shape[1]
-    identity, ones = np.eye(m), np.ones((m, 1))
-    rows = np.block([[-identity, ones], [identity, ones if at_high else 0 * ones]])
-    answer = _program(np.append(np.zeros(m), -1.0), rows, np.concatenate([-low, high]),
-                      np.concatenate([W, np.zeros((W.shape[0], 1))], axis=1), -w_e)
-    return -np.inf if answer is None else -answer
-
-
-def _standing(W: Array, w_e: Array, A: Array, b: Array, robot: Robot) -> float:
-    """Largest s with A τ + s ≤ b among balanced tensions within the limits."""
-    n, m = W.shape
-    identity, none = np.eye(m), np.zeros((m, 1))
-    rows = np.block([[-identity, none], [identity, none], [A, np.ones((len(A), 1))]])
-    answer = _program(np.append(np.zeros(m), -1.0), rows, np.concatenate([-robot.tension_min, robot.tension_max, b]),
-                      np.concatenate([W, np.zeros((n, 1))], axis=1), -w_e)
-    return -np.inf if answer is None else -answer
-
-
-def _program(cost: Array, A: Array, b: Array, A_eq: Array, b_eq: Array) -> float | None:
-    """min cost·x; None where nothing satisfies the rows."""
-    from scipy.optimize import linprog
-
-    done: Any = linprog(cost, A_ub=A, b_ub=b, A_eq=A_eq, b_eq=b_eq, bounds=(None, None), method="highs")
-    return float(done.fun) if done.status == 0 else None
+    _, found, _ = kernels.polygons(plain(W), plain(w_e), plain(low[None]), plain(high[None]), CENTROID)
+    inside = np.asarray(found == kernels.FOUND)
+    many = found == kernels.TOO_REDUNDANT
+    if many.any():
+        inside[many] = tension_margins(W[many], w_e[many], low, high) >= -ROUNDING * high.max()
+    return inside
