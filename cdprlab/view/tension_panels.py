@@ -38,8 +38,8 @@ MARKS = {
 }
 """Method → its mark; filled inside the limits, hollow outside."""
 
-NO_METHOD = Mark("D", INK, 8)
-"""Points of no method: a student's own, or the one that walks along the border."""
+OWN = (Mark("D", INK, 13), Mark("o", INK, 20))
+"""Points of no method, a student's own or the one that walks along the border: hollow, so that nothing hides."""
 
 _WHITE = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
 """Behind text that lies on lines."""
@@ -61,7 +61,7 @@ def plot_tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, tensi
     points |= {name: np.asarray(values, float) for name, values in (own or {}).items()}
     free = tension_set(W, w_e, tension_min, tension_max)
     with house_style():
-        figure = Figure(figsize=(8.6, 4.8), layout="constrained")
+        figure = Figure(figsize=(7.6, 4.8), layout="constrained")
         panel = figure.subplots()
         draw_set(panel, free, points, feasible)
         if title:
@@ -91,13 +91,14 @@ def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array], feasibl
     shown = {name: np.atleast_2d(free.coordinates(tau)) for name, tau in points.items() if np.isfinite(tau).all()}
     frame = _frame(free, shown)
     (_draw_interval if free.redundancy == 1 else _draw_polygon)(panel, free, frame)
+    own = iter(OWN * len(shown))
     for name, places in shown.items():
-        mark = MARKS.get(name, NO_METHOD)
-        inside = (feasible or {}).get(name, True)
+        mark = MARKS.get(name) or next(own)
+        inside = (feasible or {}).get(name, True) and mark not in OWN
         xy = places if free.redundancy == 2 else np.column_stack([places, np.zeros(len(places))])
         panel.plot(*xy.T, linestyle="none", marker=mark.marker, markersize=mark.size, markeredgecolor=mark.color,
                    markerfacecolor=mark.color if inside else "none", markeredgewidth=1.6, alpha=0.9, zorder=5,
-                   label=name.replace("_", " ") + ("" if inside else ", outside"))
+                   label=name.replace("_", " ") + ("" if inside or mark in OWN else ", outside"))
         if name == chosen and ((xy < frame[0]) | (xy > frame[1])).any():
             panel.text(0.02, 0.02, f"{name.replace('_', ' ')}: beyond this picture", transform=panel.transAxes,
                        fontsize=9, color=INK, zorder=6, bbox=_WHITE)
@@ -121,7 +122,7 @@ def _frame(free: TensionSet, shown: Mapping[str, Array]) -> Array:
         near = spots[(np.abs(spots - (low + high) / 2) <= 1.3 * size).all(axis=1)]
         if len(near) and len(free.corners):
             low, high = np.minimum(low, near.min(axis=0)), np.maximum(high, near.max(axis=0))
-    pad = 0.16 * max(float((high - low).max()), size)
+    pad = (0.16 if r == 2 else 0.5) * max(float((high - low).max()), size)
     return np.stack([low - pad, high + pad])
 
 
@@ -192,6 +193,10 @@ def _draw_interval(panel: Axes, free: TensionSet, frame: Array) -> None:
             ends = [low - 1, high + 1] if kept else [np.nan, np.nan]
         left, right = np.clip(ends, low - 0.05 * (high - low), high + 0.05 * (high - low))
         panel.barh(i + 1, right - left, left=left, height=0.5, color=look.color, alpha=0.55, edgecolor=look.color)
+        for end, name, side in zip(ends, ("min", "max") if h[i] > 0 else ("max", "min"), ("left", "right")):
+            if low < end < high:
+                panel.annotate(name, (end, i + 1), (4 if side == "left" else -4, 0), textcoords="offset points",
+                               ha=side, va="center", fontsize=9, color=INK)
     if len(free.corners):
         panel.axvspan(free.corners[0, 0], free.corners[-1, 0], facecolor=GREY, alpha=0.22, edgecolor=INK, zorder=0)
         words = " to ".join(f"{end + 0.0:.4g}" for end in free.corners[[0, -1], 0])

@@ -19,7 +19,7 @@ from ...world import World
 from ..drawing import RobotDrawing
 from ..outlines import EMPTY, floor_height
 from ..style import house_style
-from ..tension_panels import MARKS, NO_METHOD, draw_bars, draw_set
+from ..tension_panels import MARKS, OWN, draw_bars, draw_set
 from ..tension_polygon import TensionSet, set_in_words, tension_set
 from .explorer import Choice, Explorer, Slider, Values
 from .pose import _checked_start, _corner_poses, position_sliders, slider_pose, turn_sliders
@@ -96,8 +96,8 @@ class TensionExplorer(Explorer):
         self.drawing = RobotDrawing(robot, self.robot, self.scene, self._corners)
         handles = [Line2D([], [], linestyle="none", marker=mark.marker, markersize=0.7 * mark.size, color=mark.color,
                           label=name.replace("_", " ")) for name, mark in MARKS.items() if name in self._methods]
-        handles.append(Line2D([], [], linestyle="none", marker=NO_METHOD.marker, markersize=0.7 * NO_METHOD.size,
-                              color=NO_METHOD.color, label="walk along the border"))
+        handles.append(Line2D([], [], linestyle="none", marker=OWN[0].marker, markersize=0.6 * OWN[0].size,
+                              color=OWN[0].color, markerfacecolor="none", label="walk along the border"))
         figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=9, columnspacing=1.2,
                       title="filled: inside the limits; hollow: outside; ring: the bars' tensions", title_fontsize=9)
         # Something to lay out: the axes keep the room that this takes.
