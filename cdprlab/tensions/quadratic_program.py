@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, frozen
 from ..errors import InvalidInput
 from .method import (
     INFEASIBLE,
@@ -46,10 +47,9 @@ def _quadprog(n: int, tension_min: Array, tension_max: Array) -> Solver:
             return tau, ""
         if not np.isfinite(w_e).all():   # quadprog answers NaN with numbers
             return np.full(m, np.nan), NOT_FINITE
-        if not program:   # quadprog wants Cᵀ x ≥ b, equalities first; all but W and w_e is written once
-            one = np.eye(m)
-            program.extend((one, np.zeros(m), np.concatenate([np.zeros((m, n)), one, -one], axis=1),
-                            np.concatenate([np.zeros(n), tension_min, -tension_max])))
+        if not program:   # all but W and w_e is written once
+            program.extend(part.copy() for part in _template(n, m))   # quadprog takes no read-only arrays
+            program.append(np.concatenate([np.zeros(n), tension_min, -tension_max]))
         identity, zero, constraints, bounds = program
         constraints[:, :n] = W.T
         np.negative(w_e, out=bounds[:n])
@@ -59,6 +59,13 @@ def _quadprog(n: int, tension_min: Array, tension_max: Array) -> Solver:
             return _without_dependent_rows(W, w_e, tension_min, tension_max)
 
     return solve
+
+
+@cache
+def _template(n: int, m: int) -> tuple[Array, Array, Array]:
+    """‖τ‖², no linear cost, and the rows [0, I, −I] of Cᵀ x ≥ b as quadprog wants them, equalities first."""
+    one = np.eye(m)
+    return frozen(one), frozen(np.zeros(m)), frozen(np.concatenate([np.zeros((m, n)), one, -one], axis=1))
 
 
 def _least_norm(low: Array, high: Array) -> Callable[[Array, Array], Array | None]:
