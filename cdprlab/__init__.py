@@ -23,16 +23,25 @@ from .statics import gravity_wrench, stiffness, tipping_moments, tipping_rows, w
 from .tensions import TensionDistribution, distribute_tensions, tension_methods
 from .trajectory import Reference, Trajectory, hold, quintic
 from .view import plot
+from .workspace import (
+    DynamicEquilibrium,
+    StaticEquilibrium,
+    TippingSafe,
+    WrenchClosure,
+    WrenchFeasible,
+    workspace,
+)
 from .world import World, load_world, world_names, world_schema
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "Base", "Cable", "CdprError", "ComputedTorque", "ConfigurationSequence", "Platform", "Polytope", "Pose",
-    "Reference", "Robot", "Run", "Simulator", "State", "TensionDistribution", "Trajectory", "TwistResolution", "World",
-    "available_twist_set", "available_wrench_set", "base_jacobian", "cable_directions", "cable_lengths",
-    "cable_vectors", "classify_configurations", "distribute_tensions", "errors", "forward_kinematics",
-    "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator", "place_bases", "plan_configurations", "plot",
-    "quintic", "resolve_twist", "run", "stiffness", "tension_methods", "tipping_moments", "tipping_rows",
+    "Base", "Cable", "CdprError", "ComputedTorque", "ConfigurationSequence", "DynamicEquilibrium", "Platform",
+    "Polytope", "Pose", "Reference", "Robot", "Run", "Simulator", "State", "StaticEquilibrium", "TensionDistribution",
+    "TippingSafe", "Trajectory", "TwistResolution", "World", "WrenchClosure", "WrenchFeasible", "available_twist_set",
+    "available_wrench_set", "base_jacobian", "cable_directions", "cable_lengths", "cable_vectors",
+    "classify_configurations", "distribute_tensions", "errors", "forward_kinematics", "gravity_wrench", "hold",
+    "jacobian", "load_world", "open_simulator", "place_bases", "plan_configurations", "plot", "quintic",
+    "resolve_twist", "run", "stiffness", "tension_methods", "tipping_moments", "tipping_rows", "workspace",
     "world_names", "world_schema", "wrench_matrix",
 ]

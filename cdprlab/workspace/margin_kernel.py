@@ -1,7 +1,8 @@
 """The compiled margin: how far inside its limits a cable robot can balance a wrench, for many poses.
 
-With τ = c + D λ (one or two λ, or none) the largest s with τ_min + p s ≤ c + D λ ≤ τ_max − q s is a linear program in
-(λ, s), solved by walking along active rows: uphill in s while nothing blocks, dropping rows that pull the wrong way.
+With τ = c + D λ (two λ, some of which may move nothing) the largest s with τ_min + p s ≤ c + D λ ≤ τ_max − q s is a
+linear program in (λ, s), solved by walking along active rows: uphill in s while nothing blocks, dropping rows that
+pull the wrong way.
 """
 
 from __future__ import annotations
@@ -22,36 +23,34 @@ _FLAT = 1e-10  # directions and multipliers below this, of rows of size about 1,
 @compiled
 def _onto_free(active: Array, count: int, basis: Array, direction: Array) -> float:
     """Remove from e_s what the active rows span (Gram–Schmidt into ``basis``); returns the squared size left."""
-    q = direction.shape[0]
-    for a in range(q):
-        direction[a] = 0.0
-    direction[q - 1] = 1.0
+    direction[0] = direction[1] = 0.0
+    direction[2] = 1.0
     kept = 0
     for k in range(count):
         size = 0.0
-        for a in range(q):
+        for a in range(3):
             basis[kept, a] = active[k, a]
             size += active[k, a] * active[k, a]
         for j in range(kept):
             along = 0.0
-            for a in range(q):
+            for a in range(3):
                 along += basis[kept, a] * basis[j, a]
-            for a in range(q):
+            for a in range(3):
                 basis[kept, a] -= along * basis[j, a]
         left = 0.0
-        for a in range(q):
+        for a in range(3):
             left += basis[kept, a] * basis[kept, a]
         if left > _FLAT * size:
-            for a in range(q):
+            for a in range(3):
                 basis[kept, a] /= np.sqrt(left)
             along = 0.0
-            for a in range(q):
+            for a in range(3):
                 along += direction[a] * basis[kept, a]
-            for a in range(q):
+            for a in range(3):
                 direction[a] -= along * basis[kept, a]
             kept += 1
     total = 0.0
-    for a in range(q):
+    for a in range(3):
         total += direction[a] * direction[a]
     return total
 
@@ -59,12 +58,11 @@ def _onto_free(active: Array, count: int, basis: Array, direction: Array) -> flo
 @compiled
 def _worst_multiplier(active: Array, count: int, gram: Array, mu: Array) -> int:
     """The active row whose multiplier in e_s = Σ μ a is most negative, or −1: least squares by Cholesky-free Gauss."""
-    q = active.shape[1]
     for i in range(count):
-        mu[i] = active[i, q - 1]
+        mu[i] = active[i, 2]
         for j in range(count):
             total = 0.0
-            for a in range(q):
+            for a in range(3):
                 total += active[i, a] * active[j, a]
             gram[i, j] = total
     for i in range(count):
@@ -91,7 +89,6 @@ def _worst_multiplier(active: Array, count: int, gram: Array, mu: Array) -> int:
 def _climb(rows: Array, limits: Array, used: int, x: Array, active: Array, held: Any, basis: Array, gram: Array,
            mu: Array, direction: Array) -> bool:
     """Move x, which meets ``rows @ x ≤ limits``, to the largest last coordinate; False if it does not settle."""
-    q = x.shape[0]
     count: Any = np.int64(0)   # for a bare literal what is called below would be compiled a second time
     for _ in range(_STEPS):
         if _onto_free(active, count, basis, direction) <= _FLAT:
@@ -100,14 +97,14 @@ def _climb(rows: Array, limits: Array, used: int, x: Array, active: Array, held:
                 return True
             for k in range(drop, count - 1):
                 held[k] = held[k + 1]
-                for a in range(q):
+                for a in range(3):
                     active[k, a] = active[k + 1, a]
             count -= 1
             continue
         step, block = np.inf, -1
         for i in range(used):
             slope, gap = 0.0, limits[i]
-            for a in range(q):
+            for a in range(3):
                 slope += rows[i, a] * direction[a]
                 gap -= rows[i, a] * x[a]
             busy = False
@@ -116,21 +113,21 @@ def _climb(rows: Array, limits: Array, used: int, x: Array, active: Array, held:
             if slope > _FLAT and not busy and max(gap, 0.0) < step * slope:
                 step, block = max(gap, 0.0) / slope, i
         if block < 0:
-            x[q - 1] = np.inf
+            x[2] = np.inf
             return True
-        for a in range(q):
+        for a in range(3):
             x[a] += step * direction[a]
-        if count == q:
+        if count == 3:
             return False
         held[count] = block
-        for a in range(q):
+        for a in range(3):
             active[count, a] = rows[block, a]
         count += 1
     return False
 
 
 @compiled
-def _rows_of(c: Array, D: Array, free: int, low: Array, high: Array, p: float, q: float, rows: Array,
+def _rows_of(c: Array, D: Array, low: Array, high: Array, p: float, q: float, rows: Array,
              limits: Array) -> int:
     """Rows over (λ, s) of the limits of τ = c + D λ; returns how many there are."""
     used = 0
@@ -139,9 +136,8 @@ def _rows_of(c: Array, D: Array, free: int, low: Array, high: Array, p: float, q
             sign = 1.0 if side else -1.0
             limit = high[i] - c[i] if side else c[i] - low[i]
             if limit < np.inf:
-                for a in range(free):
-                    rows[used, a] = sign * D[i, a]
-                rows[used, free] = q if side else p
+                rows[used, 0], rows[used, 1] = sign * D[i, 0], sign * D[i, 1]
+                rows[used, 2] = q if side else p
                 limits[used] = limit
                 used += 1
     return used
@@ -150,34 +146,29 @@ def _rows_of(c: Array, D: Array, free: int, low: Array, high: Array, p: float, q
 @compiled
 def _lift(rows: Array, limits: Array, used: int, x: Array) -> None:
     """The largest last coordinate that the others allow."""
-    last = x.shape[0] - 1
-    x[last] = np.inf
+    x[2] = np.inf
     for i in range(used):
-        if rows[i, last] > 0:
-            gap = limits[i]
-            for a in range(last):
-                gap -= rows[i, a] * x[a]
-            x[last] = min(x[last], gap / rows[i, last])
+        if rows[i, 2] > 0:
+            x[2] = min(x[2], (limits[i] - rows[i, 0] * x[0] - rows[i, 1] * x[1]) / rows[i, 2])
 
 
 @compiled
 def _best(rows: Array, limits: Array, used: int, x: Array, active: Array, held: Any, basis: Array, gram: Array,
           mu: Array, direction: Array) -> bool:
     """The point with the largest last coordinate; −inf there where no point meets the rows that have none of it."""
-    last = x.shape[0] - 1
     broken = False
     for i in range(used):
-        broken |= rows[i, last] == 0.0 and limits[i] < 0.0
+        broken |= rows[i, 2] == 0.0 and limits[i] < 0.0
     if broken:
         # Rows that s does not soften are broken at λ = 0: a first climb, with all rows softened, mends that.
         soft = rows.copy()
         for i in range(used):
-            soft[i, last] = 1.0
+            soft[i, 2] = 1.0
         _lift(soft, limits, used, x)
         if not _climb(soft, limits, used, x, active, held, basis, gram, mu, direction):
             return False
-        if x[last] < 0.0:
-            x[last] = -np.inf
+        if x[2] < 0.0:
+            x[2] = -np.inf
             return True
     _lift(rows, limits, used, x)
     return _climb(rows, limits, used, x, active, held, basis, gram, mu, direction)
@@ -193,29 +184,25 @@ def margins(W: Array, w_e: Array, low: Array, high: Array, p: float, q: float) -
     count, n, m = W.shape
     found, best, tensions = np.zeros(count, np.int64), np.empty(count), np.empty((count, m))
     reduced, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
-    c, D, limits = np.empty(m), np.zeros((m, max(m, 2))), np.empty(2 * m)
+    c, D, limits, rows = np.empty(m), np.zeros((m, max(m, 2))), np.empty(2 * m), np.empty((2 * m, 3))
+    x, mu, direction, held = np.empty(3), np.empty(3), np.empty(3), np.empty(3, np.int64)
+    active, basis, gram = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     for k in range(count):
         best[k] = np.nan
         for j in range(m):
             owner[j], tensions[k, j] = -1, np.nan
+            D[j, 0] = D[j, 1] = 0.0   # a λ that is not there moves nothing, and stays where it is
         rank, reachable = _reduce(W, w_e, k, c, reduced, line, owner)
-        free = m - rank
-        if not reachable or free > 2:
+        if not reachable or m - rank > 2:
             found[k] = TOO_REDUNDANT if reachable else UNREACHABLE
             continue
         _spread(reduced, owner, c, c, D)
-        size = free + 1
-        room, x, held = np.empty((2 * m + 2 * size + 2, size)), np.zeros(size), np.empty(size, np.int64)
-        rows, active, basis = room[:2 * m], room[2 * m:2 * m + size], room[2 * m + size:2 * m + 2 * size]
-        used = _rows_of(c, D, free, low, high, p, q, rows, limits)
-        gram = np.empty((size, size))
-        if not _best(rows, limits, used, x, active, held, basis, gram, room[2 * m + 2 * size],
-                     room[2 * m + 2 * size + 1]):
+        used = _rows_of(c, D, low, high, p, q, rows, limits)
+        x[0] = x[1] = 0.0
+        if not _best(rows, limits, used, x, active, held, basis, gram, mu, direction):
             found[k] = UNSETTLED
             continue
-        best[k] = x[free]
+        best[k] = x[2]
         for j in range(m):
-            tensions[k, j] = c[j]
-            for a in range(free):
-                tensions[k, j] += D[j, a] * x[a]
+            tensions[k, j] = c[j] + D[j, 0] * x[0] + D[j, 1] * x[1]
     return best, tensions, found

@@ -1,0 +1,103 @@
+"""Many poses, judged chunk by chunk: over cores or a cluster, with progress, kept on disk if wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from ..errors import InvalidInput
+from ..pose import Pose
+from ..robot import Robot
+from .checkpoint import Checkpoint
+from .criterion import Criterion, Judgement
+
+Progress = Callable[[int, int], None]
+"""Called with (poses done, poses in all)."""
+
+
+class Poses(Protocol):
+    """A batch of poses, or a grid that makes them when asked."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, index: slice, /) -> Pose: ...
+
+
+def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool = True, n_jobs: int | None = None,
+              chunk: int = 4096, checkpoint: str | Path | None = None, progress: Progress | None = None) -> Judgement:
+    """Judge which poses belong to a workspace.
+
+    robot : single robot
+    poses : Pose of any batch shape, or a `PoseGrid`
+    criterion : e.g. ``WrenchFeasible() & InterferenceFree(0.02)``
+    margin : without it only verdicts are found, where that is quicker
+    n_jobs : processes, −1 for all cores; by default one, or what ``joblib.parallel_config`` says (Dask too)
+    chunk : poses judged at a time; memory beyond poses and answers depends on it alone
+    checkpoint : folder that keeps finished chunks; the same call goes on where an interrupted one stopped
+    progress : called with (poses done, poses in all) after each chunk
+    Returns Judgement ``(inside, margin)``, each of the poses' batch shape.
+    Raises InvalidInput for a criterion that does not fit the robot.
+
+    >>> import cdprlab as cl
+    >>> robot = cl.load_world("caroca").robot
+    >>> workspace(robot, cl.Pose([[0, 0, 1], [0, 0, 3.6]]), cl.WrenchFeasible()).inside
+    array([ True, False])
+    """
+    if not isinstance(criterion, Criterion):
+        raise InvalidInput(f"criterion must be a Criterion such as WrenchFeasible(), got {criterion!r}")
+    if chunk < 1:
+        raise InvalidInput(f"chunk must be at least 1 pose, got {chunk}")
+    shape, flat = _flattened(poses)
+    count = len(flat)
+    answer = Judgement(np.zeros(count, dtype=bool), np.full(count, np.nan))
+    kept = Checkpoint(checkpoint, robot, criterion, margin, chunk) if checkpoint is not None else None
+    done = 0
+    for start, part in _judged(robot, flat, criterion, margin, n_jobs, chunk, kept):
+        answer.inside[start:start + chunk], answer.margin[start:start + chunk] = part
+        done += len(part.inside)
+        if progress is not None:
+            progress(done, count)
+    return Judgement(answer.inside.reshape(shape), answer.margin.reshape(shape))
+
+
+def _flattened(poses: Poses) -> tuple[tuple[int, ...], Poses]:
+    if not isinstance(poses, Pose):
+        return (len(poses),), poses
+    d = poses.dimension
+    rotations = poses.rotation if len(poses.batch_shape) == 1 else poses.rotation.reshape(-1, d, d)
+    return poses.batch_shape, Pose.of(poses.position.reshape(-1, d), rotations)
+
+
+def _judged(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_jobs: int | None, chunk: int,
+            kept: Checkpoint | None) -> Iterator[tuple[int, Judgement]]:
+    """(start, judgement) chunk by chunk; at any time only a few chunks exist."""
+    waiting = []
+    for start in range(0, len(poses), chunk):
+        found = kept.load(poses[start:start + chunk]) if kept else None
+        if found is not None:
+            yield start, found
+        else:
+            waiting.append(start)
+    for start, part in zip(waiting, _answers(robot, poses, criterion, margin, n_jobs, chunk, waiting)):
+        if kept:
+            kept.save(poses[start:start + chunk], part)
+        yield start, part
+
+
+def _answers(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_jobs: int | None, chunk: int,
+             starts: list[int]) -> Iterator[Judgement]:
+    from joblib import Parallel, delayed, effective_n_jobs
+
+    parts: Any = (poses[start:start + chunk] for start in starts)
+    if n_jobs == 1 or effective_n_jobs(n_jobs) == 1:
+        return (criterion.judge(robot, part, margin) for part in parts)
+    work = delayed(_judge)
+    return Parallel(n_jobs=n_jobs, return_as="generator")(work(robot, part, criterion, margin) for part in parts)
+
+
+def _judge(robot: Robot, poses: Pose, criterion: Criterion, margin: bool) -> Judgement:
+    """What a worker does."""
+    return criterion.judge(robot, poses, margin)
