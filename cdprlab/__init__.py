@@ -8,6 +8,7 @@
 
 from . import errors
 from .base_placement import place_bases
+from .compare import TensionComparison, compare_tensions
 from .configurations import ConfigurationSequence, classify_configurations, plan_configurations
 from .control import ComputedTorque, State
 from .errors import CdprError
@@ -37,11 +38,11 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Base", "Cable", "CdprError", "ComputedTorque", "ConfigurationSequence", "DynamicEquilibrium", "Platform",
-    "Polytope", "Pose", "Reference", "Robot", "Run", "Simulator", "State", "StaticEquilibrium", "TensionDistribution",
-    "TippingSafe", "Trajectory", "TwistResolution", "World", "WrenchClosure", "WrenchFeasible", "available_twist_set",
-    "available_wrench_set", "base_jacobian", "cable_directions", "cable_lengths", "cable_vectors",
-    "classify_configurations", "distribute_tensions", "errors", "forward_kinematics", "gravity_wrench", "hold",
-    "jacobian", "load_world", "open_simulator", "place_bases", "plan_configurations", "plot", "quintic",
-    "resolve_twist", "run", "stiffness", "tension_methods", "tipping_moments", "tipping_rows", "workspace",
-    "world_names", "world_schema", "wrench_matrix",
+    "Polytope", "Pose", "Reference", "Robot", "Run", "Simulator", "State", "StaticEquilibrium", "TensionComparison",
+    "TensionDistribution", "TippingSafe", "Trajectory", "TwistResolution", "World", "WrenchClosure", "WrenchFeasible",
+    "available_twist_set", "available_wrench_set", "base_jacobian", "cable_directions", "cable_lengths",
+    "cable_vectors", "classify_configurations", "compare_tensions", "distribute_tensions", "errors",
+    "forward_kinematics", "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator", "place_bases",
+    "plan_configurations", "plot", "quintic", "resolve_twist", "run", "stiffness", "tension_methods",
+    "tipping_moments", "tipping_rows", "workspace", "world_names", "world_schema", "wrench_matrix",
 ]

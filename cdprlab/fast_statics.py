@@ -17,17 +17,17 @@ CableStatics = tuple[Array, Array, Array]
 
 
 # Rows x, y, z, x, y: a cross product is then two products of shifted slices, without copies.
-_CYCLE = [0, 1, 2, 0, 1]
+CYCLE = [0, 1, 2, 0, 1]
 
 
 def cyclic(position: Array, rotation: Array) -> tuple[Array, Array]:
     """Position (5, 1) and rotation (5, 3) with rows x, y, z, x, y, as `cable_statics` takes them."""
-    return position[_CYCLE, None], rotation[_CYCLE]
+    return position[CYCLE, None], rotation[CYCLE]
 
 
 def cyclic_exits(robot: Robot) -> Array:
     """(5, m) exit points with rows x, y, z, x, y [m]; given to `cable_statics`, they may be moved in place."""
-    return np.ascontiguousarray(robot.exit_points.T[_CYCLE])
+    return np.ascontiguousarray(robot.exit_points.T[CYCLE])
 
 
 def cable_statics(robot: Robot, exits: Array | None = None) -> Callable[[Array, Array], CableStatics]:

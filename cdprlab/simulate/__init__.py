@@ -29,7 +29,8 @@ def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **op
     world : World
     cables : one of ``CABLE_MODELS``; "elastic" in spatial worlds only
     dt : engine time step [s]
-    options : the engine's own (PyBullet: ``tip_mass`` [kg], ``solver_iterations``; pymunk: ``solver_iterations``)
+    options : the engine's own (PyBullet: ``tip_mass`` [kg], ``solver_iterations``, ``bodies=True`` for mobile bases
+        that stand on wheels, drive and tip; pymunk: ``solver_iterations``)
     Raises InvalidInput for an unknown cable model, MissingDependency where the engine is not installed.
     """
     if cables not in _ENGINES[world.engine]:
@@ -41,6 +42,10 @@ def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **op
         from .planar import PlanarSimulator
 
         return PlanarSimulator(world, cables, dt, **options)
+    if options.pop("bodies", False):
+        from .mobile import MobileSimulator
+
+        return MobileSimulator(world, cables, dt, **options)
     from .spatial import SpatialSimulator
 
     return SpatialSimulator(world, cables, dt, **options)

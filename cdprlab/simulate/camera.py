@@ -32,6 +32,7 @@ SHADOW: Color = (190, 194, 199)
 STEEL: Color = (196, 203, 211)
 PLATFORM: Color = (120, 150, 180)
 BOX: Color = (205, 190, 165)
+LOAD: Color = (196, 150, 90)
 OBSTACLE: Color = (205, 110, 95)
 INK: Color = (45, 50, 58)
 TRAIL: Color = (0, 128, 96)
@@ -86,7 +87,8 @@ class Camera:
 
     def picture(self, pose: Pose, tensions: ArrayLike, width: int = 640, height: int = 480,
                 limits: tuple[float, float] | None = None, trail: ArrayLike | None = None,
-                rope_lengths: ArrayLike | None = None) -> Picture:
+                rope_lengths: ArrayLike | None = None, robot: Robot | None = None,
+                boxes: Iterable[tuple[Pose, Array]] = ()) -> Picture:
         """The robot at one pose.
 
         pose : single Pose
@@ -95,12 +97,17 @@ class Camera:
         limits : tensions of the first and last color [N]; default 0 and the smaller of weight and largest limit
         trail : (k, 3) points joined by a thin line, such as where P has been [m]
         rope_lengths : (m,) what is let out of each cable; what is not needed hangs through [m]
+        robot : the world's with its mobile bases where they stand now; default where the world puts them
+        boxes : pose and size [m] of each loose box
         Returns (height, width, 3).
         """
-        robot = self.world.robot
+        robot = self.world.robot if robot is None else robot
         tau = np.broadcast_to(np.asarray(tensions, dtype=float), (robot.n_cables,))
         view, background = self._background(width, height)
         canvas = background.copy()
+        _draw_supports(canvas, view, self.world, robot)
+        for place, size in boxes:
+            _draw_box(canvas, view, _corners(place, size), LOAD)
         if trail is not None:
             _draw_trail(canvas, view, as_array(trail, "trail", ("k", 3), "m"))
         _draw_platform(canvas, view, robot, pose, self.world.scene.floor_height)
@@ -259,7 +266,6 @@ def _draw_surroundings(canvas: _Canvas, view: _View, world: World) -> None:
     for box in scene.boxes:
         _draw_box(canvas, view, _corners(Pose(box.position, rpy=[0, 0, box.yaw]), box.size),
                   OBSTACLE if box.kind == "obstacle" else BOX)
-    _draw_supports(canvas, view, world, thickness)
 
 
 def _draw_floor(canvas: _Canvas, view: _View, points: Array, height: float) -> None:
@@ -273,9 +279,11 @@ def _draw_floor(canvas: _Canvas, view: _View, points: Array, height: float) -> N
             canvas.polygon(*view.pixels(np.insert(corners, 2, height - 1e-3, axis=1)), FLOOR[(i + j) % 2])
 
 
-def _draw_supports(canvas: _Canvas, view: _View, world: World, thickness: float) -> None:
+def _draw_supports(canvas: _Canvas, view: _View, world: World, robot: Robot) -> None:
     """What carries the exit points where no frame does: bases with masts, or poles."""
-    robot = world.robot
+    if not robot.bases and world.scene.frame is not None:
+        return
+    thickness = _thickness(world)
     for index in range(len(robot.bases)):
         _draw_prism(canvas, view, _footprint(robot, index, 0.0), _footprint(robot, index, 0.25), STEEL)
     for cable, exit_point in zip(robot.cables, robot.exit_points):

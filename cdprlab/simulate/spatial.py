@@ -301,7 +301,7 @@ class SpatialSimulator(Simulator):
 
     def _make_leg(self, exit_point: Array, middle: Array, anchor: Array) -> int:
         b, client = self._bullet, self._client
-        aim = _turn_z_to(middle - exit_point)
+        aim = turn_z_to(middle - exit_point)
         still = [0, 0, 0, 1]
         leg = b.createMultiBody(
             0, -1, basePosition=exit_point.tolist(), baseOrientation=aim,
@@ -319,7 +319,7 @@ class SpatialSimulator(Simulator):
         for link in range(-1, 3):
             b.changeDynamics(leg, link, linearDamping=0, angularDamping=0, jointDamping=0, physicsClientId=client)
         rotation = np.array(b.getMatrixFromQuaternion(aim)).reshape(3, 3)
-        for joint, value in enumerate(_leg_joints(rotation.T @ (anchor - exit_point))):
+        for joint, value in enumerate(leg_joints(rotation.T @ (anchor - exit_point))):
             b.resetJointState(leg, joint, value, physicsClientId=client)
         return int(leg)
 
@@ -347,7 +347,7 @@ class _BodyFrame:
     @property
     def quaternion_to_body(self) -> list[float]:
         """Orientation of the platform frame seen from the body frame."""
-        return _quaternion(self.axes.T)
+        return quaternion_of(self.axes.T)
 
     def to_body(self, point: Array) -> Array:
         """A point of the platform frame in the body frame [m]."""
@@ -355,7 +355,7 @@ class _BodyFrame:
 
     def body_pose(self, pose: Pose) -> tuple[list[float], list[float]]:
         position = pose.position + pose.rotation @ self.center
-        return position.tolist(), _quaternion(pose.rotation @ self.axes)
+        return position.tolist(), quaternion_of(pose.rotation @ self.axes)
 
     def to_platform(self, place: Array, rotation: Array, twist: Array) -> tuple[Array, Array]:
         """`cyclic` position of P and platform rotation from the body's; makes ``twist`` that of P."""
@@ -400,14 +400,14 @@ def quiet() -> Iterator[None]:
         os.close(nothing)
 
 
-def _quaternion(rotation: Array) -> list[float]:
+def quaternion_of(rotation: Array) -> list[float]:
     from scipy.spatial.transform import Rotation
 
     quaternion: list[float] = Rotation.from_matrix(rotation).as_quat().tolist()
     return quaternion
 
 
-def _turn_z_to(direction: Array) -> list[float]:
+def turn_z_to(direction: Array) -> list[float]:
     """Quaternion of the shortest turn from the z axis to a direction."""
     x, y, z = direction / np.linalg.norm(direction)
     if z < -1 + 1e-9:
@@ -416,7 +416,7 @@ def _turn_z_to(direction: Array) -> list[float]:
     return [-y / scale, x / scale, 0.0, scale / 2]
 
 
-def _leg_joints(vector: Array) -> tuple[float, float, float]:
+def leg_joints(vector: Array) -> tuple[float, float, float]:
     """Joint values (a, b, ρ) with Rx(a) Ry(b) [0, 0, ρ] = vector, in the leg's base frame."""
     length = float(np.linalg.norm(vector))
     x, y, z = (vector / length).tolist()
