@@ -147,6 +147,7 @@ def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
         panel.set_title("Empty: no tensions keep all limits")
     panel.set(xlim=middle[0] + reach * np.array([-1, 1]), ylim=middle[1] + reach * np.array([-1, 1]), aspect="equal",
               xlabel="λ₁ [N], to the right Σ τ grows", ylabel="λ₂ [N], Σ τ stays")
+    panel.locator_params(axis="x", nbins=6)
 
 
 def _name_edge(panel: Axes, free: TensionSet, place: Array, center: Array) -> None:
@@ -237,7 +238,7 @@ def draw_bars(panel: Axes, tensions: Array, low: Array, high: Array, title: str)
     ends = f"{_span(low)} and {_span(high)} N" + ("" if near.all() else " (off scale)")
     room = 1.0 if (tensions > high).any() else 0.5
     panel.set(xlim=(1.15 * bottom, right + room * (right - bottom)), ylim=(m + 0.6, 0.4), yticks=range(1, m + 1),
-              ylabel="cable", xlabel=f"tension [N]\nblack: limits {ends}")
+              ylabel="cable", xlabel=f"tension [N]; black: limits\n{ends}")
     panel.grid(axis="y", visible=False)
     panel.set_title(title)
 
