@@ -1,0 +1,144 @@
+"""Which poses are judged: grids of positions, planes among them, random and evenly spread samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array, as_number, frozen
+from ..errors import InvalidInput
+from ..pose import Pose
+
+
+@dataclass(frozen=True, eq=False)
+class PoseGrid:
+    """Positions on a regular grid, one orientation for all; a batch of poses that exist only when asked for.
+
+    axes : name ("x", "y", "z") → (k,) places along it, for the axes that vary [m]
+    origin : Pose with the orientation, and the places along the axes that are held
+
+    >>> grid = position_grid([-1, 0, 0.5], [1, 0, 1.5], 0.5)
+    >>> grid.shape, len(grid), grid[:2].position.tolist()
+    ((5, 3), 15, [[-1.0, 0.0, 0.5], [-1.0, 0.0, 1.0]])
+    """
+
+    axes: dict[str, Array]
+    origin: Pose
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Places along each axis; fields over the grid have this shape."""
+        return tuple(len(places) for places in self.axes.values())
+
+    def __len__(self) -> int:
+        return int(np.prod(self.shape))
+
+    def __getitem__(self, index: slice) -> Pose:
+        """A batch of the poses, numbered with the last axis fastest."""
+        chosen = np.unravel_index(np.arange(*index.indices(len(self))), self.shape)
+        position = np.tile(self.origin.position, (len(chosen[0]), 1))
+        for name, places, at in zip(self.axes, self.axes.values(), chosen):
+            position[:, self._column(name)] = places[at]
+        rotation = self.origin.rotation
+        return Pose.of(position, np.broadcast_to(rotation, (len(position), *rotation.shape)))
+
+    @property
+    def poses(self) -> Pose:
+        """All of them at once."""
+        return self[:]
+
+    def field(self, values: Array) -> Array:
+        """Values of all poses, laid out over the axes."""
+        return np.asarray(values).reshape(self.shape)
+
+    @cached_property
+    def step(self) -> Array:
+        """Between neighbors along each axis [m]."""
+        return frozen(np.array([places[1] - places[0] for places in self.axes.values()]))
+
+    @property
+    def cell(self) -> float:
+        """Length, area or volume that a pose stands for [m, m², m³]."""
+        return float(np.prod(self.step))
+
+    def _column(self, name: str) -> int:
+        return axis_names(self.origin.dimension).index(name)
+
+
+def axis_names(dimension: int) -> str:
+    """Of positions: "xy" in the plane, "xyz" in space."""
+    return "xyz"[:dimension]
+
+
+def position_grid(lower: ArrayLike, upper: ArrayLike, step: float, *, rpy: ArrayLike | None = None,
+                  angle: float | None = None) -> PoseGrid:
+    """A grid from corner to corner at one orientation; an axis whose ends are equal is held, which makes a plane.
+
+    lower, upper : (d,) corners [m]
+    step : at most this between neighbors, so that both ends are on the grid [m]
+    rpy, angle : the orientation, as `Pose` takes it [rad]
+    Raises InvalidInput for crossed corners, or if no axis varies.
+
+    >>> {name: len(places) for name, places in position_grid([-2, 0, 0], [2, 0, 3], 0.1).axes.items()}
+    {'x': 41, 'z': 31}
+    """
+    low, high = corners(lower, upper)
+    spacing = as_number(step, "step", "m", positive=True)
+    counts = np.ceil((high - low) / spacing - 1e-9).astype(int) + 1
+    axes = {name: frozen(np.linspace(low[k], high[k], counts[k])) for k, name in enumerate(axis_names(len(low)))
+            if high[k] > low[k]}
+    if not axes:
+        raise InvalidInput(f"lower and upper are the same point {low.tolist()}: let at least one axis vary")
+    return PoseGrid(axes, Pose(low, rpy, angle=angle))
+
+
+def random_poses(lower: ArrayLike, upper: ArrayLike, count: int, seed: int = 0, *, turn: float = 0.0) -> Pose:
+    """Uniformly random positions in a box, turned by up to ``turn`` about each axis.
+
+    lower, upper : (d,) corners [m]
+    turn : largest |roll|, |pitch|, |yaw|, or |angle| in the plane [rad]
+
+    >>> random_poses([0, 0, 0], [1, 1, 1], 5, seed=1).batch_shape
+    (5,)
+    """
+    low, high = corners(lower, upper)
+    return _spread(np.random.default_rng(seed).random((count, _unknowns(len(low)))), low, high, turn)
+
+
+def low_discrepancy_poses(lower: ArrayLike, upper: ArrayLike, count: int, seed: int = 0, *,
+                          turn: float = 0.0) -> Pose:
+    """As `random_poses`, spread evenly by a scrambled Halton sequence: shares converge almost as 1 / count.
+
+    Source: Owen 2017, A randomized Halton algorithm.
+
+    >>> low_discrepancy_poses([0, 0], [1, 2], 5).batch_shape
+    (5,)
+    """
+    from scipy.stats import qmc
+
+    low, high = corners(lower, upper)
+    return _spread(qmc.Halton(_unknowns(len(low)), rng=np.random.default_rng(seed)).random(count), low, high, turn)
+
+
+def corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Array, Array]:
+    """Two checked corners of a box of positions."""
+    low = as_array(lower, "lower", ("d",), "m")
+    high = as_array(upper, "upper", low.shape, "m")
+    if (low > high).any() or low.size not in (2, 3):
+        raise InvalidInput(f"lower and upper must be corners of 2 or 3 numbers, lower first [m], got {low.tolist()} "
+                           f"and {high.tolist()}")
+    return low, high
+
+
+def _unknowns(d: int) -> int:
+    return 3 if d == 2 else 6
+
+
+def _spread(shares: Array, low: Array, high: Array, turn: float) -> Pose:
+    d = len(low)
+    position = low + shares[:, :d] * (high - low)
+    angles = turn * (2 * shares[:, d:] - 1)
+    return Pose(position, angle=angles[:, 0]) if d == 2 else Pose(position, rpy=angles)
