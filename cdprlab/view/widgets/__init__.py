@@ -16,6 +16,7 @@ _HOMES = {
     "forward_kinematics_explorer": "forward_kinematics",
     "tension_explorer": "tension",
     "base_explorer": "bases",
+    "twist_set_explorer": "twist_set",
     "configuration_explorer": "configurations",
     "gain_explorer": "gains",
 }
