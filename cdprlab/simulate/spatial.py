@@ -200,8 +200,11 @@ class SpatialSimulator(Simulator):
         read, client = self._bullet.getConstraintState, self._client
         # Plain floats: eight products of three are cheaper so than through an array.
         # Bullet reports the force on the child, the leg's tip; the platform (parent) gets its opposite.
-        forces = [read(constraint, client) if constraint >= 0 else _NOTHING for constraint in self._constraints]
-        return np.array([-(f[0] * x + f[1] * y + f[2] * z) for f, (x, y, z) in zip(forces, directions.tolist())])
+        if self._any_cut:
+            forces = [read(constraint, client) if constraint >= 0 else _NOTHING for constraint in self._constraints]
+        else:
+            forces = [read(constraint, client) for constraint in self._constraints]
+        return np.array([-(a * x + b * y + c * z) for (a, b, c), (x, y, z) in zip(forces, directions.tolist())])
 
     def _apply(self, wrench: Array) -> None:
         """A full wrench [f; m] at P in world axes, for the next step."""
