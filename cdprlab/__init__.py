@@ -26,8 +26,11 @@ from .trajectory import Reference, Trajectory, hold, quintic
 from .view import plot
 from .workspace import (
     DynamicEquilibrium,
+    InterferenceFree,
+    StaticallyStable,
     StaticEquilibrium,
     TippingSafe,
+    TwistFeasible,
     WrenchClosure,
     WrenchFeasible,
     workspace,
@@ -37,12 +40,13 @@ from .world import World, load_world, world_names, world_schema
 __version__ = "0.1.0"
 
 __all__ = [
-    "Base", "Cable", "CdprError", "ComputedTorque", "ConfigurationSequence", "DynamicEquilibrium", "Platform",
-    "Polytope", "Pose", "Reference", "Robot", "Run", "Simulator", "State", "StaticEquilibrium", "TensionComparison",
-    "TensionDistribution", "TippingSafe", "Trajectory", "TwistResolution", "World", "WrenchClosure", "WrenchFeasible",
-    "available_twist_set", "available_wrench_set", "base_jacobian", "cable_directions", "cable_lengths",
-    "cable_vectors", "classify_configurations", "compare_tensions", "distribute_tensions", "errors",
-    "forward_kinematics", "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator", "place_bases",
-    "plan_configurations", "plot", "quintic", "resolve_twist", "run", "stiffness", "tension_methods",
-    "tipping_moments", "tipping_rows", "workspace", "world_names", "world_schema", "wrench_matrix",
+    "Base", "Cable", "CdprError", "ComputedTorque", "ConfigurationSequence", "DynamicEquilibrium", "InterferenceFree",
+    "Platform", "Polytope", "Pose", "Reference", "Robot", "Run", "Simulator", "State", "StaticEquilibrium",
+    "StaticallyStable", "TensionComparison", "TensionDistribution", "TippingSafe", "Trajectory", "TwistFeasible",
+    "TwistResolution", "World", "WrenchClosure", "WrenchFeasible", "available_twist_set", "available_wrench_set",
+    "base_jacobian", "cable_directions", "cable_lengths", "cable_vectors", "classify_configurations",
+    "compare_tensions", "distribute_tensions", "errors", "forward_kinematics", "gravity_wrench", "hold", "jacobian",
+    "load_world", "open_simulator", "place_bases", "plan_configurations", "plot", "quintic", "resolve_twist", "run",
+    "stiffness", "tension_methods", "tipping_moments", "tipping_rows", "workspace", "world_names", "world_schema",
+    "wrench_matrix",
 ]

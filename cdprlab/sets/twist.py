@@ -36,7 +36,7 @@ def available_twist_set(robot: Robot, pose: Pose, moving: str | Sequence[str] = 
     >>> float(available_twist_set(robot, cl.Pose([0, 0, 1])).axis_section()[2, 1].round(2))   # 10 m/s of cable
     16.97
     """
-    columns = _moving_columns(robot, moving)
+    columns = moving_columns(robot, moving)
     J, B = jacobian(robot, one_pose(pose)), base_jacobian(robot, pose, pivot)[:, columns]
     return twist_set(J, B, robot.speed_max, base_speeds(robot)[columns])
 
@@ -116,7 +116,8 @@ def base_speeds(robot: Robot) -> Array:
     return np.concatenate([np.zeros(0), *(base.speed_max for base in robot.bases)])
 
 
-def _moving_columns(robot: Robot, moving: str | Sequence[str]) -> list[int]:
+def moving_columns(robot: Robot, moving: str | Sequence[str]) -> list[int]:
+    """Columns of the bases that may drive; raises InvalidInput for a name that is none."""
     names = [base.name for base in robot.bases]
     chosen = {"all": names, "none": []}.get(moving, [moving]) if isinstance(moving, str) else list(moving)
     for name in chosen:

@@ -2,8 +2,10 @@
 
 from .criterion import Criterion, Judgement
 from .grids import PoseGrid, low_discrepancy_poses, position_grid, random_poses
+from .interference import InterferenceFree
 from .orientations import AllOrientations, AnyOrientation
 from .refinement import RefinedWorkspace, refine
+from .stability import StaticallyStable
 from .sweep import workspace
 from .tensions import (
     DynamicEquilibrium,
@@ -12,9 +14,10 @@ from .tensions import (
     WrenchClosure,
     WrenchFeasible,
 )
+from .twists import TwistFeasible
 
 __all__ = [
-    "AllOrientations", "AnyOrientation", "Criterion", "DynamicEquilibrium", "Judgement", "PoseGrid",
-    "RefinedWorkspace", "StaticEquilibrium", "TippingSafe", "WrenchClosure", "WrenchFeasible",
-    "low_discrepancy_poses", "position_grid", "random_poses", "refine", "workspace",
+    "AllOrientations", "AnyOrientation", "Criterion", "DynamicEquilibrium", "InterferenceFree", "Judgement",
+    "PoseGrid", "RefinedWorkspace", "StaticEquilibrium", "StaticallyStable", "TippingSafe", "TwistFeasible",
+    "WrenchClosure", "WrenchFeasible", "low_discrepancy_poses", "position_grid", "random_poses", "refine", "workspace",
 ]

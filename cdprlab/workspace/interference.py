@@ -1,0 +1,113 @@
+"""Interference: cables that touch each other, the platform or what stands around."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from ..arrays import Array, as_array, as_number
+from ..errors import InvalidInput
+from ..geometry import anchor_offsets
+from ..pose import Pose
+from ..robot import Robot
+from ..world import Box
+from .criterion import Criterion, Judgement
+from .distances import box_distance, segment_distance
+
+_SAME = 1e-6
+"""Ends this close together are one [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class InterferenceFree(Criterion):
+    """No cable comes nearer than the clearance to another one, to the platform or to an obstacle.
+
+    Cables are straight lines; two that share an end cannot be told apart there and are not compared. A cable meets the
+    platform's box at its anchor point anyway: only what is farther than ``root`` from there counts.
+
+    clearance : [m]
+    obstacles : boxes of a scene, e.g. ``world.scene.boxes``
+    cables, platform : whether these are looked at; in the plane cables that cross do touch
+    root : [m]
+    margin : the smallest distance less the clearance [m]; touching or passing through is 0 − clearance
+    Source: Merlet 2004 (cable interference); Perreault et al. 2010; the workspace at one orientation is the IFCOW of
+        Okoli 2016, sec. 2.6.2.
+    """
+
+    clearance: float = 0.0
+    obstacles: Sequence[Box] = ()
+    cables: bool = True
+    platform: bool = True
+    root: float = 0.05
+    unit = "m"
+
+    def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
+        clearance = as_number(self.clearance, "clearance", "m", minimum=0.0)
+        found = [np.full(poses.batch_shape, np.inf)]
+        if self.cables:
+            found.append(cable_distances(robot, poses).min(axis=-1, initial=np.inf))
+        if self.platform:
+            found.append(platform_distances(robot, poses, self.root).min(axis=-1, initial=np.inf))
+        found += [obstacle_distances(robot, poses, box).min(axis=-1, initial=np.inf) for box in self.obstacles]
+        nearest = np.min(found, axis=0)
+        return Judgement((nearest >= clearance) & (nearest > _SAME), nearest - clearance)
+
+
+def cable_pairs(robot: Robot) -> list[tuple[int, int]]:
+    """Pairs of cables that share neither exit nor anchor point."""
+    def apart(points: Array, i: int, j: int) -> bool:
+        return float(np.abs(points[i] - points[j]).max()) > _SAME
+
+    return [(i, j) for i, j in combinations(range(robot.n_cables), 2)
+            if apart(robot.exit_points, i, j) and apart(robot.anchor_points, i, j)]
+
+
+def cable_distances(robot: Robot, poses: Pose) -> Array:
+    """(…, pairs) between the cables of each of `cable_pairs` [m].
+
+    >>> import cdprlab as cl
+    >>> cable_distances(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).shape
+    (24,)
+    """
+    pairs = np.array(cable_pairs(robot), dtype=int).reshape(-1, 2)
+    anchors, exits = _anchors(robot, poses), robot.exit_points
+    one, other = pairs[:, 0], pairs[:, 1]
+    first, second = np.broadcast_to(exits[one], anchors[..., one, :].shape), exits[other]
+    return segment_distance(anchors[..., one, :], first, anchors[..., other, :], np.broadcast_to(second, first.shape))
+
+
+def platform_distances(robot: Robot, poses: Pose, root: float = 0.05) -> Array:
+    """(…, m) between the platform's box and each cable from ``root`` [m] after its anchor point on.
+
+    Raises InvalidInput for a negative root.
+    """
+    skipped = as_number(root, "root", "m", minimum=0.0)
+    body = robot.platform
+    exits = (robot.exit_points - poses.position[..., None, :]) @ poses.rotation   # in the platform's frame
+    way = exits - robot.anchor_points
+    length = np.linalg.norm(way, axis=-1, keepdims=True)
+    start = robot.anchor_points + way * np.minimum(skipped / np.where(length > 0, length, 1.0), 1.0)
+    return box_distance(start - body.center, exits - body.center, body.size / 2)
+
+
+def obstacle_distances(robot: Robot, poses: Pose, box: Box) -> Array:
+    """(…, m) between each cable and a box of the scene [m].
+
+    Raises InvalidInput for a box of another dimension.
+    """
+    d = robot.dimension
+    if np.shape(box.size) != (d,):
+        raise InvalidInput(f"obstacle {box.name or box.kind!r} has {np.size(box.size)} edges, the robot lives in "
+                           f"{d} dimensions")
+    turn, c, s = np.eye(d), np.cos(box.yaw), np.sin(box.yaw)
+    turn[:2, :2] = [[c, -s], [s, c]]
+    center = as_array(box.position, "position", (d,), "m")
+    anchors, exits = ((points - center) @ turn for points in (_anchors(robot, poses), robot.exit_points))
+    return box_distance(anchors, np.broadcast_to(exits, anchors.shape), np.asarray(box.size) / 2)
+
+
+def _anchors(robot: Robot, poses: Pose) -> Array:
+    return poses.position[..., None, :] + anchor_offsets(robot, poses)
