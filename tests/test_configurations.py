@@ -151,6 +151,11 @@ def test_the_three_sequences_of_the_paper(marionet):
     assert all(s.steps[0][0].tolist() == S and s.steps[-1][0].tolist() == G for s in found)
 
 
+def test_a_change_on_an_edge_is_not_safe_however_well_the_edge_is_known(marionet):
+    found = plan_configurations(marionet, S, G, position_uncertainty=0.0, exit_uncertainty=0.0)
+    assert [(s.score, s.safe) for s in found] == [(4, True), (10, False), (11, False)]
+
+
 @pytest.mark.parametrize("position, cables, distances, score", [
     (S, (1, 3, 4), (0.87, 2.65, 1.54), 3), ((1.1406, 0.9248), (1, 3, 4), (1.32, 2.14, 1.75), 1),
     ((1.1406, 0.9248), (1, 2, 3), (1.32, 1.83, 2.14), 1), (G, (1, 2, 3), (2.05, 1.32, 1.49), 1),

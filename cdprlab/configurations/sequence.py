@@ -90,12 +90,13 @@ class _Way:
 
     def overlap(self, old: Configuration, new: Configuration) -> tuple[float, float, bool] | None:
         """Where old may become new: the certain window if there is one, else the nominal overlap; and which it is."""
-        for windows, slack in ((self.certain, 0.0), (self.nominal, _EDGE)):
+        # A certain window is more than a point: on a shared edge, known exactly, only two cables hold.
+        for windows, least in ((self.certain, _EDGE), (self.nominal, -_EDGE)):
             if old in windows and new in windows:
                 first = max(windows[old][0], windows[new][0])
                 last = min(windows[old][1], windows[new][1])
-                if first <= last + slack:
-                    return min(first, last) if slack else first, last, windows is self.certain
+                if last - first >= least:
+                    return min(first, last), last, windows is self.certain
         return None
 
     def shared_edge(self, old: Configuration, new: Configuration) -> float | None:
