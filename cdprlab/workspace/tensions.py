@@ -15,6 +15,7 @@ from ..robot import Robot
 from ..statics import gravity_wrench, tipping_rows, wrench_matrix
 from ..tensions.polygon import CENTROID, plain
 from .criterion import Criterion, Flags, Judgement, unknown, verdict
+from .facets import capacity_margins
 from .programs import margin_by_program, standing_by_program
 
 ROUNDING = 1e-9
@@ -43,22 +44,46 @@ class WrenchClosure(Criterion):
 class WrenchFeasible(Criterion):
     """Tensions within the limits balance the weight and every one of the given external wrenches.
 
-    wrenches : (k, n) or (n,) external wrenches besides the weight; default none [N, N m]
-    margin : the largest s with τ_min + s ≤ τ ≤ τ_max − s, the smallest over the wrenches [N]
-    Source: Bosscher et al. 2006; the margin is the tension margin of Ruiz et al. 2015 with all cables alike.
+    wrenches : (k, n) or (n,) external wrenches besides the weight, their convex hull included; default 0 [N, N m]
+    half_widths : (n,) of a box around each of them; default none [N, N m]
+    by : "tensions", or "facets" of the available wrench set, which take a box of wrenches at the price of one;
+        default the facets for a box
+    margin : by tensions the largest s with τ_min + s ≤ τ ≤ τ_max − s, the smallest over the wrenches; by facets the
+        smallest distance of a wrench from a facet, 1 N m counting as 1 N [N]
+    Raises InvalidInput for half widths that are negative, or another ``by``.
+    Source: Bosscher et al. 2006; tension margin: Ruiz et al. 2015 with all cables alike; capacity margin: Guay et al.
+        2014.
     """
 
     wrenches: ArrayLike | None = None
+    half_widths: ArrayLike | None = None
+    by: str | None = None
     unit = "N"
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
         low, high = robot.tension_min, robot.tension_max
-        loads = external_wrenches(self.wrenches, robot.n_dof)
+        loads, half = external_wrenches(self.wrenches, robot.n_dof), self._half(robot.n_dof)
+        if self._by_facets():
+            s = capacity_margins(W, weight, loads, half, low, high, exact=margin)[0]
+            inside = s >= -ROUNDING * high.max()
+            return Judgement(inside, s) if margin else unknown(inside)
+        loads = box_loads(loads, half)
         if not margin:
             return unknown(np.logical_and.reduce([feasible(W, weight + load, low, high) for load in loads]))
         s = np.min([tension_margins(W, weight + load, low, high) for load in loads], axis=0)
         return Judgement(s >= -ROUNDING * high.max(), s)
+
+    def _half(self, n: int) -> Array:
+        half = np.zeros(n) if self.half_widths is None else as_array(self.half_widths, "half_widths", (n,), "N, N m")
+        if (half < 0).any():
+            raise InvalidInput(f"half_widths must not be negative, got {half.tolist()}")
+        return half
+
+    def _by_facets(self) -> bool:
+        if self.by not in (None, "tensions", "facets"):
+            raise InvalidInput(f"by must be 'tensions' or 'facets', got {self.by!r}")
+        return self.by == "facets" or (self.by is None and self.half_widths is not None)
 
 
 @dataclass(frozen=True)
@@ -95,7 +120,7 @@ class DynamicEquilibrium(Criterion):
         W, weight, M = wrench_matrix(robot, poses), _weights(robot, poses), mass_matrix(robot, poses)
         low, high = robot.tension_min, robot.tension_max
         # Wrenches are convex in the acceleration: the corners decide, and directions that are held make none.
-        corners = [np.array(signs) * half for signs in product(*[(1, -1) if h else (0,) for h in half])]
+        corners = box_loads(np.zeros((1, half.size)), half)
         s = np.min([tension_margins(W, weight - M @ corner, low, high) for corner in corners], axis=0)
         return Judgement(s >= -ROUNDING * high.max(), s)
 
@@ -173,6 +198,12 @@ def external_wrenches(wrenches: ArrayLike | None, n: int) -> Array:
     if wrenches is None:
         return np.zeros((1, n))
     return np.atleast_2d(as_array(wrenches, "wrenches", (n,), "N, N m", batch=True))
+
+
+def box_loads(loads: Array, half: Array) -> Array:
+    """(k 2ʰ, n) corners of a box around each load; directions without width make none."""
+    signs = np.array(list(product(*[(1.0, -1.0) if h else (0.0,) for h in half])))
+    return np.asarray((loads[:, None] + signs * half).reshape(-1, half.size))
 
 
 def _weights(robot: Robot, poses: Pose) -> Array:
