@@ -25,7 +25,7 @@ ifneq ($(and $(PYTHON),$(wildcard $(BIN)/python)),)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help run test lab lessons student-zip docs bench requirements clean
+.PHONY: help run test lab designer lessons student-zip docs bench requirements clean
 run test bench: export OMP_NUM_THREADS = 1
 
 help:  ## this list
@@ -45,6 +45,9 @@ lab: $(VENV)/.students  ## JupyterLab with your own copies of the lessons, in my
 	$(BIN)/python lessons/my_lessons.py my_lessons
 	cd my_lessons && "$(abspath $(BIN))/jupyter" lab $(if $(filter 0,$(shell id -u)),--allow-root)
 
+designer: $(VENV)/.students  ## the robot designer as a page in your browser
+	$(BIN)/voila cdprlab/view/designer/page.ipynb
+
 lessons: $(VENV)/.tests  ## for instructors: the lessons without their solutions, from lessons/source/
 	$(BIN)/python lessons/source/release.py
 
@@ -59,7 +62,7 @@ bench: $(VENV)/.tests  ## speed, as ratios to what it stands on
 
 requirements:  ## pin again what is installed (needs uv)
 	$(UV) pip compile --universal --python-version 3.11 --upgrade --no-annotate --quiet --no-emit-index-url --no-emit-package pip \
-	  --custom-compile-command "make requirements" --extra lab pyproject.toml --output-file requirements.txt
+	  --custom-compile-command "make requirements" --extra lab --extra designer pyproject.toml --output-file requirements.txt
 	$(UV) pip compile --universal --python-version 3.11 --upgrade --no-annotate --quiet --no-emit-index-url --no-emit-package pip \
 	  --custom-compile-command "make requirements" --constraint requirements.txt --group tests \
 	  --output-file tests/requirements.txt
