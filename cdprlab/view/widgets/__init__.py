@@ -17,6 +17,7 @@ _HOMES = {
     "tension_explorer": "tension",
     "base_explorer": "bases",
     "twist_set_explorer": "twist_set",
+    "wrench_set_explorer": "wrench_set",
     "configuration_explorer": "configurations",
     "gain_explorer": "gains",
 }
