@@ -35,7 +35,7 @@ def load_world(name_or_path: str | Path) -> World:
         raise WorldError([f"cannot read {path}: {error.strerror}"]) from None
     except UnicodeDecodeError:
         raise WorldError([f"{path}: not a text file in UTF-8"]) from None
-    return World.from_dict(_parse(text, str(path)), path=str(path))
+    return World.from_yaml(text, path=str(path))
 
 
 def world_schema() -> dict[str, Any]:
@@ -58,7 +58,8 @@ def yaml_format() -> Any:
     return yaml
 
 
-def _parse(text: str, path: str) -> Any:
+def parsed(text: str, path: str) -> Any:
+    """The document of a text in YAML; raises WorldError naming ``path`` and line."""
     from ruamel.yaml.constructor import DuplicateKeyError
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 

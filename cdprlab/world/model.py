@@ -89,6 +89,21 @@ class World:
 
         return read_world(document, path)
 
+    @classmethod
+    def from_yaml(cls, text: str, *, path: str = "world") -> World:
+        """A world from the text of a world file.
+
+        Raises WorldError as `from_dict`, and for text that is no YAML.
+
+        >>> import cdprlab as cl
+        >>> World.from_yaml(cl.load_world("caroca").to_yaml()).robot.n_cables
+        8
+        """
+        from .files import parsed
+        from .reader import read_world
+
+        return read_world(parsed(text, path), path)
+
     @property
     def engine(self) -> str:
         """"planar" (pymunk) or "spatial" (PyBullet)."""
@@ -110,13 +125,17 @@ class World:
         target = Path(path)
         if not target.parent.is_dir():
             raise InvalidInput(f"cannot save {target}: there is no folder {target.parent}")
+        target.write_text(self.to_yaml(), encoding="utf-8")
+        return target
+
+    def to_yaml(self) -> str:
+        """The text that `save` writes."""
         from .files import yaml_format
         from .writer import updated_document
 
         buffer = io.StringIO()
         yaml_format().dump(updated_document(self, World.from_dict), buffer)
-        target.write_text(buffer.getvalue(), encoding="utf-8")
-        return target
+        return buffer.getvalue()
 
     def to_dict(self) -> dict[str, Any]:
         """Plain dicts and lists; ``World.from_dict(world.to_dict())`` is the same world."""
