@@ -112,6 +112,15 @@ def test_interval_forms_hold_each_other(seed):
     assert ranges["contractor"] == pytest.approx((low, high), abs=1e-4)  # twenty halvings of less than 20 m²
 
 
+def test_intervals_leave_the_rounding_of_everything_else_alone():
+    """A process that rounds upward prints 1.38 as 1.3800000000000001, and every sum is a little too large."""
+    for _ in range(2):
+        low, high = side_range(np.array([0.1, 0.0]), np.array([0.3, 0.0]), np.array([0.0, 0.1]), 0.0, 0.0, "natural")
+        assert low < high  # 0.1 is no binary number: a sharp answer would be no enclosure
+        assert float("1.38") == 1.38 and repr(float("1.38")) == "1.38"
+        assert -(-1.0 - 2.0**-60) == 1.0 and 1.0 + 2.0**-60 == 1.0
+
+
 def test_the_natural_form_loses_the_safe_change(marionet):
     """The paper's own transition at x = 1.40 is certain for every form but the one with A_i written twice."""
     M = np.array(S) + (1.38 - 0.60) / 1.30 * (np.array(G) - S)

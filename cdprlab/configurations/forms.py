@@ -6,7 +6,10 @@ twice therefore answers with a range that is too wide: it may call uncertain wha
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import ctypes
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from ..arrays import Array
@@ -31,8 +34,33 @@ def side_range(start: Array, end: Array, position: Array, exit_uncertainty: floa
     """
     if form not in FORMS:
         raise InvalidInput(f"interval form must be one of {', '.join(FORMS)}, got {form!r}")
-    boxes = [_box(start, exit_uncertainty), _box(end, exit_uncertainty), _box(position, position_uncertainty)]
-    return FORMS[form](*boxes)
+    with _outward_rounding():
+        boxes = [_box(start, exit_uncertainty), _box(end, exit_uncertainty), _box(position, position_uncertainty)]
+        return FORMS[form](*boxes)
+
+
+_direction: list[int] = []
+"""The processor's rounding direction that the interval library wants, once it is known."""
+
+
+@contextmanager
+def _outward_rounding() -> Iterator[None]:
+    """The interval library at work.
+
+    Its import makes the processor round upward, for the whole process, and its intervals rely on that. All else relies
+    on rounding to nearest: what was set is set again.
+    """
+    c = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None)
+    before = c.fegetround()
+    import codac  # noqa: F401  (its import sets the direction)
+
+    if not _direction:
+        _direction.append(c.fegetround())
+    c.fesetround(_direction[0])
+    try:
+        yield
+    finally:
+        c.fesetround(before)
 
 
 def _box(center: Array, radius: float) -> Any:
