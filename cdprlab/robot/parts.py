@@ -140,6 +140,9 @@ class Winch:
     efficiency : of the gear, 0 to 1
     torque : the motor's largest [N m]
     coulomb, viscous : friction at the motor [N m], [N m s/rad]
+    static : friction at breakaway, at the motor; 0: no more than Coulomb's [N m]
+    inertia : of all that turns, at the motor [kg m²]
+    speed : the motor's largest [rad/s]
     """
 
     drum_radius: float
@@ -148,6 +151,9 @@ class Winch:
     torque: float = float("inf")
     coulomb: float = 0.0
     viscous: float = 0.0
+    static: float = 0.0
+    inertia: float = 0.0
+    speed: float = float("inf")
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from ..fast_statics import CYCLE
 from ..pose import Pose
 from ..robot import Base, Robot
 from ..world import World
+from .ropes import rope_law
 from .spatial import Leg, SpatialSimulator, leg_joints, quaternion_of, turn_z_to
 
 _ALONG, _ACROSS, _ABOUT, _BODY = 0, 1, 2, 6  # joints that drive, and the link that is the base
@@ -44,6 +45,7 @@ class MobileSimulator(SpatialSimulator):
         self._bodies: list[int] = []
         self._boxes: dict[str, int] = {}
         self._grips: dict[str, int] = {}
+        self._drawn: dict[str, tuple[Array, Array]] = {}
         self._box_sizes: dict[str, Array] = {}
         self._carried: list[tuple[int, list[int], Array]] = []
         self._targets = _places(world.robot)
@@ -126,10 +128,12 @@ class MobileSimulator(SpatialSimulator):
         return self._link >= 0
 
     # --- boxes and the gripper --------------------------------------------------------------------
-    def add_box(self, name: str, position: ArrayLike, size: ArrayLike, mass: float, yaw: float = 0.0) -> None:
+    def add_box(self, name: str, position: ArrayLike, size: ArrayLike, mass: float, yaw: float = 0.0,
+                friction: float = 0.5) -> None:
         """Put a loose box into the world.
 
         position : (3,) of its center [m]; size : (3,) [m]; mass : [kg]; yaw : [rad]
+        friction : the box's factor of the coefficient of friction; boards and floor have 0.5
         """
         if name in self._boxes:
             raise InvalidInput(f"there is a box {name!r} already")
@@ -139,6 +143,7 @@ class MobileSimulator(SpatialSimulator):
         place = as_array(position, "position", (3,), "m").tolist()
         self._boxes[name] = int(b.createMultiBody(mass, shape, basePosition=place, physicsClientId=client,
                                                   baseOrientation=b.getQuaternionFromEuler([0, 0, yaw])))
+        b.changeDynamics(self._boxes[name], -1, lateralFriction=friction, physicsClientId=client)
         self._box_sizes[name] = 2 * np.array(half)
 
     def box_pose(self, name: str) -> Pose:
@@ -152,7 +157,32 @@ class MobileSimulator(SpatialSimulator):
         if name not in self._grips:
             # What is held must not also push: platform and box overlap where the box lies in the tray.
             self._collide(name, False)
+            (pa, ra), (pb, rb) = self._placed(self._platform, -1), self._placed(self._box(name), -1)
+            self._drawn[name] = ra.T @ (pb - pa), ra.T @ rb
             self._grips[name] = self._fixed(self._platform, -1, self._box(name), -1)
+
+    def draw(self, name: str, stroke: ArrayLike) -> None:
+        """Let the gripper hold a gripped box off the place where it was gripped.
+
+        stroke : (3,) in platform axes, a little more every step or the box is torn away [m]
+        """
+        if name not in self._grips:
+            raise InvalidInput(f"box {name!r} is not gripped; gripped are {', '.join(self._grips) or 'none'}")
+        pivot = self._drawn[name][1].T @ -as_array(stroke, "stroke", (3,), "m")
+        self._bullet.changeConstraint(self._grips[name], jointChildPivot=pivot.tolist(), physicsClientId=self._client)
+
+    def is_gripped(self, name: str) -> bool:
+        """Whether a loose box is held at the platform."""
+        return name in self._grips
+
+    def carry(self, robot: Robot) -> None:
+        """Let ropes of commanded length know what hangs on them; tensions need not be told.
+
+        robot : the world's with the payload it carries now
+        """
+        if self._ropes is not None:
+            elasticity = robot.elasticity if self.cables == "elastic" else None
+            self._ropes = rope_law(robot, self.dt, elasticity)
 
     def release(self, name: str) -> None:
         """Let a box go."""

@@ -61,6 +61,33 @@ class Task:
         return quintic(self.start, self.end, self.duration)
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PickAndPlace(Task):
+    """Take a box from where it stands to its place: a job of many phases, see `picking`.
+
+    box_size, box_mass : [m], [kg]
+    box_position, place : (3,) center of the box before and after; its face is flush with the edge of its board [m]
+    seat : (3,) center of a box that is drawn in, platform frame [m]
+    stroke : (3,) from there to the box on its board, world axes, the platform level [m]
+    tilt : (3,) roll, pitch, yaw at which the platform hooks and unhooks [rad]
+    clearance : to the shelf as the platform moves along it [m]
+    coupled : base name → (x, y, heading) of the base that drives away first, empty if none does [m, m, rad]
+    """
+
+    box_size: Array
+    box_mass: float
+    box_position: Array
+    place: Array
+    seat: Array
+    stroke: Array
+    tilt: Array
+    clearance: float
+    coupled: Mapping[str, tuple[float, float, float]]
+
+    def trajectory(self) -> Trajectory:
+        raise InvalidInput("a pick_and_place task is no single motion: use cdprlab.picking.pick_and_place(world)")
+
+
 @dataclass(frozen=True, eq=False)
 class World:
     """A robot, where it starts, what is around it and what it shall do.

@@ -13,7 +13,7 @@ from ..errors import InvalidInput, Location, WorldError
 from ..pose import Pose
 from ..robot import Base, Cable, Elasticity, Platform, Robot, Winch, inertia_matrix, motion_pattern
 from .mistakes import existing_parts, explanation, key_guesses, kind_of, line_number, place_text, plain
-from .model import Box, Document, Scene, Task, World
+from .model import Box, Document, PickAndPlace, Scene, Task, World
 from .writer import styled
 
 
@@ -70,7 +70,8 @@ class _Reader:
         tasks = {"default": Task("hold", pose, pose, 2.0)}
         for name, block in file.tasks.items():
             with _under("tasks", name):
-                tasks[name] = _task(block, pose, d)
+                tasks[name] = (_pick_and_place(block, pose, robot) if block.kind == "pick_and_place"
+                               else _task(block, pose, d))
         return World(file.name, file.title, file.source, robot, pose, scene, tasks, self._kept())
 
     def _kept(self) -> Any:
@@ -163,8 +164,9 @@ def _winch(block: Any) -> Winch | None:
     if block is None:
         return None
     torque = float("inf") if block.torque is None else block.torque
-    return Winch(block.drum_radius, block.gear_ratio, block.efficiency, torque,
-                 block.friction.coulomb, block.friction.viscous)
+    speed = float("inf") if block.speed is None else block.speed
+    return Winch(block.drum_radius, block.gear_ratio, block.efficiency, torque, block.friction.coulomb,
+                 block.friction.viscous, block.friction.static, block.inertia, speed)
 
 
 def _elasticity(block: Any) -> Elasticity | None:
@@ -181,6 +183,25 @@ def _task(block: Any, pose: Pose, d: int) -> Task:
     with _under("to"):
         end = _pose(block.to, d)
     return Task("quintic", start, end, block.duration, block.hold)
+
+
+def _pick_and_place(block: Any, pose: Pose, robot: Robot) -> PickAndPlace:
+    if robot.dimension == 2 or not robot.bases:
+        raise InvalidInput("pick_and_place needs a spatial robot with mobile bases", ("kind",))
+    with _under("from"):
+        start = pose if block.start is None else _pose(block.start, 3)
+    coupled = {}
+    if block.coupled is not None:
+        with _under("coupled", "base"):
+            robot.base(block.coupled.base)
+        coupled[block.coupled.base] = (*block.coupled.pose.position, block.coupled.pose.heading)
+    box, gripper = block.box, block.gripper
+    vectors = (np.array(v) for v in (box.size, box.position, block.place, gripper.seat, gripper.stroke, gripper.tilt))
+    size, position, place, seat, stroke, tilt = map(frozen, vectors)
+    if not stroke.any():
+        raise InvalidInput("the stroke must not be zero", ("gripper", "stroke"))
+    return PickAndPlace("pick_and_place", start, start, 1.0, box_size=size, box_mass=box.mass, box_position=position,
+                        place=place, seat=seat, stroke=stroke, tilt=tilt, clearance=gripper.clearance, coupled=coupled)
 
 
 def _scene(block: Any, d: int) -> Scene:

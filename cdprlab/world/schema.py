@@ -63,6 +63,7 @@ class ElasticityBlock(_Part):
 class FrictionBlock(_Part):
     coulomb: NotNegative = Field(0.0, description="[N m]")
     viscous: NotNegative = Field(0.0, description="[N m s/rad]")
+    static: NotNegative = Field(0.0, description="at breakaway, where it is more than Coulomb's [N m]")
 
 
 class WinchBlock(_Part):
@@ -70,6 +71,8 @@ class WinchBlock(_Part):
     gear_ratio: Positive = Field(1.0, description="motor turns per drum turn")
     efficiency: Annotated[Number, Field(gt=0, le=1)] = Field(1.0, description="of the gear")
     torque: Positive | None = Field(None, description="largest motor torque [N m]; default unlimited")
+    speed: Positive | None = Field(None, description="largest motor speed [rad/s]; default unlimited")
+    inertia: NotNegative = Field(0.0, description="of all that turns, at the motor [kg m²]")
     friction: FrictionBlock = Field(default_factory=FrictionBlock, description="at the motor")
 
 
@@ -141,6 +144,33 @@ class HoldTask(_Part):
     duration: Positive = Field(description="[s]")
 
 
+class LoadBlock(_Part):
+    size: SpatialEdges = Field(description="edges [m]")
+    mass: Positive = Field(description="[kg]")
+    position: Triple = Field(description="center where it stands, its face flush with the board's edge [m]")
+
+
+class GripperBlock(_Part):
+    seat: Triple = Field(description="center of a box drawn in, platform frame [m]")
+    stroke: Triple = Field(description="from there to the center of a box on its board, world axes, level [m]")
+    tilt: Triple = Field(description="roll, pitch, yaw at which the platform hooks and unhooks [rad]")
+    clearance: Positive = Field(0.1, description="how far the platform keeps from the shelf as it moves along it [m]")
+
+
+class CoupledBlock(_Part):
+    base: str = Field(description="the base that drives away")
+    pose: BasePoseBlock = Field(description="where it stands at first, coupled to the other")
+
+
+class PickAndPlaceTask(_Part):
+    kind: Literal["pick_and_place"] = Field(description="take a box from a shelf and put it elsewhere; mobile bases")
+    start: PoseBlock | None = Field(None, alias="from", description="default: the platform's pose")
+    coupled: CoupledBlock | None = Field(None, description="left out: the bases stand where `bases` says")
+    box: LoadBlock
+    place: Triple = Field(description="center of the box's place [m]")
+    gripper: GripperBlock
+
+
 class WorldFile(_Part):
     name: str = Field(pattern=r"^[A-Za-z0-9_\-]+$")
     title: str = ""
@@ -156,4 +186,5 @@ class WorldFile(_Part):
     winch: WinchBlock | None = None
     bases: list[BaseBlock] = Field(default_factory=list)
     scene: SceneBlock = Field(default_factory=SceneBlock)
-    tasks: dict[str, Annotated[QuinticTask | HoldTask, Field(discriminator="kind")]] = Field(default_factory=dict)
+    tasks: dict[str, Annotated[QuinticTask | HoldTask | PickAndPlaceTask, Field(discriminator="kind")]] = Field(
+        default_factory=dict)

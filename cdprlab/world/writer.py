@@ -97,7 +97,9 @@ def _drives(robot: Robot) -> Block:
         "cable": stretch and {"axial_stiffness": stretch.axial_stiffness, "damping": stretch.damping},
         "winch": winch and {"drum_radius": winch.drum_radius, "gear_ratio": winch.gear_ratio,
                             "efficiency": winch.efficiency, "torque": _finite(winch.torque),
-                            "friction": {"coulomb": winch.coulomb, "viscous": winch.viscous}},
+                            "speed": _finite(winch.speed), "inertia": winch.inertia,
+                            "friction": {"coulomb": winch.coulomb, "viscous": winch.viscous,
+                                         "static": winch.static}},
     }
 
 

@@ -1,0 +1,39 @@
+"""Tensions that keep mobile bases standing: the limits, and a row for every edge a base could tip about."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array
+from .method import INFEASIBLE, NOT_FINITE, Solution
+
+
+def standing_tensions(W: Array, w_e: Array, low: Array, high: Array, rows: Array, offset: Array, *,
+                      toward: ArrayLike = 0.0) -> Solution:
+    """min ‖τ − τ₀‖² subject to W τ + w_e = 0, the limits, and G τ + g ≤ 0.
+
+    W, w_e : (n, m), (n,) [N, N m]; low, high : (m,) [N]
+    rows, offset : G (k, m) [m] and g (k,) [N m], as `tipping_rows` gives them for all bases; k may be 0
+    toward : τ₀, a number or (m,): 0 is the least norm, more stiffens the robot [N]
+    Returns tensions (m,) and '' or the reason why there are none.
+    Source: Pedemonte et al. 2020, eq. (21)–(24), as constraints of Okoli 2016, eq. (6.25).
+
+    >>> W, none = np.array([[1.0, -1.0]]), np.zeros((0, 2))
+    >>> standing_tensions(W, np.zeros(1), np.ones(2), np.full(2, 9.0), none, np.zeros(0))[0]
+    array([1., 1.])
+    """
+    import quadprog
+
+    m = low.shape[0]
+    if not (np.isfinite(w_e).all() and np.isfinite(offset).all()):   # quadprog answers NaN with numbers
+        return np.full(m, np.nan), NOT_FINITE
+    identity = np.eye(m)
+    constraints = np.concatenate([W.T, identity, -identity, -rows.T], axis=1)
+    bounds = np.concatenate([-w_e, low, -high, offset])
+    wanted = np.broadcast_to(np.asarray(toward, dtype=float), (m,)).copy()
+    try:
+        found = quadprog.solve_qp(identity, wanted, constraints, bounds, W.shape[0], True)[0]
+    except ValueError:
+        return np.full(m, np.nan), f"{INFEASIBLE} and keep every base standing" if rows.size else INFEASIBLE
+    return np.clip(found, low, high), ""
