@@ -11,6 +11,15 @@ settings.register_profile("laws", derandomize=True, deadline=None, suppress_heal
 settings.load_profile("laws")
 
 
+@pytest.fixture(autouse=True)
+def numbers_round_to_nearest():
+    """Interval libraries change how the processor rounds; none may leave it so."""
+    yield
+    from cdprlab.intervals import rounds_to_nearest
+
+    assert rounds_to_nearest(), "the processor was left rounding otherwise: use cdprlab.intervals.outward()"
+
+
 class MissingEngines:
     """Skips, with the reason, what asks for an engine that has no wheel on this machine.
 

@@ -10,11 +10,11 @@ import cdprlab
 
 PACKAGE = Path(cdprlab.__file__).parent
 ROOMS = (
-    "errors", "arrays", "pose", "robot", "world", "geometry", "kinematics", "statics", "tensions", "sets", "workspace",
-    "configurations", "trajectory", "control", "simulate", "run", "view", "__main__",
+    "errors", "arrays", "intervals", "pose", "robot", "world", "geometry", "kinematics", "statics", "tensions", "sets", "workspace",
+    "configurations", "trajectory", "control", "simulate", "run", "picking", "view", "__main__",
 )
 CLOSETS = {"compare": "run", "redundancy": "kinematics", "fast_statics": "statics", "base_placement": "workspace",
-           "fast_control": "control", "winding": "control", "switching": "run"}
+           "fast_control": "control", "winding": "control", "switching": "run", "winch": "control"}
 """Files that belong to a room without being in its folder."""
 UPWARDS = {
     ("run", "view"): "a table of results draws itself, when asked",

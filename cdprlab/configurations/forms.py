@@ -6,14 +6,12 @@ twice therefore answers with a range that is too wide: it may call uncertain wha
 
 from __future__ import annotations
 
-import ctypes
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 
 from ..arrays import Array
 from ..errors import InvalidInput
+from ..intervals import outward
 
 Side = Callable[[Any, Any, Any], tuple[float, float]]
 """Boxes of A_i, A_j and M in plan → the range of the side."""
@@ -34,33 +32,9 @@ def side_range(start: Array, end: Array, position: Array, exit_uncertainty: floa
     """
     if form not in FORMS:
         raise InvalidInput(f"interval form must be one of {', '.join(FORMS)}, got {form!r}")
-    with _outward_rounding():
+    with outward():
         boxes = [_box(start, exit_uncertainty), _box(end, exit_uncertainty), _box(position, position_uncertainty)]
         return FORMS[form](*boxes)
-
-
-_direction: list[int] = []
-"""The processor's rounding direction that the interval library wants, once it is known."""
-
-
-@contextmanager
-def _outward_rounding() -> Iterator[None]:
-    """The interval library at work.
-
-    Its import makes the processor round upward, for the whole process, and its intervals rely on that. All else relies
-    on rounding to nearest: what was set is set again.
-    """
-    c = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None)
-    before = c.fegetround()
-    import codac  # noqa: F401  (its import sets the direction)
-
-    if not _direction:
-        _direction.append(c.fegetround())
-    c.fesetround(_direction[0])
-    try:
-        yield
-    finally:
-        c.fesetround(before)
 
 
 def _box(center: Array, radius: float) -> Any:
