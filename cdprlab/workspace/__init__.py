@@ -1,5 +1,6 @@
 """Workspaces: which poses a robot can serve, by criteria that combine, over grids, swept and certified."""
 
+from .certified import CertifiedWorkspace, certify
 from .criterion import Criterion, Judgement
 from .grids import PoseGrid, low_discrepancy_poses, position_grid, random_poses
 from .interference import InterferenceFree
@@ -17,7 +18,8 @@ from .tensions import (
 from .twists import TwistFeasible
 
 __all__ = [
-    "AllOrientations", "AnyOrientation", "Criterion", "DynamicEquilibrium", "InterferenceFree", "Judgement",
-    "PoseGrid", "RefinedWorkspace", "StaticEquilibrium", "StaticallyStable", "TippingSafe", "TwistFeasible",
-    "WrenchClosure", "WrenchFeasible", "low_discrepancy_poses", "position_grid", "random_poses", "refine", "workspace",
+    "AllOrientations", "AnyOrientation", "CertifiedWorkspace", "Criterion", "DynamicEquilibrium", "InterferenceFree",
+    "Judgement", "PoseGrid", "RefinedWorkspace", "StaticEquilibrium", "StaticallyStable", "TippingSafe",
+    "TwistFeasible", "WrenchClosure", "WrenchFeasible", "certify", "low_discrepancy_poses", "position_grid",
+    "random_poses", "refine", "workspace",
 ]

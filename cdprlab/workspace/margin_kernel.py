@@ -156,18 +156,22 @@ def _lift(rows: Array, limits: Array, used: int, x: Array) -> None:
 def _best(rows: Array, limits: Array, used: int, x: Array, active: Array, held: Any, basis: Array, gram: Array,
           mu: Array, direction: Array) -> bool:
     """The point with the largest last coordinate; −inf there where no point meets the rows that have none of it."""
-    broken = False
+    broken, size = False, 0.0
     for i in range(used):
+        size = max(size, abs(limits[i]))
         broken |= rows[i, 2] == 0.0 and limits[i] < 0.0
     if broken:
-        # Rows that s does not soften are broken at λ = 0: a first climb, with all rows softened, mends that.
-        soft = rows.copy()
+        # Rows without s are broken at λ = 0. Softened themselves, and s kept from going above 0, a first climb mends
+        # that; the other rows can wait, as a low enough s meets them anywhere.
+        soft, ends = rows.copy(), limits.copy()
         for i in range(used):
+            if rows[i, 2] != 0.0:
+                soft[i, 0] = soft[i, 1] = ends[i] = 0.0
             soft[i, 2] = 1.0
-        _lift(soft, limits, used, x)
-        if not _climb(soft, limits, used, x, active, held, basis, gram, mu, direction):
+        _lift(soft, ends, used, x)
+        if not _climb(soft, ends, used, x, active, held, basis, gram, mu, direction):
             return False
-        if x[2] < 0.0:
+        if x[2] < -_FLAT * size:
             x[2] = -np.inf
             return True
     _lift(rows, limits, used, x)

@@ -1,0 +1,103 @@
+"""Interval arithmetic on whole arrays, rounded outward: after every operation both ends move one number out.
+
+The operations of numpy are correctly rounded, so the true result lies between the neighbors of the computed one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Intervals:
+    """An array of intervals [lower, upper]; a plain number or array is exact.
+
+    >>> third = Intervals(1.0, 1.0) * 0.1
+    >>> bool(third.lower < 0.1 < third.upper)
+    True
+    """
+
+    lower: Any
+    upper: Any
+    __array_ufunc__ = None   # numpy arrays on the left leave the operation to this class
+
+    def __add__(self, other: Intervals | ArrayLike) -> Intervals:
+        b = exact(other)
+        return _outward(self.lower + b.lower, self.upper + b.upper)
+
+    def __sub__(self, other: Intervals | ArrayLike) -> Intervals:
+        b = exact(other)
+        return _outward(self.lower - b.upper, self.upper - b.lower)
+
+    def __mul__(self, other: Intervals | ArrayLike) -> Intervals:
+        b = exact(other)
+        products = [x * y for x in (self.lower, self.upper) for y in (b.lower, b.upper)]
+        return _outward(np.minimum.reduce(products), np.maximum.reduce(products))
+
+    def __truediv__(self, other: Intervals) -> Intervals:
+        """By intervals that are positive."""
+        quotients = [x / y for x in (self.lower, self.upper) for y in (other.lower, other.upper)]
+        return _outward(np.minimum.reduce(quotients), np.maximum.reduce(quotients))
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __rsub__(self, other: ArrayLike) -> Intervals:
+        return exact(other) - self
+
+    def __getitem__(self, index: Any) -> Intervals:
+        return Intervals(self.lower[index], self.upper[index])
+
+    def square(self) -> Intervals:
+        """x², which is never negative."""
+        a, b = self.lower * self.lower, self.upper * self.upper
+        least = np.where((self.lower <= 0) & (self.upper >= 0), 0.0, np.minimum(a, b))
+        out = _outward(least, np.maximum(a, b))
+        return Intervals(np.maximum(out.lower, 0.0), out.upper)
+
+    def sqrt(self) -> Intervals:
+        """Of what is not negative but by rounding."""
+        out = _outward(np.sqrt(np.maximum(self.lower, 0.0)), np.sqrt(self.upper))
+        return Intervals(np.maximum(out.lower, 0.0), out.upper)
+
+    def total(self) -> Intervals:
+        """Sum over the last axis, one by one."""
+        result = self[..., 0]
+        for i in range(1, self.lower.shape[-1]):
+            result = result + self[..., i]
+        return result
+
+    def times(self, matrix: Array) -> Intervals:
+        """(…, a) times exact (…, a, b): Σ x_i M_ij, (…, b)."""
+        result = self[..., 0, None] * matrix[..., 0, :]
+        for i in range(1, matrix.shape[-2]):
+            result = result + self[..., i, None] * matrix[..., i, :]
+        return result
+
+    @property
+    def magnitude(self) -> Array:
+        """Largest |x|."""
+        return np.maximum(np.abs(self.lower), np.abs(self.upper))
+
+
+def exact(value: Intervals | ArrayLike) -> Intervals:
+    """Intervals without width."""
+    if isinstance(value, Intervals):
+        return value
+    number = np.asarray(value, dtype=float)
+    return Intervals(number, number)
+
+
+def stack(parts: list[Intervals]) -> Intervals:
+    """Side by side along a new last axis."""
+    lows, highs = (np.broadcast_arrays(*[getattr(part, end) for part in parts]) for end in ("lower", "upper"))
+    return Intervals(np.stack(lows, axis=-1), np.stack(highs, axis=-1))
+
+
+def _outward(lower: Any, upper: Any) -> Intervals:
+    return Intervals(np.nextafter(lower, -np.inf), np.nextafter(upper, np.inf))
