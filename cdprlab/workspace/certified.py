@@ -15,8 +15,8 @@ from ..robot import Robot
 from ..statics import gravity_wrench
 from .criterion import Flags
 from .facets import capacity_margins
+from .interval_arrays import Intervals
 from .interval_statics import PoseBoxes, centers, certainly_inside, certainly_outside
-from .intervals import Intervals
 from .sweep import Progress
 from .tensions import best_tensions, external_wrenches
 from .wrenches import wrench_matrices
@@ -131,7 +131,8 @@ def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array | None, loa
         s, tau = best_tensions(W, weight + load, robot.tension_min, robot.tension_max)
         good, bad = s > 0, (s < 0) & ~outside
         inside &= good
-        inside[good] &= certainly_inside(_some(boxes, good), load, W[good], tau[good], lengths[good])
+        if good.any():
+            inside[good] &= certainly_inside(_some(boxes, good), load, W[good], tau[good], lengths[good])
         if bad.any():
             normal = capacity_margins(W[bad], weight[bad], load[None], np.zeros(robot.n_dof), robot.tension_min,
                                       robot.tension_max)[1]

@@ -17,7 +17,7 @@ from ..intervals import outward
 from ..pose import Pose
 from ..robot import Robot
 from .criterion import Flags
-from .intervals import Intervals, exact, stack
+from .interval_arrays import Intervals, exact, stack
 
 _TINY = 1e-12
 

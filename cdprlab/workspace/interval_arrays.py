@@ -1,6 +1,6 @@
 """Interval arithmetic on whole arrays, rounded outward: after every operation both ends move one number out.
 
-The operations of numpy are correctly rounded, so the true result lies between the neighbors of the computed one.
+Whichever way the processor rounds, the true result of one operation lies between the neighbors of the computed one.
 """
 
 from __future__ import annotations
