@@ -106,6 +106,22 @@ def without_entry(world: World, key: str, index: int) -> World:
     return read(document)
 
 
+def on_base(world: World, cable: int, name: str | None) -> World:
+    """The world with a cable's exit point on another base, or none; it stays where it is in the world frame.
+
+    cable : from 0
+    """
+    point, robot = world.robot.exit_points[cable], world.robot
+    if name is not None:
+        base = robot.base(name)
+        point = (point - base.origin) @ base.rotation
+    document = copy.deepcopy(world.document)
+    block = _own(_own(document, "cables", None), cable, None)
+    _put(block, "base", name)
+    _put(block, "exit_point", point)
+    return read(document)
+
+
 def read(document: Any) -> World:
     """The world of a document; its mistakes name cable and key, but no line, for the file's lines have moved.
 

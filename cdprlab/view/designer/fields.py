@@ -11,7 +11,7 @@ from ...errors import InvalidInput
 from ...robot import MOTION_PATTERNS
 from ...world import World
 from ...world.mistakes import plain
-from .edits import Path, edited, field_name, value_at
+from .edits import Path, edited, field_name, on_base, value_at
 
 DEGREE = float(np.pi / 180)
 
@@ -53,10 +53,12 @@ class Place(NamedTuple):
     base: int = 0
 
 
+FIRST = Place()
+
 GROUPS = ("cables", "all cables", "platform", "start", "bases", "task")
 
 
-def rows(world: World, group: str, place: Place = Place()) -> list[Row]:
+def rows(world: World, group: str, place: Place = FIRST) -> list[Row]:
     """The rows of a group for a world as it is.
 
     Raises InvalidInput for an unknown group.
@@ -100,6 +102,8 @@ def typed(world: World, field: Field, entry: Any) -> World:
     """
     if entry == shown(field, world):
         return world
+    if field.path[-1] == "base":
+        return on_base(world, int(field.path[1]), entry)
     value = _value(field, entry)
     if value is None and field.removes:
         return edited(world, field.removes, None)

@@ -10,11 +10,11 @@ from ...errors import InvalidInput
 State = TypeVar("State")
 
 
-class Step(NamedTuple):
+class Step(NamedTuple, Generic[State]):
     """One edit: its name and the state on its far side."""
 
     label: str
-    state: object
+    state: State
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class History(Generic[State]):
     """
 
     present: State
-    past: tuple[Step, ...] = ()
-    future: tuple[Step, ...] = ()
+    past: tuple[Step[State], ...] = ()
+    future: tuple[Step[State], ...] = ()
     most: int = 200
 
     def done(self, label: str, state: State) -> History[State]:

@@ -20,6 +20,7 @@ _HOMES = {
     "wrench_set_explorer": "wrench_set",
     "configuration_explorer": "configurations",
     "gain_explorer": "gains",
+    "robot_designer": ".designer.panel",
     "workspace_explorer": "workspaces",
 }
 """Public name → the file of this folder it lives in; one line each. No file is named as what it exports: once

@@ -1,0 +1,102 @@
+"""Fields as widgets, row by row; what is typed is told, what the robot says is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import ipywidgets
+
+from ...world import World
+from .fields import Field, Row, shown
+
+Typed = Callable[[Field, Any], object]
+_WIDTH = "21em"
+
+
+class Form:
+    """The widgets of some rows; `show` fills them, and makes new ones only where other kinds of fields come.
+
+    typed : called with a field and what was typed or chosen
+    """
+
+    def __init__(self, typed: Typed) -> None:
+        self._typed = typed
+        self.box = ipywidgets.VBox([], layout={"width": _WIDTH})
+        self.entries: dict[tuple[str, str], Any] = {}
+        self._fields: dict[tuple[str, str], Field] = {}
+        self._shape: object = None
+        self._quiet = False
+
+    def show(self, rows: list[Row], world: World) -> None:
+        """Fill the form with the fields' values."""
+        self._fields = {(row.label, field.label): field for row in rows for field in row.fields}
+        shape = [(key, field.unit, field.kind, field.options) for key, field in self._fields.items()]
+        self._quiet = True
+        try:
+            if shape != self._shape:
+                self._shape = shape
+                self._make(rows, world)
+            for key, field in self._fields.items():
+                self.entries[key].value = shown(field, world)
+        finally:
+            self._quiet = False
+
+    def _make(self, rows: list[Row], world: World) -> None:
+        self._close()
+        self.box.children = [self._row(row, world) for row in rows]
+
+    def _row(self, row: Row, world: World) -> Any:
+        if len(row.fields) == 1:
+            (field,) = row.fields
+            return self._entry(row, field, world, f"{row.label}{_in(field)}", "100%", "9.5em")
+        unit = _in(row.fields[0])
+        label = ipywidgets.Label(f"{row.label}{unit}", layout={"width": "100%", "margin": "4px 0 0 2px"})
+        entries = [self._entry(row, field, world, field.label, "33%", "2.6em" if len(field.label) > 1 else "1.2em")
+                   for field in row.fields]
+        return ipywidgets.VBox([label, ipywidgets.HBox(entries)])
+
+    def _entry(self, row: Row, field: Field, world: World, description: str, width: str, words: str) -> Any:
+        look: dict[str, Any] = {"description": description, "layout": {"width": width, "min_width": "0"},
+                                "style": {"description_width": words},
+                                "tooltip": f"{row.label} {field.label}".strip() + _in(field) + _HELP[field.kind]}
+        if field.kind == "number":
+            entry: Any = ipywidgets.FloatText(step=field.step, **look)
+        elif field.kind == "choice":
+            options = [("none" if option is None else str(option), option) for option in field.options]
+            entry = ipywidgets.Dropdown(options=options, value=shown(field, world), **look)
+        else:
+            hint = _EMPTY.get(str(field.path[-1]), "none")
+            entry = ipywidgets.Text(continuous_update=False, placeholder=hint, **look)
+        key = row.label, field.label
+        self.entries[key] = entry
+        entry.observe(lambda change, key=key: self._changed(key, change["new"]), names="value")
+        return entry
+
+    def _changed(self, key: tuple[str, str], value: Any) -> None:
+        if not self._quiet:
+            self._typed(self._fields[key], value)
+
+    def _close(self) -> None:
+        for part in self.box.children:
+            let_go(part)
+        self.entries = {}
+
+
+def let_go(widget: Any) -> None:
+    """Close a widget, all it holds, and their styles and layouts."""
+    for child in getattr(widget, "children", ()):
+        let_go(child)
+    widget.unobserve_all()
+    for model in (getattr(widget, "style", None), widget.layout, widget):
+        if model is not None:
+            model.close()
+
+
+_EMPTY = {"inertia": "of a uniform box", "speed": "unlimited", "axial_stiffness": "does not stretch"}
+_HELP = {"number": "", "choice": "", "maybe": "; may be left empty", "numbers": "; may be left empty",
+         "points": "; x, y; x, y; …"}
+
+
+def _in(field: Field) -> str:
+    return f" [{field.unit}]" if field.unit else ""
