@@ -6,10 +6,21 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
-from cdprlab.errors import InvalidInput
+from cdprlab.errors import InvalidInput, MissingDependency
 from cdprlab.view import widgets
 from cdprlab.view.widgets.explorer import Slider
 from cdprlab.view.widgets.gains import error_decay, judge, sampled_error, step_matrix
+
+try:
+    from cdprlab.simulate.spatial import import_pybullet
+
+    import_pybullet()
+    ENGINE = True
+except MissingDependency:
+    ENGINE = False
+
+
+flies = pytest.mark.skipif(not ENGINE, reason="PyBullet is not installed")
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +77,7 @@ def test_a_fast_clock_is_the_continuous_equation():
         assert gap[1] == pytest.approx(gap[0] / 10, rel=0.1)
 
 
+@flies
 def test_an_engine_does_what_the_step_matrix_says():
     """The CAROCA on ideal cables, its goal jumping by 10 mm: the error falls as the matrix has it."""
     world = cl.load_world("caroca")
