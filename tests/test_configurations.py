@@ -292,6 +292,15 @@ def test_the_slack_length_is_the_smallest_that_makes_the_choice_certain(marionet
     assert 0.01 < slack < 0.20  # with 1 cm of error, the paper's 20 cm are on the safe side here
 
 
+def test_the_slack_length_is_the_first_that_is_certain(marionet):
+    """At longer slack another triplet may come into question again, where its cables just meet."""
+    place = [1.64, 0.84, 1.80]
+    slack = slack_length(marionet, place, (1, 2, 3), 0.005)
+    lengths = np.linalg.norm(EXITS - place, axis=1)
+    assert len(compatible_configurations(marionet, lengths + [0, 0, 0, 0.62], 0.005)) > 1
+    assert slack < 0.05 and compatible_configurations(marionet, lengths + [0, 0, 0, slack], 0.005) == ((1, 2, 3),)
+
+
 def test_taut_from_noise(marionet):
     rng = np.random.default_rng(1)
     readings = np.array([60.0, 30.0, 0.0, 1.0]) + rng.normal(0, 0.5, (100, 4))

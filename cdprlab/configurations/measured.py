@@ -15,7 +15,9 @@ from .accuracy import position_sensitivity
 from .classify import as_position, certainty
 from .configuration import Configuration, triplets
 
-_LONGEST_SLACK = 4.0  # m
+_GROWTH = 1.1
+_SLACKS = tuple(1e-3 * _GROWTH**k for k in range(88))
+"""Tried in turn, a millimeter to four meters [m]."""
 
 
 def compatible_configurations(robot: Robot, lengths: ArrayLike, length_error: float = 0.01, *,
@@ -72,10 +74,12 @@ def slack_length(robot: Robot, position: ArrayLike, configuration: Iterable[int]
         found = compatible_configurations(robot, rho + slack * others, length_error, exit_uncertainty=exit_uncertainty)
         return found == (chosen,)
 
-    if not certain(_LONGEST_SLACK):
+    # Certainty may end again at longer slack, where another triplet's cables just meet: the first that is certain.
+    high = next((slack for slack in _SLACKS if certain(slack)), None)
+    if high is None:
         raise InvalidInput(f"no slack makes {chosen} certain at {M.tolist()} with lengths known to ± {length_error:g} "
                            "m: the position is too near an edge of its triangle")
-    low, high = 0.0, _LONGEST_SLACK
+    low = high / _GROWTH
     while high - low > 1e-4:  # a tenth of a millimetre: winches do not know better
         middle = (low + high) / 2
         low, high = (low, middle) if certain(middle) else (middle, high)
