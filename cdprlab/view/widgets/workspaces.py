@@ -177,7 +177,8 @@ class WorkspaceExplorer(Explorer):
             return "Pulling cables hold the weight, however hard they must pull for it."
         if values["criterion"] == "dynamic_equilibrium":
             return f"{limits} give P every acceleration up to {values['acceleration']:g} m/s² in x and in y."
-        return f"{limits} hold the weight and every push up to {values['push']:g} N in x and in y."
+        push = f" and every push up to {values['push']:g} N in x and in y" if values["push"] else ""
+        return f"{limits} hold the weight{push}."
 
     def describe(self, values: Values) -> str:
         state = self.state(values)
