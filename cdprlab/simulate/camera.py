@@ -115,6 +115,19 @@ class Camera:
                      None if rope_lengths is None else as_array(rope_lengths, "rope_lengths", (robot.n_cables,), "m"))
         return canvas.picture(_OVERSAMPLING)
 
+    def surface(self, triangles: ArrayLike, color: Color, width: int = 640, height: int = 480) -> Picture:
+        """The surroundings with a solid surface in them, such as the border of a workspace.
+
+        triangles : (k, 3, 3) corners [m]
+        Returns (height, width, 3).
+        """
+        view, background = self._background(width, height)
+        canvas = background.copy()
+        _draw_supports(canvas, view, self.world, self.world.robot)
+        for triangle in as_array(triangles, "triangles", ("k", 3, 3), "m"):
+            _draw_face(canvas, view, triangle, color)
+        return canvas.picture(_OVERSAMPLING)
+
     def project(self, points: ArrayLike, width: int = 640, height: int = 480) -> Array:
         """Where world points appear in the picture.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -50,7 +51,7 @@ class PoseGrid:
         """All of them at once."""
         return self[:]
 
-    def field(self, values: Array) -> Array:
+    def field(self, values: ArrayLike) -> Any:
         """Values of all poses, laid out over the axes."""
         return np.asarray(values).reshape(self.shape)
 

@@ -1,0 +1,227 @@
+"""Pictures of workspaces: maps with contours of the margin, certified boxes, and the border in space."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PatchCollection
+from matplotlib.colors import ListedColormap
+from matplotlib.patches import Patch, Rectangle
+
+from ..arrays import Array
+from ..errors import InvalidInput
+from ..robot import Robot
+from ..workspace import CertifiedWorkspace, Judgement, PoseGrid, RefinedWorkspace
+from ..workspace.grids import axis_names
+from ..workspace.surface import border_triangles
+from ..world import World
+from .plots import Figure
+from .style import BLUE, GREY, INK, VERMILION, WARNING, house_style
+
+_PALE = "#A9CBE3"
+_SURFACE = (86, 150, 200)
+
+
+def plot_workspace(robot: Robot, grid: PoseGrid, judgement: Judgement, *, title: str = "", unit: str = "",
+                   quantity: str = "margin") -> Figure:
+    """A map over a plane grid: inside shaded by the margin with contours, outside pale red, the border as a line.
+
+    robot : its exit points are drawn where they lie in the plane's directions
+    grid : with two axes; judgement : of its poses
+    unit, quantity : of the margin, for the color bar
+    Raises InvalidInput for a grid that is no plane.
+    """
+    with house_style():
+        figure = _sized(np.array([np.ptp(places) for places in grid.axes.values()][:2]))
+        draw_workspace(figure.add_subplot(), robot, grid, judgement, unit=unit, quantity=quantity)
+        figure.axes[0].set_title(title)
+        figure.alt_text = f"{title or 'Workspace'}. {describe(grid, judgement, unit)}"
+        return figure
+
+
+def plot_workspaces(robot: Robot, grid: PoseGrid, judgements: Mapping[str, Judgement], *, title: str = "",
+                    unit: str = "", quantity: str = "margin", columns: int = 2) -> Figure:
+    """Several maps over the same grid, one panel a name, with the same scale of the margin."""
+    rows = -(-len(judgements) // columns)
+    finite = [j.margin[j.inside & np.isfinite(j.margin)] for j in judgements.values()]
+    most = max((float(np.quantile(part, 0.97)) for part in finite if part.size), default=0.0)
+    with house_style():
+        figure = Figure(figsize=(4.9 * columns, 0.5 + 3.7 * rows), layout="constrained")
+        for panel, (name, judgement) in zip(figure.subplots(rows, columns, squeeze=False).ravel(), judgements.items()):
+            draw_workspace(panel, robot, grid, judgement, unit=unit, quantity=quantity, most=most)
+            panel.set_title(name)
+        for panel in figure.axes[len(judgements):rows * columns]:
+            panel.set_axis_off()
+        figure.suptitle(title, x=0.01, ha="left", fontsize=12, fontweight="bold")
+        figure.alt_text = f"{title}. " + " ".join(f"{name}: {describe(grid, judgement, unit)}"
+                                                  for name, judgement in judgements.items())
+        return figure
+
+
+def draw_workspace(axes: Axes, robot: Robot, grid: PoseGrid, judgement: Judgement, *, unit: str = "",
+                   quantity: str = "margin", most: float | None = None) -> None:
+    """The map of `plot_workspace` on axes of one's own.
+
+    most : margin at the end of the color scale; default the largest there is
+    """
+    if len(grid.axes) != 2:
+        raise InvalidInput(f"a map needs a grid over two axes, this one is over {', '.join(grid.axes)}; hold one axis "
+                           "by giving it the same lower and upper end")
+    (x_name, x), (y_name, y) = grid.axes.items()
+    inside, margin = grid.field(judgement.inside).T, grid.field(judgement.margin).T
+    axes.pcolormesh(x, y, np.ma.masked_where(inside, inside), cmap=ListedColormap([WARNING]), shading="nearest")
+    shown = np.where(inside & np.isfinite(margin), margin, np.nan)
+    if np.isfinite(shown).any():
+        _shade(axes, x, y, shown, f"{quantity} [{unit}]" if unit else quantity, most)
+    else:
+        axes.pcolormesh(x, y, np.ma.masked_where(~inside, inside), cmap=ListedColormap([_PALE]), shading="nearest")
+    if inside.any() and not inside.all():
+        axes.contour(x, y, inside.astype(float), [0.5], colors=INK, linewidths=1.6)
+    _frame(axes, robot, (x_name, y_name), x, y)
+
+
+def plot_certified(robot: Robot, found: CertifiedWorkspace, *, title: str = "") -> Figure:
+    """Boxes certainly inside (blue), certainly outside (vermilion, hatched) and undecided (grey) of a plane.
+
+    Raises InvalidInput where the boxes vary along other than two axes.
+    """
+    columns = np.flatnonzero(found.varying)
+    if len(columns) != 2:
+        raise InvalidInput(f"certified boxes are drawn over two axes, these vary along {len(columns)}; hold the others")
+    names = [("xyφ" if robot.dimension == 2 else "xyz")[k] for k in columns]
+    looks: dict[str, tuple[Array, Any]] = {
+        "certainly inside": (found.inside, {"facecolor": _PALE, "edgecolor": BLUE}),
+        "certainly outside": (found.outside, {"facecolor": WARNING, "edgecolor": VERMILION, "hatch": "///"}),
+        "undecided": (found.undecided, {"facecolor": GREY, "edgecolor": GREY})}
+    with house_style():
+        figure = _sized((found.upper.max(axis=0) - found.lower.min(axis=0))[columns])
+        axes = figure.add_subplot()
+        for boxes, look in looks.values():
+            patches = [Rectangle(low[columns], *(high - low)[columns]) for low, high in boxes]
+            axes.add_collection(PatchCollection(patches, linewidth=0.3, **look))
+        _frame(axes, robot, (names[0], names[1]), *np.stack([found.lower.min(axis=0), found.upper.max(axis=0)])
+               .T[columns])
+        keys: Any = [Patch(label=name, **look) for name, (_, look) in looks.items()]
+        figure.legend(handles=keys, loc="outside lower left", ncols=3)
+        axes.set_title(title)
+        low, high = found.bounds
+        counts = ", ".join(f"{len(boxes)} boxes {name}" for name, (boxes, _) in looks.items())
+        figure.alt_text = f"{title or 'Certified workspace'}. {counts}; inside measures {low:.4g} to {high:.4g}."
+        return figure
+
+
+def plot_refined(robot: Robot, found: RefinedWorkspace, *, title: str = "") -> Figure:
+    """Cells inside (blue) and on the border (grey) of a plane, as fine as they were split.
+
+    Raises InvalidInput for cells that are not plane.
+    """
+    if len(found.axes) != 2:
+        raise InvalidInput(f"refined cells are drawn over two axes, these are over {', '.join(found.axes)}")
+    with house_style():
+        figure = _sized(found.upper.max(axis=0) - found.lower.min(axis=0))
+        axes = figure.add_subplot()
+        for chosen, face, edge in ((found.inside, _PALE, BLUE), (found.border, GREY, GREY)):
+            patches = [Rectangle((low[0], low[1]), *(high - low)) for low, high in
+                       zip(found.lower[chosen], found.upper[chosen])]
+            axes.add_collection(PatchCollection(patches, linewidth=0.3, facecolor=face, edgecolor=edge))
+        _frame(axes, robot, (found.axes[0], found.axes[1]), *np.stack([found.lower.min(axis=0),
+                                                                       found.upper.max(axis=0)]).T)
+        axes.set_title(title)
+        figure.alt_text = (f"{title or 'Refined workspace'}. {int(found.inside.sum())} cells inside, "
+                           f"{int(found.border.sum())} on the border: {found.measure:.4g} ± {found.error:.2g}.")
+        return figure
+
+
+def workspace_scene(world: World, grid: PoseGrid, judgement: Judgement) -> Any:
+    """The border of a workspace in space, to be turned with the mouse, with the robot at its start inside.
+
+    grid : over x, y and z; judgement : of its poses
+    Returns k3d.Plot.
+    """
+    import k3d
+
+    from .scene import scene
+
+    triangles = border_triangles(grid, judgement)
+    plot = scene(world)
+    corners = triangles.reshape(-1, 3).astype(np.float32)
+    red, green, blue = _SURFACE
+    plot += k3d.mesh(corners, np.arange(len(corners), dtype=np.uint32).reshape(-1, 3), opacity=0.45, flat_shading=True,
+                     color=red << 16 | green << 8 | blue, side="double", name="border of the workspace")
+    return plot
+
+
+def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: str | Path, width: int = 960) -> Path:
+    """A PNG of the border of a workspace in space, with frame and floor; its description goes into the file.
+
+    path : ends in .png; width : [pixels]
+    """
+    from PIL import Image, PngImagePlugin
+
+    from ..simulate.camera import Camera
+
+    target = Path(path)
+    if target.suffix.lower() != ".png" or not target.parent.is_dir():
+        raise InvalidInput(f"cannot save {target}: give a path that ends in .png, in a folder that exists")
+    picture = Camera(world).surface(border_triangles(grid, judgement), _SURFACE, width, 3 * width // 4)
+    text = PngImagePlugin.PngInfo()
+    text.add_text("Description", f"Border of a workspace of {world.title or world.name}. {describe(grid, judgement)}")
+    Image.fromarray(picture).save(target, pnginfo=text)
+    return target
+
+
+def describe(grid: PoseGrid, judgement: Judgement, unit: str = "") -> str:
+    """What the picture shows, in words."""
+    inside = judgement.inside
+    where = ", ".join(f"{name} from {a[0]:.4g} to {a[-1]:.4g} m" for name, a in grid.axes.items())
+    text = f"{100 * inside.mean():.1f} % of {len(grid)} poses inside, {where}"
+    known = judgement.margin[inside & np.isfinite(judgement.margin)]
+    return f"{text}; margins up to {known.max():.4g} {unit}".rstrip() + "." if known.size else f"{text}."
+
+
+def _shade(axes: Axes, x: Array, y: Array, margin: Array, label: str, most: float | None) -> None:
+    """Blue, the darker the better; the few largest margins share the last color, so that the others can be told."""
+    import matplotlib
+
+    blues = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.12, 0.72, 256)))
+    known = margin[np.isfinite(margin)]
+    top = (float(np.quantile(known, 0.97)) if most is None else most) or float(known.max()) or 1.0
+    drawn = axes.pcolormesh(x, y, margin, cmap=blues, vmin=0, vmax=top, shading="nearest")
+    levels = np.unique([float(f"{level:.2g}") for level in top * np.array([0.2, 0.4, 0.6, 0.8])])
+    lines = axes.contour(x, y, np.ma.masked_invalid(margin), levels, colors=INK, linewidths=0.6)
+    axes.clabel(lines, fmt=_number, fontsize=8)
+    figure: Any = axes.figure
+    figure.colorbar(drawn, ax=axes, label=label, location="bottom" if np.ptp(x) > np.ptp(y) else "right", aspect=35,
+                    extend="max" if known.max() > top else "neither")
+
+
+def _number(value: float) -> str:
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
+def _sized(extent: Array) -> Figure:
+    """A figure as high as its map needs."""
+    width, height = extent
+    return Figure(figsize=(7.6, float(np.clip(1.9 + 6.4 * height / max(width, 1e-9), 3.4, 7.6))), layout="constrained")
+
+
+def _frame(axes: Axes, robot: Robot, names: tuple[str, str], x: Array, y: Array) -> None:
+    """Axes with units, and the exit points as far as the plane has their directions."""
+    if "φ" not in names:
+        columns = [axis_names(robot.dimension).index(name) for name in names]
+        exits = robot.exit_points[:, columns]
+        axes.plot(*exits.T, "s", color=INK, markersize=5, label="exit points", clip_on=False, zorder=5)
+        x, y = np.append(x, exits[:, 0]), np.append(y, exits[:, 1])
+        axes.set_aspect("equal")
+    pad = 0.03 * max(float(np.ptp(x)), float(np.ptp(y)))
+    axes.set(xlabel=_label(names[0]), ylabel=_label(names[1]), xlim=(x.min() - pad, x.max() + pad),
+             ylim=(y.min() - pad, y.max() + pad))
+    axes.grid(False)
+
+
+def _label(name: str) -> str:
+    return f"{name} [rad]" if name == "φ" else f"{name} [m]"
