@@ -55,3 +55,43 @@ def computed_torque(kp: list[float], kd: list[float], state: State, reference: R
     mass = body.mass
     return np.array([mass * ax, mass * ay, mass * (az + state.robot.gravity),
                      a*u + b*v + c*w, d*u + e*v + f*w, g*u + h*v + i*w])
+
+
+def mass_and_bias(robot: Robot, rotation: Array, twist: Array) -> tuple[Array, Array]:
+    """M and h of W τ = M a + h, the same equation as `inverse_dynamics`, for a spatial platform with its mass anywhere.
+
+    rotation : (3, 3); twist : (6,) of P in world axes
+    Returns (6, 6) and (6,), weight included [kg, kg m, kg m²; N, N m].
+    """
+    body = robot.platform
+    mass = body.mass
+    x, y, z = c = rotation.dot(body.center_of_mass)
+    arm = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    inertia = rotation.dot(body.inertia).dot(rotation.T) - mass * arm.dot(arm)   # about P
+    p, q, r = spin = twist[3:]
+    turn = np.array([[0.0, -r, q], [r, 0.0, -p], [-q, p, 0.0]])
+    matrix = np.empty((6, 6))
+    matrix[:3, :3] = mass * _EYE
+    matrix[3:, :3] = mass * arm
+    matrix[:3, 3:] = -mass * arm
+    matrix[3:, 3:] = inertia
+    weight = mass * robot.gravity
+    bias = np.empty(6)
+    bias[:3] = mass * turn.dot(turn.dot(c))
+    bias[2] += weight
+    bias[3:] = turn.dot(inertia.dot(spin))
+    bias[3] += y * weight
+    bias[4] -= x * weight
+    return matrix, bias
+
+
+def turn_between(rotation: Array, wanted: Array) -> tuple[float, float, float]:
+    """log(R_d Rᵀ), less than half a turn [rad]."""
+    (_, a, b), (c, _, d), (e, f, _) = rows = wanted.dot(rotation.T).tolist()
+    x, y, z = f - d, b - e, c - a
+    sine = math.sqrt(x*x + y*y + z*z)
+    factor = math.atan2(sine, rows[0][0] + rows[1][1] + rows[2][2] - 1) / sine if sine > 2e-9 else 0.5
+    return x * factor, y * factor, z * factor
+
+
+_EYE = np.eye(3)

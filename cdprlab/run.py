@@ -123,7 +123,7 @@ class Run:
         units = {name: unit for name, (_, unit) in columns.items()}
         arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}
         np.savez_compressed(target / "log.npz", units=np.array(json.dumps(units)), **arrays)
-        _write_csv(target / "log.csv", columns)
+        write_csv(target / "log.csv", columns)
         self.world.save(target / "world.yaml")
         settings = {"task": self.task, "method": self.method, "cables": self.cables, **self.settings}
         (target / "settings.json").write_text(json.dumps(settings, indent=1) + "\n", encoding="utf-8")
@@ -475,7 +475,8 @@ def _describe(controller: Any) -> str:
     return getattr(controller, "__name__", type(controller).__name__)
 
 
-def _write_csv(path: Path, columns: dict[str, tuple[Array, str]]) -> None:
+def write_csv(path: Path, columns: dict[str, tuple[Array, str]]) -> None:
+    """One row a step; column groups of several values get numbers, counted from 1, and their unit."""
     blocks = {name: (values.reshape(values.shape[0], -1), unit) for name, (values, unit) in columns.items()}
     header = []
     for name, (values, unit) in blocks.items():

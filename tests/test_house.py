@@ -14,7 +14,8 @@ ROOMS = (
     "configurations", "trajectory", "control", "simulate", "run", "picking", "view", "__main__",
 )
 CLOSETS = {"compare": "run", "redundancy": "kinematics", "fast_statics": "statics", "base_placement": "workspace",
-           "fast_control": "control", "winding": "control", "switching": "run", "winch": "control"}
+           "fast_control": "control", "winding": "control", "switching": "run", "winch": "control",
+           "command_workspace": "__main__"}
 """Files that belong to a room without being in its folder."""
 UPWARDS = {
     ("run", "view"): "a table of results draws itself, when asked",

@@ -94,8 +94,12 @@ class MobileSimulator(SpatialSimulator):
             place, turn = self._placed(body)
             corners = place + (np.insert(base.footprint, 2, 0.0, axis=1) - base.center_of_mass) @ turn.T
             force = np.zeros(len(corners))
-            for contact in self._bullet.getContactPoints(bodyA=body, linkIndexA=_BODY, physicsClientId=self._client):
-                force[int(np.linalg.norm(corners - contact[5], axis=1).argmin())] += contact[9]
+            contacts = self._bullet.getContactPoints(bodyA=body, linkIndexA=_BODY, physicsClientId=self._client)
+            if contacts:
+                points = np.array([contact[5] for contact in contacts])
+                nearest = ((points[:, None] - corners)**2).sum(axis=2).argmin(axis=1)
+                # Bullet divides a substep's impulse by the whole step.
+                np.add.at(force, nearest, [contact[9] * self._substeps for contact in contacts])
             loads[base.name] = force
         return loads
 
@@ -213,18 +217,19 @@ class MobileSimulator(SpatialSimulator):
         super()._pulled(tensions, substeps)
 
     def _steer(self, period: float) -> None:
-        control, b, client = self._bullet.setJointMotorControl2, self._bullet, self._client
+        control, b, client, now = self._bullet.setJointMotorControl2, self._bullet, self._client, self.base_poses
         for k, (base, body) in enumerate(zip(self.world.robot.bases, self._bodies)):
             spin, along, across = self._speeds[3 * k:3 * k + 3].tolist()
             towed = self.is_coupled and k == 1
             heading = self._targets[k, 2] + spin * period / 2
             c, s = np.cos(heading), np.sin(heading)
             rates = (c * along - s * across, s * along + c * across, spin)
+            # Bullet's own position motors lag behind where a step has substeps: half of what is missing a step.
+            missing = (self._targets[k] - now[k]) / (2 * period)
             self._targets[k] += np.array(rates) * period
             force = 0.0 if towed else _TRACTION * base.mass * self.world.robot.gravity
-            for joint, target, rate in zip((_ALONG, _ACROSS, _ABOUT), self._targets[k].tolist(), rates):
-                control(body, joint, b.POSITION_CONTROL, targetPosition=target, targetVelocity=rate, force=force,
-                        positionGain=0.5, velocityGain=1.0, physicsClientId=client)
+            for joint, rate in zip((_ALONG, _ACROSS, _ABOUT), (missing + rates).tolist()):
+                control(body, joint, b.VELOCITY_CONTROL, targetVelocity=rate, force=force, physicsClientId=client)
 
     def _read(self) -> None:
         self._present = None

@@ -1,0 +1,191 @@
+"""Two controllers of one interface: velocity control of the winches, and torque control behind their friction.
+
+Both are started with the engine, and each control step get what the robot shall do and advance the engine by it.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import cache
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import InvalidInput
+from ..fast_control import mass_and_bias, turn_between
+from ..fast_statics import standing_rows
+from ..geometry import cable_lengths
+from ..kinematics import base_jacobian, jacobian
+from ..pose import Pose
+from ..robot import Robot, Winch
+from ..simulate.mobile import MobileSimulator
+from ..tensions.distribution import solver_for
+from ..tensions.standing import standing_tensions
+from ..trajectory import Reference
+from ..winch import Friction, cable_tensions, friction_experiment, identify_friction, motor_speed, motor_torque
+
+
+class Order(NamedTuple):
+    """What to do in the coming control step.
+
+    reference : where the platform should be at its begin
+    robot : with what it is known to carry; its bases as the world has them
+    base_speeds : (3p,) driven during the step [rad/s, m/s]
+    period : [s]
+    """
+
+    reference: Reference
+    robot: Robot
+    base_speeds: Array
+    period: float
+
+
+class Effort(NamedTuple):
+    """What it took.
+
+    tensions : (m,) commanded, NaN where lengths are [N]
+    torques : (m,) of the motors [N m]; speeds : (m,) of the motors, positive winding in [rad/s]
+    feasible : the wanted wrench was balanced within the limits, or the winches reached their lengths
+    """
+
+    tensions: Array
+    torques: Array
+    speeds: Array
+    feasible: bool
+
+
+class WinchControl(ABC):
+    """A controller of the winches; ``cables`` is the engine's cable model it needs."""
+
+    name: ClassVar[str]
+    cables: ClassVar[str]
+
+    def start(self, engine: MobileSimulator) -> None:
+        """Get ready for an engine that has just been reset."""
+        self.winch = _winch_of(engine.world.robot)
+
+    @abstractmethod
+    def step(self, engine: MobileSimulator, order: Order) -> Effort:
+        """Advance the engine by one control step."""
+
+
+class TorqueControl(WinchControl):
+    """Computed torque, a distribution that keeps the bases standing, and motor torques that make up for friction.
+
+    kp, kd : gains, as those of `ComputedTorque` [1/s², 1/s]
+    standing : whether tipping rows are in the quadratic program
+    toward : tension the distribution stays near, 0 for the least norm [N]
+    margin : kept from the cables' limits, for what friction leaves [N]
+    reserve : kept from tipping [N m]
+    friction : believed; default: identified by `friction_experiment`
+    """
+
+    name, cables = "torque", "tension"
+
+    def __init__(self, kp: float = 900.0, kd: float = 60.0, *, standing: bool = True, toward: float = 0.0,
+                 margin: float = 1.0, reserve: float = 5.0, friction: Friction | None = None) -> None:
+        if min(kp, kd) < 0:
+            raise InvalidInput(f"kp and kd must not be negative, got {kp:g} and {kd:g}")
+        self.kp, self.kd, self.standing, self.toward = float(kp), float(kd), standing, float(toward)
+        self.margin, self.reserve, self.friction = float(margin), float(reserve), friction
+
+    def start(self, engine: MobileSimulator) -> None:
+        super().start(engine)
+        robot = engine.world.robot
+        self.low, self.high = robot.tension_min + self.margin, robot.tension_max - self.margin
+        self.relaxed = solver_for("relaxed", robot.n_dof, self.low, self.high)
+        self.believed = _identified(self.winch) if self.friction is None else self.friction
+        self.real = Friction.of(self.winch)
+        self.edges = standing_rows(robot)
+
+    def step(self, engine: MobileSimulator, order: Order) -> Effort:
+        W, wish = engine.wrench_matrix, order.reference
+        mass, bias = mass_and_bias(order.robot, engine.rotation, engine.twist)
+        tau, feasible = self._tensions(engine, W, mass @ self._acceleration(engine, wish) + bias)
+        paid = _base_rates(engine, order.base_speeds)
+        # Friction of the speed that is wanted, not of the one measured: its sign must not chatter at rest.
+        torques = motor_torque(self.winch, self.believed, tau, -wish.twist @ W - paid, -wish.acceleration @ W)
+        torques = np.clip(torques, -self.winch.torque, self.winch.torque)
+        rates = -engine.twist @ W - paid
+        # What the cables really carry: the winches' own friction and inertia stand between.
+        lightness = np.linalg.inv(mass)
+        pulled = cable_tensions(self.winch, self.real, torques, rates, lightness @ bias @ W, W.T @ lightness @ W,
+                                order.period)
+        engine.step(pulled, round(order.period / engine.dt))
+        return Effort(tau, torques, motor_speed(self.winch, rates), feasible)
+
+    def _acceleration(self, engine: MobileSimulator, wish: Reference) -> Array:
+        """a_d + K_d ė + K_p e, as `ComputedTorque` asks for it."""
+        off = np.array([*(wish.pose.position - engine.position), *turn_between(engine.rotation, wish.pose.rotation)])
+        return wish.acceleration + self.kd * (wish.twist - engine.twist) + self.kp * off
+
+    def _tensions(self, engine: MobileSimulator, W: Array, wrench: Array) -> tuple[Array, bool]:
+        rows, offset = np.zeros((0, W.shape[1])), np.zeros(0)
+        if self.standing:
+            rows, offset = self.edges(engine.directions, engine.base_poses[:, 2])
+            offset = offset + self.reserve
+        tau, reason = standing_tensions(W, -wrench, self.low, self.high, rows, offset, toward=self.toward)
+        return (self.relaxed(W, -wrench)[0], False) if reason else (tau, True)
+
+
+class VelocityControl(WinchControl):
+    """Winch speeds l̇ = J t − B_b q̇_b of the wanted motion, and what of the wanted lengths is missing.
+
+    gain : of the length error [1/s]
+    Source: Pedemonte et al. 2020, section 2.3, with the base Jacobian as corrected in `base_jacobian`.
+    """
+
+    name, cables = "velocity", "length"
+
+    def __init__(self, gain: float = 20.0) -> None:
+        if gain < 0:
+            raise InvalidInput(f"gain must not be negative [1/s], got {gain:g}")
+        self.gain = float(gain)
+
+    def start(self, engine: MobileSimulator) -> None:
+        super().start(engine)
+        self.lengths = np.array(engine.rope_lengths)
+        fastest = self.winch.speed * self.winch.drum_radius / self.winch.gear_ratio
+        self.fastest = np.minimum(engine.world.robot.speed_max, fastest)
+
+    def step(self, engine: MobileSimulator, order: Order) -> Effort:
+        robot, wish = engine.robot, order.reference
+        rates = jacobian(robot, wish.pose) @ wish.twist
+        if order.base_speeds.any():
+            rates = rates - base_jacobian(robot, wish.pose) @ order.base_speeds
+        rates = rates + self.gain * (cable_lengths(robot, wish.pose) - self.lengths)
+        kept = np.clip(rates, -self.fastest, self.fastest)
+        self.lengths = self.lengths + kept * order.period
+        reached = engine.wind(self.lengths, round(order.period / engine.dt))
+        torques = motor_torque(self.winch, Friction.of(self.winch), engine.tensions, kept, 0.0)
+        return Effort(np.full(kept.size, np.nan), torques, motor_speed(self.winch, kept),
+                      reached and bool((kept == rates).all()))
+
+
+def winch_control(control: str | WinchControl) -> WinchControl:
+    """The controller of that name, "torque" or "velocity", or the one given."""
+    if isinstance(control, WinchControl):
+        return control
+    known = {"torque": TorqueControl, "velocity": VelocityControl}
+    if control not in known:
+        raise InvalidInput(f"control must be {' or '.join(map(repr, known))}, or a WinchControl, got {control!r}")
+    return known[control]()
+
+
+def _base_rates(engine: MobileSimulator, speeds: Array) -> Array:
+    """(m,) B_b q̇_b: what driving bases pay of the cables' lengths [m/s]."""
+    if not speeds.any():
+        return np.zeros(engine.wrench_matrix.shape[1])
+    return base_jacobian(engine.robot, Pose.of(engine.position, engine.rotation)) @ speeds
+
+
+def _winch_of(robot: Robot) -> Winch:
+    if robot.winch is None:
+        raise InvalidInput("winches are to be controlled, but the world has no `winch:` block")
+    return robot.winch
+
+
+@cache
+def _identified(winch: Winch) -> Friction:
+    return identify_friction(friction_experiment(winch))[0]
