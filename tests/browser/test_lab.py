@@ -24,7 +24,7 @@ import pytest
 
 TOKEN = "tested-here-only"
 SEEN = notebooks.CHECKOUT / "out" / "browser"
-LESSONS = [name for name in ("00_first_flight", "01_geometry") if name in notebooks.names()]
+LESSONS = notebooks.names()
 OPTIONS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader",
            "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
 SETTINGS = {
