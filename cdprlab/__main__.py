@@ -1,4 +1,4 @@
-"""The command line: ``python -m cdprlab worlds | run WORLD``."""
+"""The command line: ``python -m cdprlab worlds | run WORLD | workspace WORLD``."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from .command_workspace import add_workspace_command
 from .compare import TensionComparison, compare_tensions
 from .control import ComputedTorque
 from .errors import CdprError, InvalidInput
@@ -57,6 +58,7 @@ def _parser() -> argparse.ArgumentParser:
                         help="what to do where no tensions balance the wrench (default: %(default)s)")
     flight.add_argument("--out", type=Path, help="folder to write to (default: out/WORLD)")
     flight.add_argument("--no-pictures", action="store_true", help="write the log only")
+    add_workspace_command(commands, _Bar)
     return parser
 
 

@@ -2,6 +2,7 @@
 
 import csv
 
+import numpy as np
 import pytest
 
 import cdprlab as cl
@@ -51,7 +52,31 @@ def test_all_methods_side_by_side_need_no_engine(pictures, tmp_path, capsys):
             assert float(row["smallest [N]"]) >= 5 and float(row["margin [N]"]) >= 0
 
 
+@pytest.mark.parametrize("arguments, criterion", [
+    (["planar_suspended", "--criterion", "static_equilibrium", "--step", "0.2"], cl.StaticEquilibrium()),
+    (["caroca", "--criterion", "wrench_feasible,interference_free", "--step", "0.4", "--at", "0.5"],
+     cl.WrenchFeasible() & cl.InterferenceFree()),
+    (["caroca", "--volume", "--step", "0.7", "--push", "100"], cl.WrenchFeasible(half_widths=[100] * 3 + [0] * 3)),
+])
+def test_workspace_writes_map_table_and_data(arguments, criterion, tmp_path, capsys):
+    out, kept = tmp_path / "workspace", tmp_path / "kept"
+    assert main(["workspace", *arguments, "--out", str(out), "--checkpoint", str(kept)]) == 0
+    assert {path.name for path in out.iterdir()} == {"table.csv", "workspace.csv", "workspace.npz", "workspace.png"}
+    printed = capsys.readouterr().out
+    with np.load(out / "workspace.npz") as data, (out / "workspace.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+        assert [int(row["inside"]) for row in rows] == data["inside"].astype(int).tolist()
+        assert f"{data['inside'].sum()} of {len(rows)}" in printed and len(list(kept.iterdir())) == 1
+        expected = cl.workspace(cl.load_world(arguments[0]).robot, cl.Pose(data["position"]), criterion)
+        assert (data["inside"] == expected.inside).all() and data["inside"].any()
+
+
 @pytest.mark.parametrize("arguments, message", [
+    (["workspace", "caroca", "--plane", "xq"], "plane must be"),
+    (["workspace", "caroca", "--criterion", "magic"], "unknown criterion 'magic'"),
+    (["workspace", "caroca", "--criterion", "tipping_safe"], "this robot has none"),
+    (["workspace", "planar_rigid", "--plane", "xy"], "choose a plane in space"),
+    (["workspace", "caroca", "--push", "-3"], "must not be negative"),
     (["run", "carroca"], "did you mean 'caroca'"),
     (["run", "caroca", "--task", "none"], "there are default"),
     (["run", "caroca", "--dt", "0"], "dt must be positive"),
