@@ -3,17 +3,15 @@
 Run: python docs/lesson_pictures/00_first_flight.py
 """
 
-import base64
 import tempfile
 from pathlib import Path
 
-import nbformat
+from attachment import attach
 from PIL import Image
 
 import cdprlab as cl
 from cdprlab.view import still
 
-LESSON = Path(__file__).parents[2] / "lessons/source/00_first_flight/00_first_flight.ipynb"
 COLORS = 96  # with as many the picture looks the same and takes a third of the bytes
 
 
@@ -27,6 +25,4 @@ def picture() -> bytes:
 
 
 if __name__ == "__main__":
-    notebook = nbformat.read(LESSON, as_version=4)
-    notebook.cells[0].attachments = {"first_flight.png": {"image/png": base64.b64encode(picture()).decode()}}
-    LESSON.write_text(nbformat.writes(notebook).rstrip("\n") + "\n", encoding="utf-8", newline="\n")
+    attach("00_first_flight", "first_flight.png", picture())

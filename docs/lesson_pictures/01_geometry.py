@@ -5,34 +5,21 @@ python docs/lesson_pictures/01_geometry.py
 
 from __future__ import annotations
 
-import base64
 from io import BytesIO
-from pathlib import Path
 
 import matplotlib
-import nbformat
 import numpy as np
+from attachment import attach
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cdprlab.view.style import BLUE, GREEN, GREY, INK, PURPLE, VERMILION, house_style
-
-LESSON = Path(__file__).parents[2] / "lessons/source/01_geometry/01_geometry.ipynb"
-NAME = "loop.png"
 
 ORIGIN = np.array([-2.75, -0.3])  # drawn off the frame's middle, so that the loop is wide open
 EXITS = np.array([[-2.0, 0.0], [2.0, 0.0], [2.0, 2.0], [-2.0, 2.0]])
 ANCHORS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * [0.8, 0.34]
 P = np.array([0.35, 0.66])
 ROTATION = np.array([[0.94, -0.342], [0.342, 0.94]])
-
-
-def main() -> None:
-    """Draw the picture and put it into the lesson's source."""
-    lesson = nbformat.read(LESSON, as_version=nbformat.NO_CONVERT)
-    lesson.cells[0]["attachments"] = {NAME: {"image/png": base64.b64encode(picture()).decode()}}
-    text = nbformat.writes(lesson, version=nbformat.NO_CONVERT).rstrip("\n") + "\n"
-    LESSON.write_text(text, encoding="utf-8", newline="\n")
 
 
 def picture() -> bytes:
@@ -90,4 +77,4 @@ def arrow(axes: Axes, tail: np.ndarray, tip: np.ndarray, color: str, name: str, 
 
 
 if __name__ == "__main__":
-    main()
+    attach("01_geometry", "loop.png", picture())

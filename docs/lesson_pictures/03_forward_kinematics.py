@@ -1,11 +1,9 @@
 """The picture of lesson 03: ``python docs/lesson_pictures/03_forward_kinematics.py`` writes it into the lesson."""
 
-from base64 import b64encode
 from io import BytesIO
-from pathlib import Path
 
-import nbformat
 import numpy as np
+from attachment import attach
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from PIL import Image
@@ -14,9 +12,6 @@ import cdprlab as cl
 from cdprlab.view.pose_estimates import draw_exit_points, draw_robot
 from cdprlab.view.style import GREY, INK, VERMILION, cable_style, house_style
 from cdprlab.view.widgets.forward_kinematics import gauss_newton_path, six_cables
-
-LESSON = Path(__file__).parents[2] / "lessons/source/03_forward_kinematics/03_forward_kinematics.ipynb"
-NAME = "forward_kinematics.png"
 
 
 def circles(panel):
@@ -60,15 +55,5 @@ def png():
     return packed.getvalue()
 
 
-def main():
-    """Put it into the lesson, in place."""
-    notebook = nbformat.read(LESSON, as_version=4)
-    picture = png()
-    notebook.cells[0].attachments = {NAME: {"image/png": b64encode(picture).decode()}}
-    text = nbformat.writes(notebook, version=nbformat.NO_CONVERT).rstrip("\n") + "\n"
-    LESSON.write_text(text, encoding="utf-8", newline="\n")
-    print(f"{NAME}: {len(picture) / 1000:.0f} kB, in {LESSON.name}")
-
-
 if __name__ == "__main__":
-    main()
+    attach("03_forward_kinematics", "forward_kinematics.png", png())

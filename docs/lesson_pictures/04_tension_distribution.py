@@ -5,30 +5,17 @@ python docs/lesson_pictures/04_tension_distribution.py
 
 from __future__ import annotations
 
-import base64
 from io import BytesIO
-from pathlib import Path
 
 import matplotlib
-import nbformat
+from attachment import attach
 
 import cdprlab as cl
 from cdprlab.view.style import house_style
 from cdprlab.view.tension_panels import plot_tension_set
 
-LESSON = Path(__file__).parents[2] / "lessons/source/04_tension_distribution/04_tension_distribution.ipynb"
-NAME = "tension_distribution.png"
-
 METHODS = ("linear_program", "quadratic_program", "pseudo_inverse", "closed_form", "improved_closed_form", "puncture",
            "barycenter")
-
-
-def main() -> None:
-    """Draw the picture and put it into the lesson's source."""
-    lesson = nbformat.read(LESSON, as_version=nbformat.NO_CONVERT)
-    lesson.cells[0]["attachments"] = {NAME: {"image/png": base64.b64encode(picture()).decode()}}
-    text = nbformat.writes(lesson, version=nbformat.NO_CONVERT).rstrip("\n") + "\n"
-    LESSON.write_text(text, encoding="utf-8", newline="\n")
 
 
 def picture() -> bytes:
@@ -44,4 +31,4 @@ def picture() -> bytes:
 
 
 if __name__ == "__main__":
-    main()
+    attach("04_tension_distribution", "tension_distribution.png", picture())

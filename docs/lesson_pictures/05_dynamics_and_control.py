@@ -1,19 +1,14 @@
 """The picture of lesson 05: ``python docs/lesson_pictures/05_dynamics_and_control.py`` writes it into the lesson."""
 
-from base64 import b64encode
 from io import BytesIO
-from pathlib import Path
 
-import nbformat
 import numpy as np
+from attachment import attach
 from matplotlib.figure import Figure
 from PIL import Image
 
 from cdprlab.view.style import BLUE, GREEN, GREY, INK, VERMILION, house_style
 from cdprlab.view.widgets.gains import error_decay, sampled_error
-
-LESSON = Path(__file__).parents[2] / "lessons/source/05_dynamics_and_control/05_dynamics_and_control.ipynb"
-NAME = "dynamics_and_control.png"
 
 
 def damping(panel):
@@ -54,15 +49,5 @@ def png():
     return packed.getvalue()
 
 
-def main():
-    """Put it into the lesson, in place."""
-    notebook = nbformat.read(LESSON, as_version=4)
-    picture = png()
-    notebook.cells[0].attachments = {NAME: {"image/png": b64encode(picture).decode()}}
-    text = nbformat.writes(notebook, version=nbformat.NO_CONVERT).rstrip("\n") + "\n"
-    LESSON.write_text(text, encoding="utf-8", newline="\n")
-    print(f"{NAME}: {len(picture) / 1000:.0f} kB, in {LESSON.name}")
-
-
 if __name__ == "__main__":
-    main()
+    attach("05_dynamics_and_control", "dynamics_and_control.png", png())

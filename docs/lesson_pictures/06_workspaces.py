@@ -5,15 +5,13 @@ python docs/lesson_pictures/06_workspaces.py
 
 from __future__ import annotations
 
-import base64
 from io import BytesIO
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import matplotlib
-import nbformat
 import numpy as np
+from attachment import attach
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image
@@ -23,18 +21,8 @@ from cdprlab.view.drawing import RobotDrawing
 from cdprlab.view.style import INK, PURPLE, VERMILION, house_style
 from cdprlab.workspace import position_grid
 
-LESSON = Path(__file__).parents[2] / "lessons/source/06_workspaces/06_workspaces.ipynb"
-NAME = "workspaces.png"
 PUSH = 40.0
 """[N]"""
-
-
-def main() -> None:
-    """Draw the picture and put it into the lesson's source."""
-    lesson = nbformat.read(LESSON, as_version=nbformat.NO_CONVERT)
-    lesson.cells[0]["attachments"] = {NAME: {"image/png": base64.b64encode(picture()).decode()}}
-    text = nbformat.writes(lesson, version=nbformat.NO_CONVERT).rstrip("\n") + "\n"
-    LESSON.write_text(text, encoding="utf-8", newline="\n")
 
 
 def picture() -> bytes:
@@ -85,4 +73,4 @@ def _maps(axes: Axes, name: str, title: str) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    attach("06_workspaces", "workspaces.png", picture())

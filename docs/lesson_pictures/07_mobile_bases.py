@@ -5,31 +5,19 @@ python docs/lesson_pictures/07_mobile_bases.py
 
 from __future__ import annotations
 
-import base64
 from io import BytesIO
-from pathlib import Path
 from typing import Any
 
 import matplotlib
-import nbformat
+from attachment import attach
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import cdprlab as cl
 from cdprlab.view.style import GREY, INK, cable_style, house_style
 
-LESSON = Path(__file__).parents[2] / "lessons/source/07_mobile_bases/07_mobile_bases.ipynb"
-NAME = "mobile_bases.png"
 DRIVEN = 0.5
 """How far the left base drives to the right [m]."""
-
-
-def main() -> None:
-    """Draw the picture and put it into the lesson's source."""
-    lesson = nbformat.read(LESSON, as_version=nbformat.NO_CONVERT)
-    lesson.cells[0]["attachments"] = {NAME: {"image/png": base64.b64encode(picture()).decode()}}
-    text = nbformat.writes(lesson, version=nbformat.NO_CONVERT).rstrip("\n") + "\n"
-    LESSON.write_text(text, encoding="utf-8", newline="\n")
 
 
 def picture() -> bytes:
@@ -80,4 +68,4 @@ def _robot(axes: Axes, robot: cl.Robot, pose: cl.Pose, faint: bool = False) -> N
 
 
 if __name__ == "__main__":
-    main()
+    attach("07_mobile_bases", "mobile_bases.png", picture())

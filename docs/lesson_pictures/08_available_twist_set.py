@@ -5,12 +5,10 @@ python docs/lesson_pictures/08_available_twist_set.py
 
 from __future__ import annotations
 
-import base64
 from io import BytesIO
-from pathlib import Path
 
 import matplotlib
-import nbformat
+from attachment import attach
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -18,18 +16,8 @@ import cdprlab as cl
 from cdprlab.view.sets import draw_polygon
 from cdprlab.view.style import GREY, INK, cable_style, house_style
 
-LESSON = Path(__file__).parents[2] / "lessons/source/08_available_twist_set/08_available_twist_set.ipynb"
-NAME = "twist_set.png"
 REQUIRED = (1.15, 1.675)
 """The twist of Rasheed et al. 2018, section 4.1 [m/s]."""
-
-
-def main() -> None:
-    """Draw the picture and put it into the lesson's source."""
-    lesson = nbformat.read(LESSON, as_version=nbformat.NO_CONVERT)
-    lesson.cells[0]["attachments"] = {NAME: {"image/png": base64.b64encode(picture()).decode()}}
-    text = nbformat.writes(lesson, version=nbformat.NO_CONVERT).rstrip("\n") + "\n"
-    LESSON.write_text(text, encoding="utf-8", newline="\n")
 
 
 def picture() -> bytes:
@@ -76,4 +64,4 @@ def _robot(axes: Axes, world: cl.World) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    attach("08_available_twist_set", "twist_set.png", picture())

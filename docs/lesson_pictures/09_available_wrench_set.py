@@ -5,13 +5,11 @@ python docs/lesson_pictures/09_available_wrench_set.py
 
 from __future__ import annotations
 
-import base64
 import dataclasses
 from io import BytesIO
-from pathlib import Path
 
 import matplotlib
-import nbformat
+from attachment import attach
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -19,18 +17,8 @@ import cdprlab as cl
 from cdprlab.view.sets import draw_polygon
 from cdprlab.view.style import GREEN, GREY, INK, VERMILION, cable_style, house_style
 
-LESSON = Path(__file__).parents[2] / "lessons/source/09_available_wrench_set/09_available_wrench_set.ipynb"
-NAME = "wrench_set.png"
 MASS = 30.0
 """Of each mast [kg]."""
-
-
-def main() -> None:
-    """Draw the picture and put it into the lesson's source."""
-    lesson = nbformat.read(LESSON, as_version=nbformat.NO_CONVERT)
-    lesson.cells[0]["attachments"] = {NAME: {"image/png": base64.b64encode(picture()).decode()}}
-    text = nbformat.writes(lesson, version=nbformat.NO_CONVERT).rstrip("\n") + "\n"
-    LESSON.write_text(text, encoding="utf-8", newline="\n")
 
 
 def picture() -> bytes:
@@ -83,4 +71,4 @@ def _sets(axes: Axes, robot: cl.Robot, pose: cl.Pose) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    attach("09_available_wrench_set", "wrench_set.png", picture())

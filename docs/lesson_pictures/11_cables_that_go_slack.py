@@ -5,13 +5,11 @@ python docs/lesson_pictures/11_cables_that_go_slack.py
 
 from __future__ import annotations
 
-import base64
 from io import BytesIO
-from pathlib import Path
 
 import matplotlib
-import nbformat
 import numpy as np
+from attachment import attach
 from matplotlib.figure import Figure
 
 import cdprlab as cl
@@ -19,17 +17,7 @@ from cdprlab.view.configuration_plan import draw_sequence
 from cdprlab.view.drawing import RobotDrawing
 from cdprlab.view.style import cable_style, house_style
 
-LESSON = Path(__file__).parents[2] / "lessons/source/11_cables_that_go_slack/11_cables_that_go_slack.ipynb"
-NAME = "slack_cables.png"
 GOAL = [1.9, 1.1, 0.5]
-
-
-def main() -> None:
-    """Draw the picture and put it into the lesson's source."""
-    lesson = nbformat.read(LESSON, as_version=nbformat.NO_CONVERT)
-    lesson.cells[0]["attachments"] = {NAME: {"image/png": base64.b64encode(picture()).decode()}}
-    text = nbformat.writes(lesson, version=nbformat.NO_CONVERT).rstrip("\n") + "\n"
-    LESSON.write_text(text, encoding="utf-8", newline="\n")
 
 
 def picture() -> bytes:
@@ -56,4 +44,4 @@ def picture() -> bytes:
 
 
 if __name__ == "__main__":
-    main()
+    attach("11_cables_that_go_slack", "slack_cables.png", picture())

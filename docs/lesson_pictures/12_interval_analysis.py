@@ -5,13 +5,11 @@ python docs/lesson_pictures/12_interval_analysis.py
 
 from __future__ import annotations
 
-import base64
 from io import BytesIO
-from pathlib import Path
 
 import matplotlib
-import nbformat
 import numpy as np
+from attachment import attach
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
@@ -21,18 +19,8 @@ from cdprlab.configurations.region import region
 from cdprlab.view.configuration_plan import draw_room
 from cdprlab.view.style import BLUE, INK, ORANGE, VERMILION, house_style
 
-LESSON = Path(__file__).parents[2] / "lessons/source/12_interval_analysis/12_interval_analysis.ipynb"
-NAME = "interval_analysis.png"
 PLACE = np.array([1.38, 0.98, 0.62])
 POSITION, EXITS = 0.05, 0.02    # m
-
-
-def main() -> None:
-    """Draw the picture and put it into the lesson's source."""
-    lesson = nbformat.read(LESSON, as_version=nbformat.NO_CONVERT)
-    lesson.cells[0]["attachments"] = {NAME: {"image/png": base64.b64encode(picture()).decode()}}
-    text = nbformat.writes(lesson, version=nbformat.NO_CONVERT).rstrip("\n") + "\n"
-    LESSON.write_text(text, encoding="utf-8", newline="\n")
 
 
 def picture() -> bytes:
@@ -75,4 +63,4 @@ def _ranges(panel, edge):
 
 
 if __name__ == "__main__":
-    main()
+    attach("12_interval_analysis", "interval_analysis.png", picture())
