@@ -112,7 +112,9 @@ def slice_grid(world: World, plane: str) -> PoseGrid:
     robot, pose = world.robot, world.pose
     low, high = robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)
     low[-1] = min(low[-1], floor_height(robot, world.scene))
-    level = np.maximum(0.3 * float((high - low).max()) - (high - low), 0) / 2    # all exits on a line or at one place
+    # Exit points on one line, or in one place, have no box: it gets some width.
+    width = 0.3 * float((high - low).max()) or 1.0
+    level = np.maximum(width - (high - low), 0) / 2
     low, high = low - level, high + level
     names = PLANES[0] if robot.dimension == 2 else plane
     chosen = ["xyz".index(name) for name in names.split("–")]

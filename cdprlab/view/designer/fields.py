@@ -159,7 +159,11 @@ def _vector(path: Path, axes: str, unit: str = "m", step: float = 0.05) -> tuple
 def _cable(world: World, place: Place) -> Iterator[Row]:
     at: Path = ("cables", place.cable)
     yield Row("exit point A", _vector((*at, "exit_point"), _axes(world)))
-    yield Row("anchor point B", _vector((*at, "anchor_point"), _axes(world)))
+    # Where the motion pattern leaves anchor points no choice there is nothing to type.
+    pattern = world.robot.pattern
+    free = "" if not pattern.turns else "x" if pattern.name == "2R3T" else _axes(world)
+    if free:
+        yield Row("anchor point B", _vector((*at, "anchor_point"), free))
     yield Row("tension limits", _limits((*at, "tension")))
     yield Row("speed limit", (Field((*at, "speed"), "", "m/s", "maybe"),))
     if world.robot.bases:

@@ -47,18 +47,16 @@ class Form:
         self.box.children = [self._row(row, world) for row in rows]
 
     def _row(self, row: Row, world: World) -> Any:
-        if len(row.fields) == 1:
-            (field,) = row.fields
-            return self._entry(row, field, world, f"{row.label}{_in(field)}", "100%", "9.5em")
-        unit = _in(row.fields[0])
-        label = ipywidgets.Label(f"{row.label}{unit}", layout={"width": "100%", "margin": "4px 0 0 2px"})
-        entries = [self._entry(row, field, world, field.label, "33%", "2.6em" if len(field.label) > 1 else "1.2em")
-                   for field in row.fields]
-        return ipywidgets.VBox([label, ipywidgets.HBox(entries)])
+        label = ipywidgets.Label(f"{row.label}{_in(row.fields[0])}", layout={"width": "9.6em", "margin": "2px"})
+        width = {1: "11em", 2: "50%", 3: "33.3%"}[len(row.fields)]
+        entries = [self._entry(row, field, world, width) for field in row.fields]
+        return ipywidgets.HBox([label, *entries]) if len(entries) == 1 else ipywidgets.VBox(
+            [label, ipywidgets.HBox(entries)])
 
-    def _entry(self, row: Row, field: Field, world: World, description: str, width: str, words: str) -> Any:
-        look: dict[str, Any] = {"description": description, "layout": {"width": width, "min_width": "0"},
-                                "style": {"description_width": words},
+    def _entry(self, row: Row, field: Field, world: World, width: str) -> Any:
+        # Where there is no description the tooltip is the entry's name for a screen reader.
+        look: dict[str, Any] = {"description": field.label, "layout": {"width": width, "min_width": "0"},
+                                "style": {"description_width": "2.8em" if len(field.label) > 2 else "1.2em"},
                                 "tooltip": f"{row.label} {field.label}".strip() + _in(field) + _HELP[field.kind]}
         if field.kind == "number":
             entry: Any = ipywidgets.FloatText(step=field.step, **look)

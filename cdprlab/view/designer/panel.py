@@ -120,7 +120,7 @@ class RobotDesigner:
             self.refresh()
         else:
             self._message.value = (
-                '<div role="alert" style="color: #A32A00; white-space: pre-wrap">'
+                '<div role="alert" style="color: #A32A00; white-space: pre-wrap; line-height: 1.35">'
                 f"<b>{html.escape(self.session.mistake)}</b>\nThe robot is the one before this edit.</div>")
         return worked
 
@@ -207,13 +207,13 @@ class RobotDesigner:
 
     def _make_choices(self) -> None:
         session = self.session
-        self._cables, self._bases = (ipywidgets.Dropdown(description=word, layout={"width": "11em"},
-                                                         style={"description_width": "3em"})
+        self._cables, self._bases = (ipywidgets.Dropdown(description=word, layout={"width": "9.6em"},
+                                                         style={"description_width": "2em"})
                                      for word in ("edit", "edit"))
         self._cables.observe(lambda change: self._turn(cable=change["new"]), names="value")
         self._bases.observe(lambda change: self._turn(base=change["new"]), names="value")
         self._cable_tools, self._base_tools = (
-            ipywidgets.HBox([choice, *(_button(word, self._doing(work), "4.8em")
+            ipywidgets.HBox([choice, *(_button(word, self._doing(work), "5.3em")
                                        for word, work in tools)], layout={"width": "21em"})
             for choice, tools in ((self._cables, (("Copy", session.add_cable), ("Remove", session.remove_cable))),
                                   (self._bases, (("Add", session.add_base), ("Remove", session.remove_base)))))
@@ -226,7 +226,7 @@ class RobotDesigner:
         self._planes.observe(self._look, names="value")
         self._eye = ipywidgets.FloatSlider(
             value=self._azimuth, min=-180, max=180, step=5, description="seen from [deg]", readout_format=".0f",
-            style={"description_width": "8em"}, layout={"width": "30em", "max_width": "100%"})
+            style={"description_width": "9.5em"}, layout={"width": "32em", "max_width": "100%"})
         self._eye.observe(self._walk, names="value")
 
     def _file_part(self) -> Any:
@@ -234,11 +234,11 @@ class RobotDesigner:
         path = ipywidgets.Text(value="my_robot.yaml", description="path", layout={"width": "21em"},
                                style={"description_width": "3em"})
         upload = ipywidgets.FileUpload(accept=".yaml,.yml", multiple=False, description="Upload",
-                                       layout={"width": "6.5em"})
+                                       layout={"width": "7.5em"})
         upload.observe(lambda _: self._uploaded(upload), names="value")
         apply = _button("Apply this text", lambda: self._after(self.session.read(self._text.value)), "21em")
-        buttons = [_button("Save", lambda: self.save(path.value), "6.5em"),
-                   _button("Load", lambda: self.load(path.value.strip()), "6.5em"), upload]
+        buttons = [_button("Save", lambda: self.save(path.value), "6em"),
+                   _button("Load", lambda: self.load(path.value.strip()), "6em"), upload]
         return ipywidgets.VBox([self._text, apply, path, ipywidgets.HBox(buttons), self._download])
 
     def _flight_part(self) -> Any:

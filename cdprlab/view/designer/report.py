@@ -26,12 +26,12 @@ def report(world: World, found: Assessment) -> str:
     >>> from cdprlab.view.designer.assessment import assess
     >>> world = cl.load_world("planar_rigid")
     >>> print(report(world, assess(world)).splitlines()[0])
-    m = 4 cables, n = 3 freedoms, r = 1; W has rank 3
+    m = 4, n = 3, r = m − n = 1; rank of W: 3
     """
     robot, held = world.robot, found.tensions
     m, n = robot.n_cables, robot.n_dof
-    rank = "" if held is None else f"; W has rank {np.linalg.matrix_rank(wrench_matrix(robot, world.pose))}"
-    lines = [f"m = {m} cables, n = {n} freedoms, r = {m - n}{rank}"]
+    rank = "" if held is None else f"; rank of W: {np.linalg.matrix_rank(wrench_matrix(robot, world.pose))}"
+    lines = [f"m = {m}, n = {n}, r = m − n = {m - n}{rank}"]
     lengths = cable_lengths(robot, world.pose)
     tensions = held.tensions if held is not None and held.feasible else np.full(m, np.nan)
     table = [[str(i + 1), fixed(lengths[i], 2), "–" if np.isnan(tau) else fixed(tau, 1),
@@ -56,7 +56,8 @@ def _stiffness(world: World, found: Assessment) -> list[str]:
 
 def as_html(text: str) -> str:
     """Text as it stands, in small fixed letters."""
-    style = "line-height: 1.3; margin: 0.3em 0; font-size: 12px; white-space: pre; overflow-x: auto"
+    style = "line-height: 1.3; margin: 0.3em 0; font-size: 12px; white-space: pre-wrap; word-break: normal; "
+    style += "font-family: monospace"
     return f'<pre style="{style}">{html.escape(text)}</pre>'
 
 

@@ -1,0 +1,418 @@
+"""The designer: what was done can be undone, no edit changes more than it says, bad ones change nothing."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import cdprlab as cl
+from cdprlab.errors import InvalidInput, WorldError
+from cdprlab.view import widgets
+from cdprlab.view.designer.assessment import CLEARANCE, PLANES, assess, workspace_slice
+from cdprlab.view.designer.edits import contents, edited, opened, value_at, with_entry, without_entry
+from cdprlab.view.designer.fields import GROUPS, Place, rows, shown, typed
+from cdprlab.view.designer.history import History
+from cdprlab.view.designer.session import DesignSession
+from cdprlab.view.designer.slice_drawing import round_numbers, slice_svg
+from cdprlab.workspace.interference import cable_distances
+
+every_world = pytest.mark.parametrize("name", cl.world_names())
+
+
+def session(name="caroca"):
+    return DesignSession(cl.load_world(name))
+
+
+def every_field(world):
+    """All fields of all groups, cable by cable, base by base."""
+    places = [Place(cable, 0) for cable in range(world.robot.n_cables)]
+    places += [Place(0, base) for base in range(1, len(world.robot.bases))]
+    fields = {field.path: field for group in GROUPS for place in places for row in rows(world, group, place)
+              for field in row.fields}
+    return list(fields.values())
+
+
+# --- history ------------------------------------------------------------------------------------------------
+def random_history(seed):
+    rng, history = np.random.default_rng(seed), History(0)
+    for k in range(30):
+        able = ["done"] + ["undone"] * bool(history.past) + ["redone"] * bool(history.future)
+        way = able[rng.integers(len(able))]
+        history = history.done(f"edit {k}", k + 1) if way == "done" else getattr(history, way)()
+    return history
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_undoing_an_edit_and_redoing_it_changes_nothing(seed):
+    history = random_history(seed)
+    assert history.done("more", -1).undone().present == history.present
+    if history.past:
+        assert history.undone().redone() == history
+    if history.future:
+        assert history.redone().undone() == history
+
+
+def test_all_edits_can_be_undone_to_the_beginning_and_a_new_one_forgets_the_undone():
+    history = History(0)
+    for k in range(1, 6):
+        history = history.done(f"to {k}", k)
+    seen = []
+    while history.past:
+        seen.append(history.undo_label)
+        history = history.undone()
+    assert (history.present, seen) == (0, ["to 5", "to 4", "to 3", "to 2", "to 1"])
+    assert history.done("other", 9).future == ()
+
+
+def test_the_oldest_edits_are_forgotten_first():
+    history = History(0, most=3)
+    for k in range(1, 6):
+        history = history.done(f"to {k}", k)
+    assert [step.state for step in history.past] == [2, 3, 4]
+
+
+@pytest.mark.parametrize("way", ["undone", "redone"])
+def test_nothing_to_undo_is_said(way):
+    with pytest.raises(InvalidInput, match="nothing to"):
+        getattr(History(0), way)()
+
+
+# --- world files --------------------------------------------------------------------------------------------
+@every_world
+def test_opening_and_saving_a_shipped_world_keeps_its_meaning_and_comments(name, tmp_path):
+    world = cl.load_world(name)
+    begun = DesignSession(world)
+    assert begun.save(str(tmp_path / "saved.yaml"))
+    again = cl.load_world(tmp_path / "saved.yaml")
+    assert contents(begun.world) == contents(world) == contents(again)
+    assert world.to_dict() == again.to_dict()
+    assert world.to_yaml() == again.to_yaml()
+
+
+@every_world
+def test_every_field_written_back_as_it_is_changes_no_meaning(name):
+    world = opened(cl.load_world(name))
+    before = contents(world)
+    fields = every_field(world)
+    assert all(typed(world, field, shown(field, world)) is world for field in fields)
+    for field in fields[::3]:
+        value = value_at(world, field.path)
+        if shown(field, world) != "":
+            assert contents(edited(world, field.path, value)) == before, field.path
+
+
+@every_world
+def test_an_edited_number_changes_that_number_and_nothing_else(name):
+    world = opened(cl.load_world(name))
+    moved = [field for field in every_field(world)
+             if field.kind == "number" and not {"cable_limits", "inertia"} & set(field.path)]
+    for field in moved[::7]:
+        old = value_at(world, field.path)
+        new = edited(world, field.path, old + 0.001)
+        expected = json.loads(json.dumps(contents(world)))
+        node = expected
+        for part in field.path[:-1]:
+            node = node[part]
+        node[field.path[-1]] = old + 0.001
+        found = contents(new)
+        if field.path[0] == "platform" and field.path[1] in ("mass", "size"):
+            expected["platform"]["inertia"] = found["platform"]["inertia"]  # of a uniform box, if left out
+        if field.path[:2] == ("cables", 0):
+            expected["cable_limits"] = found["cable_limits"]  # shown there are the first cable's
+        if field.path[-1] == "yaw" or "rpy" in field.path or "pose" in field.path:
+            np.testing.assert_allclose(value_at(new, field.path), old + 0.001, atol=1e-12)
+            continue
+        assert found == expected, field.path
+
+
+def test_comments_of_the_file_survive_edits():
+    begun = session()
+    begun.edit(("platform", "mass"), 160.0)
+    begun.edit(("cables", 3, "exit_point", 2), 3.25)
+    comments = [line.split("#", 1)[1] for line in cl.load_world("caroca").to_yaml().splitlines() if "#" in line]
+    assert [line.split("#", 1)[1] for line in begun.world.to_yaml().splitlines() if "#" in line] == comments
+
+
+def test_an_edit_leaves_the_world_it_came_from_alone():
+    world = opened(cl.load_world("fastkit_suspended"))
+    before = world.to_yaml()
+    edited(world, ("cables", 0, "tension", 1), 77.0)
+    with_entry(world, "cables", contents(world)["cables"][0])
+    without_entry(world, "cables", 2)
+    assert world.to_yaml() == before
+
+
+def test_a_limit_for_all_cables_holds_for_those_that_had_their_own():
+    world = edited(opened(cl.load_world("caroca")), ("cables", 1, "tension", 1), 500.0)
+    assert world.robot.tension_max[1] == 500.0
+    assert set(edited(world, ("cable_limits", "tension", 1), 900.0).robot.tension_max) == {900.0}
+
+
+@pytest.mark.parametrize("name", ["planar_mcdpr", "mobile_four_bases", "fastkit_suspended"])
+def test_a_cable_given_to_a_base_keeps_its_exit_point_in_the_world(name):
+    begun = session(name)
+    exits = begun.world.robot.exit_points
+    (field,) = [field for field in every_field(begun.world) if field.path == ("cables", 0, "base")]
+    for base in (begun.world.robot.bases[-1].name, None, begun.world.robot.bases[0].name):
+        assert begun.type(field, base)
+        assert begun.world.robot.cables[0].base == base
+        np.testing.assert_allclose(begun.world.robot.exit_points, exits, atol=1e-12)
+
+
+# --- bad edits ----------------------------------------------------------------------------------------------
+BAD = [
+    ("caroca", ("cables", 2, "exit_point", 0), "left", "cable 3: exit_point"),
+    ("caroca", ("cables", 2, "exit_point", 0), float("nan"), "cable 3: exit_point"),
+    ("caroca", ("cables", 2, "tension", 0), 20000.0, "cable 3: tension"),
+    ("caroca", ("cables", 0, "speed"), 0.0, "cable 1: speed"),
+    ("caroca", ("cables", 4, "base"), "nowhere", "cable 5: base"),
+    ("caroca", ("cable_limits", "tension", 1), -1.0, "cable_limits.tension"),
+    ("caroca", ("platform", "mass"), -1.0, "platform.mass"),
+    ("caroca", ("platform", "inertia"), [1.0, 1.0, 9.0], "platform.inertia"),
+    ("caroca", ("platform", "size", 1), 0.0, "platform.size"),
+    ("caroca", ("motion_pattern",), "3T", "cable 1: anchor_point"),
+    ("caroca", ("gravity",), float("inf"), "gravity"),
+    ("caroca", ("cable", "axial_stiffness"), -5.0, "cable.axial_stiffness"),
+    ("planar_mcdpr", ("bases", 1, "footprint"), [[0.0, 0.0], [0.0, 0.0]], "bases[2].footprint"),
+    ("planar_mcdpr", ("bases", 0, "mass"), 0.0, "bases[1].mass"),
+    ("caroca", ("tasks", "default", "duration"), 0.0, "tasks.default.duration"),
+]
+
+
+@pytest.mark.parametrize(("name", "path", "value", "named"), BAD, ids=lambda part: str(part)[:40])
+def test_a_bad_edit_names_the_field_and_keeps_the_last_good_robot(name, path, value, named):
+    begun = session(name)
+    begun.edit(("platform", "mass"), 42.0)
+    good, judged, history = begun.world, begun.assessment, begun.history
+    assert not begun.edit(path, value)
+    assert begun.mistake.startswith(named), begun.mistake
+    assert begun.world is good and begun.assessment is judged and begun.history is history
+    assert begun.edit(("platform", "mass"), 43.0) and begun.mistake == ""
+
+
+def test_words_where_a_number_belongs_are_named():
+    begun = session()
+    fields = {field.path: field for field in every_field(begun.world)}
+    for path, entry in ((("platform", "inertia"), "6.5, twenty, 22.5"), (("cables", 0, "speed"), "fast")):
+        assert not begun.type(fields[path], entry)
+        assert repr(entry) in begun.mistake and path[-1] in begun.mistake
+
+
+def test_left_out_means_left_out():
+    begun = session()
+    fields = {field.path: field for field in every_field(begun.world)}
+    assert begun.type(fields["platform", "inertia"], "") and shown(fields["platform", "inertia"], begun.world) == ""
+    assert begun.type(fields["cable", "axial_stiffness"], "2e5") and begun.world.robot.elasticity.axial_stiffness == 2e5
+    assert begun.type(fields["cable", "axial_stiffness"], "") and begun.world.robot.elasticity is None
+    assert begun.type(fields["cable_limits", "speed"], "") and np.isinf(begun.world.robot.speed_max).all()
+
+
+def test_cables_and_bases_come_and_go():
+    begun = session("planar_mcdpr")
+    assert begun.add_cable() and begun.world.robot.n_cables == 5 and begun.place.cable == 4
+    assert begun.remove_cable() and begun.world.robot.n_cables == 4 and begun.place.cable == 3
+    assert begun.add_base() and len(begun.world.robot.bases) == 3 and begun.place.base == 2
+    assert begun.remove_base() and len(begun.world.robot.bases) == 2
+    begun.turn_to(Place(0, 0))
+    assert not begun.remove_base()
+    assert "'left' still carries cables 1, 2" in begun.mistake
+    for _ in range(4):
+        begun.undo()
+    assert contents(begun.world) == contents(cl.load_world("planar_mcdpr"))
+
+
+def test_the_last_cable_stays():
+    begun = session("planar_point_3")
+    assert begun.remove_cable() and begun.remove_cable()
+    assert not begun.remove_cable()
+    assert "cables" in begun.mistake and begun.world.robot.n_cables == 1
+
+
+def test_a_file_that_is_no_world_is_told_by_line_and_the_robot_stays(tmp_path):
+    begun = session()
+    text = begun.world.to_yaml().replace("mass: 150.0", "mass: heavy")
+    line = next(k for k, row in enumerate(text.splitlines(), 1) if "heavy" in row)
+    assert not begun.read(text, "mine.yaml")
+    assert begun.mistake.startswith(f"mine.yaml:{line}: platform.mass")
+    assert not begun.load("no_such_world") and "no_such_world" in begun.mistake
+    assert not begun.save(str(tmp_path / "no" / "folder.yaml")) and "folder" in begun.mistake
+    assert not begun.save("robot.txt") and ".yaml" in begun.mistake
+    assert begun.world.name == "caroca"
+    assert begun.load("planar_rigid") and begun.undo() and begun.world.name == "caroca"
+
+
+# --- what a design is worth ---------------------------------------------------------------------------------
+def warned(begun):
+    return " ".join(begun.assessment.warnings)
+
+
+def test_an_infeasible_start_says_whether_limits_or_geometry_are_at_fault():
+    begun = session()
+    assert begun.assessment.warnings == ()
+    begun.edit(("cable_limits", "tension", 1), 300.0)
+    assert "Infeasible start" in warned(begun) and "With other limits" in warned(begun)
+    begun.undo()
+    assert begun.assessment.warnings == ()
+    begun.edit(("platform", "pose", "position", 2), 5.0)
+    assert "Infeasible start" in warned(begun) and "can only pull" in warned(begun)
+    assert begun.assessment.stiffness is None
+
+
+def test_the_pull_named_for_other_limits_is_enough():
+    begun = session()
+    begun.edit(("cable_limits", "tension", 1), 300.0)
+    most = float(warned(begun).split("pull up to ")[1].split()[0])
+    begun.edit(("cable_limits", "tension", 1), 1.01 * most)
+    begun.edit(("cable_limits", "tension", 0), 0.0)
+    assert begun.assessment.tensions.feasible
+
+
+def test_too_few_cables_lose_rank():
+    begun = session("planar_rigid")
+    begun.remove_cable()
+    assert "rank" not in warned(begun)
+    begun.remove_cable()
+    assert "rank 2 of 3" in warned(begun) and "Add cables" in warned(begun)
+
+
+def test_cables_that_cross_are_named():
+    begun = session()
+    # Cable 2 from the opposite corner's exit: it must pass cable 8, which runs the other way.
+    robot, pose = begun.world.robot, begun.world.pose
+    middle = (robot.exit_points[4] + pose.position + pose.rotation @ robot.anchor_points[4]) / 2
+    anchor = pose.position + pose.rotation @ robot.anchor_points[0]
+    through = anchor + 2 * (middle - anchor)
+    for k in range(3):
+        begun.edit(("cables", 0, "exit_point", k), float(through[k]))
+    assert cable_distances(begun.world.robot, pose).min() < CLEARANCE
+    assert "cables 1 and 5 are touching" in warned(begun)
+
+
+def test_a_cable_without_length_a_low_platform_and_a_tipping_base_are_named():
+    begun = session("planar_point")
+    x, y = begun.world.robot.exit_points[1]
+    begun.edit(("platform", "pose", "position", 0), float(x))
+    begun.edit(("platform", "pose", "position", 1), float(y))
+    assert "Cable 2 has no length" in warned(begun) and begun.assessment.tensions is None
+    low = session()
+    low.edit(("platform", "pose", "position", 2), 0.1)
+    assert "starts 0.1 m below the floor" in warned(low)
+    light = session("planar_mcdpr")
+    assert "tips" not in warned(light)
+    light.edit(("bases", 0, "mass"), 0.01)
+    assert "Base 'left' tips" in warned(light)
+
+
+@pytest.mark.parametrize("name", ["caroca", "planar_rigid", "planar_mcdpr", "mobile_four_bases"])
+def test_the_slice_is_what_a_linear_program_says(name):
+    world, rng = cl.load_world(name), np.random.default_rng(7)
+    for plane in PLANES if world.robot.dimension == 3 else PLANES[:1]:
+        found = workspace_slice(world, plane)
+        poses, robot = found.grid.poses, world.robot
+        for k in rng.integers(len(found.grid), size=12):
+            W, w_e = cl.wrench_matrix(robot, poses[k]), cl.gravity_wrench(robot, poses[k])
+            answer = linprog(np.zeros(robot.n_cables), A_eq=W, b_eq=-w_e,
+                             bounds=list(zip(robot.tension_min, robot.tension_max)))
+            assert found.held[k] == (answer.status == 0)
+        assert found.area <= found.held.sum() * found.grid.cell
+        assert slice_svg(world, found).count("<svg") == 1
+
+
+def test_cells_of_a_slice_tile_the_box_of_exit_points_and_floor():
+    robot = cl.load_world("caroca").robot
+    grid = workspace_slice(cl.load_world("caroca"), "x–z").grid
+    width, height = np.ptp(robot.exit_points[:, 0]), robot.exit_points[:, 2].max()
+    assert len(grid) * grid.cell == pytest.approx(width * height)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_ticks_are_few_round_and_inside(seed):
+    low, high = np.sort(np.random.default_rng(seed).normal(size=2) * 10.0**(seed - 2))
+    ticks = round_numbers(low, high)
+    assert 2 <= len(ticks) <= 6 and low <= ticks[0] and ticks[-1] <= high
+    assert np.ptp(np.diff(ticks)) <= 1e-9 * (high - low)
+
+
+def test_many_redundant_cables_have_a_coarse_slice():
+    begun = session("point_mass")
+    for _ in range(2):
+        begun.add_cable()
+    assert len(begun.assessment.slice.grid) <= 64
+
+
+# --- the page -----------------------------------------------------------------------------------------------
+@pytest.fixture(params=["caroca", "planar_mcdpr", "marionet"])
+def designer(request):
+    designer = widgets.robot_designer(request.param)
+    yield designer
+    designer.close()
+
+
+def test_every_group_shows_its_fields_and_every_choice_answers(designer):
+    for group in designer._groups.options:
+        designer._groups.value = group
+    designer._groups.value = "cables"
+    for cable in range(designer.world.robot.n_cables):
+        designer._cables.value = cable
+        first = designer._form.entries["exit point A", "x"].value
+        assert first == pytest.approx(designer.world.robot.cables[cable].exit_point[0])
+    for plane in designer._planes.options:
+        designer._planes.value = plane
+    for end in (-180, 180):
+        designer._eye.value = end
+        assert designer.picture.startswith(b"\x89PNG")
+    assert designer.session.history.past == ()
+
+
+def test_typing_edits_and_a_mistake_is_shown_beside_the_fields(designer):
+    picture = designer.picture
+    designer._form.entries["exit point A", "x"].value += 0.25
+    assert designer.picture != picture and designer._undo.description == "Undo: cable 1: exit_point[1]"
+    x, good = designer._form.entries["tension limits", "min"], designer.world
+    x.value = 1e9
+    assert 'role="alert"' in designer._message.value and "cable 1: tension" in designer._message.value
+    assert designer.world is good
+    designer._undo.click()
+    assert designer.picture == picture and 'role="alert"' not in designer._message.value
+    assert designer._form.entries["tension limits", "min"].value == good.robot.tension_min[0]
+    designer._redo.click()
+    assert contents(designer.world) == contents(good)
+
+
+def test_the_text_of_the_world_file_can_be_edited(designer):
+    designer._groups.value = "world file"
+    designer._text.value = designer._text.value.replace("mass:", "mass: 77.5  #", 1)
+    designer._parts["world file"].children[1].click()
+    assert designer.world.robot.mass == 77.5
+    assert f'download="{designer.world.name}.yaml"' in designer._download.value
+
+
+def test_pictures_and_slice_have_words(designer):
+    assert "cable 1 marked" in designer._image.value and "% are held" in designer._slice.value
+    assert designer._repr_mimebundle_()
+
+
+def test_a_design_is_simulated_and_played():
+    designer = widgets.robot_designer("planar_point")
+    run = designer.simulate(method="barycenter", kp=50.0, kd=20.0)
+    assert run.method == "barycenter" and run.world is designer.world
+    assert designer.player.run is run and len(designer._below.children) == 2
+    designer.edit(("motion_pattern",), "1R2T")
+    assert designer.simulate(method="no_such_method") is None and "no_such_method" in designer._message.value
+    designer.close()
+    designer.close()
+
+
+def test_a_designer_takes_worlds():
+    with pytest.raises(InvalidInput, match="takes a World"):
+        widgets.robot_designer(42)
+    with pytest.raises(WorldError, match="unknown world"):
+        widgets.robot_designer("no_such_world")
+
+
+@every_world
+def test_every_shipped_world_is_judged(name):
+    found = assess(cl.load_world(name))
+    assert found.tensions.feasible and (found.stiffness is not None)
+    assert all("Interference" in warning for warning in found.warnings), found.warnings
