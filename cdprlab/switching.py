@@ -67,7 +67,7 @@ def taut_cables(run: Run) -> Flags:
 
 
 class Trial(NamedTuple):
-    """How one robot with errors fared.
+    """How one robot with errors fared, from the moment when the first slack is out: before, chance decides who carries.
 
     off_path : largest distance from the planned motion [m]
     under_constrained : longest time with fewer than three taut cables [s]
@@ -108,9 +108,10 @@ def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *, sl
 
 
 def _judged(run: Run, plan: Winding) -> Trial:
-    taut = taut_cables(run)
-    return Trial(float(run.position_errors.max()), _longest(np.sum(taut, axis=1) < 3) * run.dt,
-                 _longest(np.any(taut & ~plan.taut, axis=1)) * run.dt)
+    out = int(np.argmin(plan.taut.all(axis=1)))
+    taut, planned = taut_cables(run)[out:], plan.taut[out:]
+    return Trial(float(run.position_errors[out:].max()), _longest(np.sum(taut, axis=1) < 3) * run.dt,
+                 _longest(np.any(taut & ~planned, axis=1)) * run.dt)
 
 
 def _longest(true: Any) -> int:
