@@ -44,7 +44,7 @@ class Order(NamedTuple):
 class Effort(NamedTuple):
     """What it took.
 
-    tensions : (m,) commanded, NaN where lengths are [N]
+    tensions : (m,) wanted [N]
     torques : (m,) of the motors [N m]; speeds : (m,) of the motors, positive winding in [rad/s]
     feasible : the wanted wrench was balanced within the limits, or the winches reached their lengths
     """
@@ -132,35 +132,52 @@ class TorqueControl(WinchControl):
 class VelocityControl(WinchControl):
     """Winch speeds l̇ = J t − B_b q̇_b of the wanted motion, and what of the wanted lengths is missing.
 
+    Ropes stretch: they are wound shorter by what the wanted tensions stretch them, or some of them would hang slack.
+
     gain : of the length error [1/s]
+    margin : kept from the cables' limits [N]; reserve : kept from tipping [N m]
     Source: Pedemonte et al. 2020, section 2.3, with the base Jacobian as corrected in `base_jacobian`.
     """
 
-    name, cables = "velocity", "length"
+    name, cables = "velocity", "elastic"
 
-    def __init__(self, gain: float = 20.0) -> None:
+    def __init__(self, gain: float = 20.0, *, margin: float = 1.0, reserve: float = 5.0) -> None:
         if gain < 0:
             raise InvalidInput(f"gain must not be negative [1/s], got {gain:g}")
-        self.gain = float(gain)
+        self.gain, self.margin, self.reserve = float(gain), float(margin), float(reserve)
 
     def start(self, engine: MobileSimulator) -> None:
         super().start(engine)
+        robot = engine.world.robot
         self.lengths = np.array(engine.rope_lengths)
-        fastest = self.winch.speed * self.winch.drum_radius / self.winch.gear_ratio
-        self.fastest = np.minimum(engine.world.robot.speed_max, fastest)
+        self.fastest = np.minimum(robot.speed_max, self.winch.speed * self.winch.drum_radius / self.winch.gear_ratio)
+        self.low, self.high = robot.tension_min + self.margin, robot.tension_max - self.margin
+        self.edges, self.wanted = standing_rows(robot), engine.tensions
 
     def step(self, engine: MobileSimulator, order: Order) -> Effort:
         robot, wish = engine.robot, order.reference
-        rates = jacobian(robot, wish.pose) @ wish.twist
+        J = jacobian(robot, wish.pose)
+        rates = J @ wish.twist
         if order.base_speeds.any():
             rates = rates - base_jacobian(robot, wish.pose) @ order.base_speeds
-        rates = rates + self.gain * (cable_lengths(robot, wish.pose) - self.lengths)
+        feasible = self._distribute(engine, order, -J.T)
+        unstretched = cable_lengths(robot, wish.pose) / (1 + self.wanted / _elasticity(robot))
+        rates = rates + self.gain * (unstretched - self.lengths)
         kept = np.clip(rates, -self.fastest, self.fastest)
         self.lengths = self.lengths + kept * order.period
-        reached = engine.wind(self.lengths, round(order.period / engine.dt))
+        feasible &= engine.wind(self.lengths, round(order.period / engine.dt)) and bool((kept == rates).all())
         torques = motor_torque(self.winch, Friction.of(self.winch), engine.tensions, kept, 0.0)
-        return Effort(np.full(kept.size, np.nan), torques, motor_speed(self.winch, kept),
-                      reached and bool((kept == rates).all()))
+        return Effort(self.wanted, torques, motor_speed(self.winch, kept), feasible)
+
+    def _distribute(self, engine: MobileSimulator, order: Order, W: Array) -> bool:
+        """The tensions that hold platform and load where they should be."""
+        wish = order.reference
+        mass, bias = mass_and_bias(order.robot, wish.pose.rotation, wish.twist)
+        rows, offset = self.edges(engine.directions, engine.base_poses[:, 2])
+        tau, reason = standing_tensions(W, -(mass @ wish.acceleration + bias), self.low, self.high, rows,
+                                        offset + self.reserve)
+        self.wanted = self.wanted if reason else tau
+        return not reason
 
 
 def winch_control(control: str | WinchControl) -> WinchControl:
@@ -184,6 +201,12 @@ def _winch_of(robot: Robot) -> Winch:
     if robot.winch is None:
         raise InvalidInput("winches are to be controlled, but the world has no `winch:` block")
     return robot.winch
+
+
+def _elasticity(robot: Robot) -> float:
+    if robot.elasticity is None:
+        raise InvalidInput("velocity control winds ropes that stretch, but the world has no `cable:` block")
+    return robot.elasticity.axial_stiffness
 
 
 @cache

@@ -183,7 +183,8 @@ class _Loop:
         base_error = max((float(np.linalg.norm(now_at[k, :2] - goal[:2])) for k, goal in goals), default=0.0)
         return Sensors(now, math.dist(wish.pose.position, engine.position),
                        math.hypot(*turn_between(engine.rotation, wish.pose.rotation)), engine.tensions,
-                       self.overloaded, self.missing, engine.wheel_loads(), base_error, slipped)
+                       self.overloaded, self.missing, engine.wheel_loads(), base_error, slipped,
+                       (engine.position, engine.rotation), now_at)
 
     def _note(self, now: float, wish: Reference, sensors: Sensors, effort: Effort) -> None:
         engine, robot = self.engine, self.empty

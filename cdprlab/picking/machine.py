@@ -31,6 +31,7 @@ class Sensors(NamedTuple):
     wheels : base name → (k,) load of each wheel [N]
     base_error : farthest of any base from where it should be [m]
     slipped : distance of a gripped box from where the gripper should hold it [m]
+    pose : position [m] and rotation of the platform; bases : (p, 3) x, y, heading [m, m, rad]
     """
 
     time: float
@@ -42,6 +43,8 @@ class Sensors(NamedTuple):
     wheels: dict[str, Array]
     base_error: float
     slipped: float
+    pose: tuple[Array, Array]
+    bases: Array
 
 
 Guard = Callable[[Sensors], str]

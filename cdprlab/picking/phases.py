@@ -18,6 +18,7 @@ BOX = "box"
 
 _DRAWING = 4.0      # s for the gripper's whole stroke
 _LIFT = 0.003       # m: a box that is drawn out comes over its board's edge without catching
+_OVERLAP = 0.02     # m of the box over its board as it is set down
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -64,7 +65,12 @@ def _putting(task: PickAndPlace, speed: float) -> Iterator[Phase]:
     above = Pose.of(at.position + _LIFT * _UP, at.rotation)
     yield _move("carry", "to the box's place", leaving, Pose.of(before.position + _LIFT * _UP, before.rotation), speed)
     yield Phase("present", "forward, up to the board", 1.5, above)
-    yield Phase("push out", "the box slides onto its board", _DRAWING, at, stroke=(0.0, 1.0))
+    # Onto the board before its weight is handed over: a stiff robot would carry on carrying.
+    length, depth = _strokes(task)
+    over = min(1.0, (max(length - depth, 0.0) + _OVERLAP) / length)
+    yield Phase("push", "the box's edge comes over its board", _DRAWING * over, stroke=(0.0, over))
+    yield Phase("set down", "down onto the board", 0.8, at)
+    yield Phase("push out", "the box slides onto its board", _DRAWING, stroke=(over, 1.0))
     yield Phase("release", "the gripper opens", 0.5, begin=lambda engine: engine.release(BOX))
     yield Phase("unhook", "the lip goes down", 1.0, hooking)
     yield Phase("retreat", "away from the shelf", 1.5, Pose.of(before.position, hooking.rotation))
@@ -133,9 +139,14 @@ def payload(task: PickAndPlace, stroke: float) -> tuple[float, Array]:
     >>> [payload(task, s)[0] for s in (1.0, 0.4375, 0.2, 0.0)]
     [0.0, 3.5, 7.0, 7.0]
     """
-    length = float(np.linalg.norm(task.stroke))
+    length, depth = _strokes(task)
     inward = task.stroke / length
-    depth = float(np.abs(task.box_size @ inward))
     off, over, leaves = stroke * length, length - depth / 2, length - depth
     share = float(np.clip((over - off) / (over - leaves), 0.0, 1.0))
     return task.box_mass * share, task.seat + min(off, leaves) * inward
+
+
+def _strokes(task: PickAndPlace) -> tuple[float, float]:
+    """The stroke's length, and the box's along it [m]."""
+    length = float(np.linalg.norm(task.stroke))
+    return length, float(np.abs(task.box_size @ task.stroke)) / length

@@ -38,7 +38,7 @@ class Job:
     events : states in order, when each was entered [s]
     time : (N,) [s]; poses, reference : Pose of batch (N,)
     errors : (N, 6) reference minus pose: position, rotation vector [m, rad]
-    commanded : (N, m) tensions asked for, NaN under velocity control; tensions : (N, m) measured [N]
+    commanded : (N, m) tensions asked for; tensions : (N, m) measured [N]
     torques, motor_speeds : (N, m) [N m, rad/s]; lengths : (N, m) [m]
     base_poses : (N, p, 3) x, y, heading; tilts : (N, p) of the masts [rad]
     wheels : (N, p, k) load of each wheel, as measured at the begin of the step [N]
@@ -143,10 +143,9 @@ class Log:
             effort: Effort, stroke: float, carried: float) -> None:
         """Write down one control step."""
         box, pose = engine.box_pose(BOX), wish.pose
-        values = (now, engine.position, engine.rotation, pose.position, pose.rotation, effort.tensions, engine.tensions,
-                  effort.torques, effort.speeds, engine.lengths, engine.base_poses, engine.tilts,
-                  list(sensors.wheels.values()), box.position, box.rotation, stroke, carried, len(machine.history) - 1,
-                  effort.feasible)
+        values = (now, *sensors.pose, pose.position, pose.rotation, effort.tensions, engine.tensions, effort.torques,
+                  effort.speeds, engine.lengths, sensors.bases, engine.tilts, list(sensors.wheels.values()),
+                  box.position, box.rotation, stroke, carried, len(machine.history) - 1, effort.feasible)
         for rows, value in zip(self.rows.values(), values):
             rows.append(value)
 
