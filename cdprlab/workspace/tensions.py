@@ -69,10 +69,10 @@ class WrenchFeasible(Criterion):
             s = capacity_margins(W, weight, loads, half, low, high, exact=margin)[0]
             inside = s >= -ROUNDING * high.max()
             return Judgement(inside, s) if margin else unknown(inside)
-        loads = box_loads(loads, half)
+        wanted = [weight + load if load.any() else weight for load in box_loads(loads, half)]
         if not margin:
-            return unknown(np.logical_and.reduce([feasible(W, weight + load, low, high) for load in loads]))
-        s = np.min([tension_margins(W, weight + load, low, high) for load in loads], axis=0)
+            return unknown(np.logical_and.reduce([feasible(W, w_e, low, high) for w_e in wanted]))
+        s = np.min([tension_margins(W, w_e, low, high) for w_e in wanted], axis=0)
         return Judgement(s >= -ROUNDING * high.max(), s)
 
     def _half(self, n: int) -> Array:
@@ -208,6 +208,10 @@ def box_loads(loads: Array, half: Array) -> Array:
 
 
 def _weights(robot: Robot, poses: Pose) -> Array:
+    """(N, n); with the center of mass at P the weight makes no moment, and is the same at all poses."""
+    if not robot.platform.is_off_center and poses.batch_shape and len(poses):
+        poses, shape = poses[:1], poses.batch_shape
+        return np.broadcast_to(gravity_wrench(robot, poses), (*shape, robot.n_dof))
     return np.broadcast_to(gravity_wrench(robot, poses), (*poses.batch_shape, robot.n_dof))
 
 
