@@ -160,10 +160,13 @@ def in_words(classes: Mapping[Any, str]) -> str:
 
 def _label_leg(panel: Axes, text: str, a: Array, b: Array, color: str) -> None:
     """The configuration's name beside the middle of its part of the way, if that is long enough to be seen."""
-    if np.linalg.norm((b - a)[:2]) > 0.1:
+    way = (b - a)[:2]
+    if np.linalg.norm(way) > 0.1:
+        x, y = np.array([way[1], -way[0]]) / np.linalg.norm(way) * (-1 if way[0] < 0 else 1)
         middle = (a + b) / 2
-        panel.annotate(text, (middle[0], middle[1]), (0, -9), textcoords="offset points", ha="center", va="top",
-                       fontsize=9, color=color, zorder=6, bbox=_HALO)
+        panel.annotate(text, (middle[0], middle[1]), (9 * x, 9 * y), textcoords="offset points", fontsize=9,
+                       color=color, zorder=6, bbox=_HALO, va="top" if y < -0.5 else "center",
+                       ha="center" if abs(x) < 0.5 else "left" if x > 0 else "right")
 
 
 def _spans(flags: Array, time: Array) -> list[tuple[float, float]]:
