@@ -38,7 +38,7 @@ def plot_workspace(robot: Robot, grid: PoseGrid, judgement: Judgement, *, title:
     with house_style():
         figure = _sized(np.array([np.ptp(places) for places in grid.axes.values()][:2]))
         draw_workspace(figure.add_subplot(), robot, grid, judgement, unit=unit, quantity=quantity)
-        figure.axes[0].set_title(title)
+        _title(figure.axes[0], title)
         figure.alt_text = f"{title or 'Workspace'}. {describe(grid, judgement, unit)}"
         return figure
 
@@ -107,7 +107,7 @@ def plot_certified(robot: Robot, found: CertifiedWorkspace, *, title: str = "") 
                .T[columns])
         keys: Any = [Patch(label=name, **look) for name, (_, look) in looks.items()]
         figure.legend(handles=keys, loc="outside lower left", ncols=3)
-        axes.set_title(title)
+        _title(axes, title)
         low, high = found.bounds
         counts = ", ".join(f"{len(boxes)} boxes {name}" for name, (boxes, _) in looks.items())
         figure.alt_text = f"{title or 'Certified workspace'}. {counts}; inside measures {low:.4g} to {high:.4g}."
@@ -130,7 +130,7 @@ def plot_refined(robot: Robot, found: RefinedWorkspace, *, title: str = "") -> F
             axes.add_collection(PatchCollection(patches, linewidth=0.3, facecolor=face, edgecolor=edge))
         _frame(axes, robot, (found.axes[0], found.axes[1]), *np.stack([found.lower.min(axis=0),
                                                                        found.upper.max(axis=0)]).T)
-        axes.set_title(title)
+        _title(axes, title)
         figure.alt_text = (f"{title or 'Refined workspace'}. {int(found.inside.sum())} cells inside, "
                            f"{int(found.border.sum())} on the border: {found.measure:.4g} ± {found.error:.2g}.")
         return figure
@@ -221,6 +221,11 @@ def _frame(axes: Axes, robot: Robot, names: tuple[str, str], x: Array, y: Array)
     axes.set(xlabel=_label(names[0]), ylabel=_label(names[1]), xlim=(x.min() - pad, x.max() + pad),
              ylim=(y.min() - pad, y.max() + pad))
     axes.grid(False)
+
+
+def _title(axes: Axes, title: str) -> None:
+    """About 62 characters of 12 points fit; a longer title is set smaller rather than cut off."""
+    axes.set_title(title, fontsize=12 * min(1.0, 62 / max(len(title), 1)))
 
 
 def _label(name: str) -> str:

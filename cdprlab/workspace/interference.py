@@ -26,13 +26,14 @@ class InterferenceFree(Criterion):
     """No cable comes nearer than the clearance to another one, to the platform or to an obstacle.
 
     Cables are straight lines; two that share an end cannot be told apart there and are not compared. A cable meets the
-    platform's box at its anchor point anyway: only what is farther than ``root`` from there counts.
+    platform's box at its anchor point anyway: only what is farther than ``root`` from there counts, by default ten
+    times the clearance and 5 cm at least, so that cables may leave the platform at 6° and more.
 
     clearance : [m]
     obstacles : boxes of a scene, e.g. ``world.scene.boxes``
     cables, platform : whether these are looked at; in the plane cables that cross do touch
     root : [m]
-    margin : the smallest distance less the clearance [m]; touching or passing through is 0 − clearance
+    margin : the smallest distance less the clearance [m]; touching and passing through count as distance 0
     Source: Merlet 2004 (cable interference); Perreault et al. 2010; the workspace at one orientation is the IFCOW of
         Okoli 2016, sec. 2.6.2.
     """
@@ -41,7 +42,7 @@ class InterferenceFree(Criterion):
     obstacles: Sequence[Box] = ()
     cables: bool = True
     platform: bool = True
-    root: float = 0.05
+    root: float | None = None
     unit = "m"
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
@@ -50,7 +51,8 @@ class InterferenceFree(Criterion):
         if self.cables:
             found.append(cable_distances(robot, poses).min(axis=-1, initial=np.inf))
         if self.platform:
-            found.append(platform_distances(robot, poses, self.root).min(axis=-1, initial=np.inf))
+            root = max(0.05, 10 * clearance) if self.root is None else self.root
+            found.append(platform_distances(robot, poses, root).min(axis=-1, initial=np.inf))
         found += [obstacle_distances(robot, poses, box).min(axis=-1, initial=np.inf) for box in self.obstacles]
         nearest = np.min(found, axis=0)
         return Judgement((nearest >= clearance) & (nearest > _SAME), nearest - clearance)
