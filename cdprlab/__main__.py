@@ -16,7 +16,8 @@ from .errors import CdprError, InvalidInput
 from .run import INFEASIBLE, WOUND, Run, run
 from .simulate import CABLE_MODELS
 from .tensions import tension_methods
-from .world import load_world, world_names
+from .world import World, load_world, world_names
+from .world.model import PickAndPlace
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -56,6 +57,8 @@ def _parser() -> argparse.ArgumentParser:
     flight.add_argument("--duration", type=float, help="length of the run [s] (default: the task's)")
     flight.add_argument("--infeasible", default="relax", choices=INFEASIBLE,
                         help="what to do where no tensions balance the wrench (default: %(default)s)")
+    flight.add_argument("--control", default="torque", choices=["torque", "velocity"],
+                        help="of the winches, for tasks of kind pick_and_place (default: %(default)s)")
     flight.add_argument("--out", type=Path, help="folder to write to (default: out/WORLD)")
     flight.add_argument("--no-pictures", action="store_true", help="write the log only")
     add_workspace_command(commands, _Bar)
@@ -99,6 +102,9 @@ def _run(options: argparse.Namespace) -> int:
     if options.method == "all":
         return _compare(options)
     world = load_world(options.world)
+    if isinstance(world.task(options.task), PickAndPlace):
+        return _pick_and_place(options, world)
+    _say_no(options, ("control",), "belongs to tasks of kind pick_and_place")
     how = "inverse kinematics" if options.cables in WOUND else options.method
     print(f"{world.title or world.name}: task {options.task}, {how}, cables={options.cables}")
     bar = _Bar("flying")
@@ -114,6 +120,35 @@ def _run(options: argparse.Namespace) -> int:
         _pictures(flown, folder)
     print(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir()))}")
     return 0
+
+
+def _pick_and_place(options: argparse.Namespace, world: World) -> int:
+    from .picking import pick_and_place
+
+    _say_no(options, (*_NO_SAY, "method"), "has no say in a pick_and_place task, which flies under --control")
+    print(f"{world.title or world.name}: task {options.task}, {options.control} control")
+    bar = _Bar("working", "ms")
+    job = pick_and_place(world, options.task, options.control, progress=bar)
+    bar.close()
+    for event in job.events:
+        print(f"  {event.time:6.2f} s  {event.state:10} {event.why or job.words.get(event.state, '')}")
+    for quantity, value in job.table().items():
+        print(f"  {quantity:36} {value}")
+    folder = options.out or Path("out") / world.name
+    job.save(folder)
+    if not options.no_pictures:
+        from .view import plot_job, save_figure, save_job_film
+
+        save_figure(plot_job(job), folder / "job.png")
+        save_job_film(job, folder / "film.gif")
+    print(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir()))}")
+    return 0
+
+
+def _say_no(options: argparse.Namespace, names: Sequence[str], why: str) -> None:
+    given = [name for name in names if getattr(options, name) != options.parser.get_default(name)]
+    if given:
+        raise InvalidInput(f"--{given[0].replace('_', '-')} {why}")
 
 
 _NO_SAY = ("cables", "kp", "kd", "dt", "control_period", "duration", "infeasible")

@@ -9,12 +9,16 @@ import numpy as np
 from ..arrays import Array
 from ..errors import InvalidInput
 from ..pose import Pose
+from ..robot import Base
 from ..simulate.mobile import MobileSimulator
 from ..world import World
 from ..world.model import PickAndPlace
 from .machine import Phase, Sensors, settled
 
 BOX = "box"
+
+Place = tuple[float, float, float]
+"""x, y, heading of a base [m, m, rad]."""
 
 _DRAWING = 4.0      # s for the gripper's whole stroke
 _LIFT = 0.003       # m: a box that is drawn out comes over its board's edge without catching
@@ -38,14 +42,31 @@ def _deployment(world: World, task: PickAndPlace, acceleration: float) -> Iterat
         return
     yield Phase("coupled", "both bases stand together, the link closed", 0.5, begin=MobileSimulator.couple)
     yield Phase("uncouple", "the electromagnetic link opens", 0.3, begin=MobileSimulator.uncouple)
-    goals, longest = {}, 0.0
-    for name, (x, y, heading) in task.coupled.items():
+    aside = task.aside
+    for name, start in task.coupled.items():
         base = world.robot.base(name)
-        goals[name] = (float(base.position[0]), float(base.position[1]), base.heading)
-        change = base.rotation[:2, :2].T @ (base.position - [x, y])
-        for way, limit in zip((base.heading - heading, *change), base.speed_max):
-            longest = max(longest, driving_time(float(way), float(limit), acceleration))
-    yield Phase("deploy", "the active base drives away, the platform stays", longest, drives=goals, guard=_arrived)
+        goal = (float(base.position[0]), float(base.position[1]), base.heading)
+        stops = [start, _beside(start, aside), _beside(goal, aside), goal] if aside else [start, goal]
+        words = ([("sidestep", "clear of the shelf"), ("deploy", "the active base drives away, the platform stays"),
+                  ("line up", "the base takes its place")] if aside else
+                 [("deploy", "the active base drives away, the platform stays")])
+        for (state, what), here, there in zip(words, stops, stops[1:]):
+            yield Phase(state, what, _driving_time(base, here, there, acceleration), drives={name: there},
+                        guard=_arrived)
+
+
+def _beside(place: Place, aside: float) -> Place:
+    """A place moved along the base's own y axis."""
+    x, y, heading = place
+    return x - float(np.sin(heading)) * aside, y + float(np.cos(heading)) * aside, heading
+
+
+def _driving_time(base: Base, here: Place, there: Place, acceleration: float) -> float:
+    """Of the longest of the three drives between two places [s]."""
+    c, s = np.cos(here[2]), np.sin(here[2])
+    dx, dy = there[0] - here[0], there[1] - here[1]
+    ways = there[2] - here[2], c * dx + s * dy, c * dy - s * dx
+    return max(driving_time(float(way), float(limit), acceleration) for way, limit in zip(ways, base.speed_max))
 
 
 def _taking(task: PickAndPlace, speed: float) -> Iterator[Phase]:

@@ -18,7 +18,7 @@ from ..trajectory import Reference
 from ..world import World
 from ..world.model import PickAndPlace
 from .controllers import Effort
-from .machine import Event, Machine, Sensors
+from .machine import SETTLING, Event, Machine, Sensors
 from .phases import BOX
 
 _UNITS = {
@@ -43,7 +43,7 @@ class Job:
     base_poses : (N, p, 3) x, y, heading; tilts : (N, p) of the masts [rad]
     wheels : (N, p, k) load of each wheel, as measured at the begin of the step [N]
     box_poses : Pose of batch (N,); stroke : (N,) share of the gripper's; carried : (N,) known payload [kg]
-    states : (N,) index into ``events``; feasible : (N,)
+    states : (N,) index into ``events``; words : state → what is done in it; feasible : (N,)
     real_time_factor : simulated over elapsed time
     """
 
@@ -70,6 +70,7 @@ class Job:
     stroke: Array
     carried: Array
     states: Any
+    words: dict[str, str]
     feasible: Any
     real_time_factor: float
     settings: dict[str, Any] = field(repr=False)
@@ -83,6 +84,12 @@ class Job:
     def box_error(self) -> float:
         """Distance of the box from its place at the end [m]."""
         return float(np.linalg.norm(self.box_poses.position[-1] - self.task.place))
+
+    @property
+    def least_edge_load(self) -> float:
+        """What the two wheels of the least loaded edge carried at least, once the wheels had found the floor [N]."""
+        wheels = self.wheels[self.time >= SETTLING]
+        return float((wheels + np.roll(wheels, -1, axis=-1)).min())
 
     def robot_at(self, index: int) -> Robot:
         """The robot with its bases where they stood at one control step."""
@@ -106,7 +113,7 @@ class Job:
             "tension, smallest": f"{self.tensions[1:].min():.1f} N (limit {low:g} N)",
             "tension, largest": f"{self.tensions.max():.1f} N (limit {high:g} N)",
             **drive,
-            "wheel load, smallest": f"{self.wheels[1:].min():.0f} N",
+            "least load on a base's edge": f"{self.least_edge_load:.0f} N (0: it tips)",
             "box off its place": f"{self.box_error * 1e3:.1f} mm",
             "simulated time": f"{self.time[-1]:.1f} s",
             "real-time factor": f"{self.real_time_factor:.1f}",
@@ -159,4 +166,5 @@ class Log:
         errors = np.concatenate([wanted.position - poses.position, turn], axis=1)
         return Job(world, name, task, control, machine.state, machine.history[-1].why, tuple(machine.history),
                    poses=poses, reference=wanted, errors=frozen(errors), box_poses=boxes, states=rows.pop("state"),
+                   words={phase.name: phase.what for phase in machine.phases},
                    real_time_factor=float(rows["time"][-1]) / elapsed, settings=settings, **rows)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["plot", "plot_tensions", "plot_tracking", "save_figure", "save_film", "still"]
+__all__ = ["plot", "plot_job", "plot_tensions", "plot_tracking", "save_figure", "save_film", "save_job_film", "still"]
 
 
 def plot(run_or_table: Any) -> Figure:
@@ -40,6 +40,24 @@ def plot_tensions(run: Any) -> Figure:
     from .plots import plot_tensions
 
     return plot_tensions(run)
+
+
+def plot_job(job: Any) -> Figure:
+    """A pick-and-place job over time: platform, error, tensions, bases, wheel loads, phases by name."""
+    from .job import plot_job
+
+    return plot_job(job)
+
+
+def save_job_film(job: Any, path: str | Path, seconds: float = 16.0, fps: int = 8, width: int = 640) -> Path:
+    """An animated GIF of a pick-and-place job, below 3 MB, with what is being done in words.
+
+    path : ends in .gif
+    seconds : length of the film [s]; fps : pictures per second; width : [pixels]
+    """
+    from .job import save_job_film
+
+    return save_job_film(job, path, seconds, fps, width)
 
 
 def save_figure(figure: Figure, path: str | Path) -> Path:

@@ -40,6 +40,10 @@ def plot(run_or_table: Any) -> matplotlib.figure.Figure:
     """One figure of a whole run; a table draws itself."""
     if hasattr(run_or_table, "commanded_tensions"):
         return _plot_run(run_or_table)
+    if hasattr(run_or_table, "box_poses"):
+        from .job import plot_job
+
+        return plot_job(run_or_table)
     if callable(getattr(run_or_table, "plot", None)):
         return run_or_table.plot()
     raise InvalidInput("plot takes a Run (or a table with its own plot method), "

@@ -72,6 +72,7 @@ class PickAndPlace(Task):
     tilt : (3,) roll, pitch, yaw at which the platform hooks and unhooks [rad]
     clearance : to the shelf as the platform moves along it [m]
     coupled : base name → (x, y, heading) of the base that drives away first, empty if none does [m, m, rad]
+    aside : how far it keeps aside on its way, along its own y axis [m]
     """
 
     box_size: Array
@@ -83,6 +84,7 @@ class PickAndPlace(Task):
     tilt: Array
     clearance: float
     coupled: Mapping[str, tuple[float, float, float]]
+    aside: float = 0.0
 
     def trajectory(self) -> Trajectory:
         raise InvalidInput("a pick_and_place task is no single motion: use cdprlab.picking.pick_and_place(world)")

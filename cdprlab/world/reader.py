@@ -201,7 +201,8 @@ def _pick_and_place(block: Any, pose: Pose, robot: Robot) -> PickAndPlace:
     if not stroke.any():
         raise InvalidInput("the stroke must not be zero", ("gripper", "stroke"))
     return PickAndPlace("pick_and_place", start, start, 1.0, box_size=size, box_mass=box.mass, box_position=position,
-                        place=place, seat=seat, stroke=stroke, tilt=tilt, clearance=gripper.clearance, coupled=coupled)
+                        place=place, seat=seat, stroke=stroke, tilt=tilt, clearance=gripper.clearance, coupled=coupled,
+                        aside=block.coupled.aside if block.coupled else 0.0)
 
 
 def _scene(block: Any, d: int) -> Scene:

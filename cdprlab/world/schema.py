@@ -160,6 +160,7 @@ class GripperBlock(_Part):
 class CoupledBlock(_Part):
     base: str = Field(description="the base that drives away")
     pose: BasePoseBlock = Field(description="where it stands at first, coupled to the other")
+    aside: Number = Field(0.0, description="how far it keeps aside on its way, along its own y axis [m]")
 
 
 class PickAndPlaceTask(_Part):

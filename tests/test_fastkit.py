@@ -1,0 +1,236 @@
+"""FASTKIT's job in the engine: both controllers, both layouts, standing bases, friction found, safe endings."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import cdprlab as cl
+from cdprlab.control import State
+from cdprlab.errors import InvalidInput
+from cdprlab.fast_control import mass_and_bias, turn_between
+from cdprlab.picking import DONE, STOPPED, Machine, Phase, Sensors, TorqueControl, pick_and_place
+from cdprlab.picking.phases import driving_speed, driving_time, job_phases
+from cdprlab.pose import rotation_vector
+from cdprlab.tensions.standing import standing_tensions
+from cdprlab.winch import (
+    Friction,
+    cable_tensions,
+    friction_experiment,
+    friction_torque,
+    identify_friction,
+    motor_speed,
+    motor_torque,
+)
+
+pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
+
+
+def job_world(name="fastkit_suspended", base_mass=None, **changes):
+    """The world's own task with something changed."""
+    world = cl.load_world(name)
+    robot = world.robot
+    if base_mass is not None:
+        robot = replace(robot, bases=tuple(replace(base, mass=base_mass) for base in robot.bases))
+    return replace(world, robot=robot, tasks={"pick_and_place": replace(world.task("pick_and_place"), **changes)})
+
+
+def near(world, **changes):
+    """The same job begun beside the box, bases in their places: seconds less to simulate."""
+    return job_world(world, coupled={}, start=cl.Pose([0.9, -0.05, 0.8]), **changes)
+
+
+@pytest.fixture(scope="module")
+def flown():
+    """The whole job under torque control, deployment and all."""
+    return pick_and_place(cl.load_world("fastkit_suspended"))
+
+
+def edge_loads(job):
+    """What the two wheels of each edge carry, without the first tenth of a second in which wheels find the floor."""
+    wheels = job.wheels[job.time >= 0.1]
+    return wheels + np.roll(wheels, -1, axis=-1)
+
+
+# --- the job ----------------------------------------------------------------------------------------------
+def test_the_whole_job_is_done_under_torque_control(flown):
+    assert flown.state == DONE and not flown.reason
+    assert flown.position_errors.max() <= 5e-3
+    assert flown.box_error <= 0.02
+    robot = flown.world.robot
+    assert (flown.tensions[1:] >= robot.tension_min).all() and (flown.tensions <= robot.tension_max).all()
+    assert np.abs(flown.torques).max() < robot.winch.torque and np.abs(flown.motor_speeds).max() < robot.winch.speed
+    assert flown.feasible.all() and edge_loads(flown).min() > 0
+    assert flown.carried.max() == 7.0
+
+
+def test_the_platform_keeps_its_pose_while_the_base_deploys(flown):
+    """5 m of driving, then the place of the world file to a centimeter; nobody else moved."""
+    deploying = [k for k, event in enumerate(flown.events) if event.state in ("sidestep", "deploy", "line up")]
+    during = np.isin(flown.states, deploying)
+    assert np.linalg.norm(flown.poses.position[during] - flown.task.start.position, axis=1).max() <= 5e-3
+    np.testing.assert_allclose(flown.base_poses[-1], [[-3.2, 0, 0], [3.2, 0, 0]], atol=0.01)
+    speed = np.linalg.norm(np.diff(flown.base_poses[:, 0, :2], axis=0), axis=1) / 4e-3
+    assert speed.max() <= 0.2 * 1.01
+
+
+def test_the_tilt_is_made_by_cables_alone(flown):
+    tilted = [k for k, event in enumerate(flown.events) if event.state == "reach"]
+    np.testing.assert_allclose(flown.poses.rpy[flown.states == tilted[0]][-1], [-0.2, 0, 0], atol=2e-3)
+
+
+def test_velocity_control_does_the_job_too():
+    job = pick_and_place(near("fastkit_suspended"), control="velocity")
+    assert job.state == DONE and job.box_error <= 0.02
+    robot = job.world.robot
+    assert (job.tensions[1:] >= robot.tension_min).all() and (job.tensions <= robot.tension_max).all()
+    assert edge_loads(job).min() > 0
+
+
+def test_two_jobs_are_identical():
+    def fly():
+        watch = (lambda sensors: "enough" if sensors.time > 1.5 else "",)
+        return pick_and_place(near("fastkit_suspended"), faults=watch)
+
+    first, second = fly(), fly()
+    for name in ("tensions", "torques", "wheels", "errors", "base_poses"):
+        np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
+
+
+# --- tipping ----------------------------------------------------------------------------------------------
+STIFF = 45.0  # N: a distribution that prestresses the constrained robot for stiffness
+
+
+def test_without_tipping_rows_the_base_tips():
+    """Bases of 38 kg, cables as tight as they may be: detected by the wheels before it can be seen."""
+    job = pick_and_place(job_world("fastkit_constrained", 38.0), control=TorqueControl(toward=STIFF, standing=False))
+    assert job.state == STOPPED and "lifts its wheels" in job.reason
+    lifted = next(event.time for event in job.events if event.state == STOPPED)
+    assert job.tilts[job.time <= lifted].max() < np.radians(0.5)
+
+
+def test_with_tipping_rows_the_same_job_is_done_standing():
+    job = pick_and_place(job_world("fastkit_constrained", 38.0), control=TorqueControl(toward=STIFF))
+    assert job.state == DONE and job.box_error <= 0.02 and job.position_errors.max() <= 5e-3
+    # The reserve of 5 N m over a track of 0.9 m.
+    assert edge_loads(job).min() > 4.0 and job.tilts.max() < 1e-3
+
+
+def test_standing_tensions_are_optimal():
+    """No feasible point is nearer: the gradient has no way down (checked on convex combinations with other points)."""
+    rng = np.random.default_rng(1)
+    W, low, high = rng.normal(size=(3, 6)), np.ones(6), np.full(6, 10.0)
+    inside, rows = rng.uniform(2, 6, 6), rng.normal(size=(4, 6))
+    offset, w_e = -rows @ inside - 0.2, -W @ inside
+    tau, reason = standing_tensions(W, w_e, low, high, rows, offset, toward=9.0)
+    assert not reason
+    np.testing.assert_allclose(W @ tau, -w_e, atol=1e-9)
+    assert (rows @ tau + offset <= 1e-9).all() and (tau >= low).all() and (tau <= high).all()
+    assert (tau - 9.0) @ (inside - tau) >= -1e-9
+    free, _ = standing_tensions(W, w_e, low, high, rows[:0], offset[:0], toward=9.0)
+    assert (rows @ free + offset).max() > 0  # the rows did bind
+
+
+def test_impossible_standing_is_said():
+    W = np.array([[1.0, -1.0]])
+    tau, reason = standing_tensions(W, np.zeros(1), np.full(2, 5.0), np.full(2, 9.0), np.ones((1, 2)), np.array([-8.0]))
+    assert np.isnan(tau).all() and "keep every base standing" in reason
+
+
+# --- winches ----------------------------------------------------------------------------------------------
+@pytest.fixture(scope="module")
+def winch():
+    return cl.load_world("fastkit_suspended").robot.winch
+
+
+def test_friction_is_found_from_a_short_experiment(winch):
+    """2 mN m of noise, 4000 samples: within 5 % of what the engine's winches have."""
+    found, inertia = identify_friction(friction_experiment(winch, seed=3))
+    np.testing.assert_allclose(found, Friction.of(winch), rtol=0.05)
+    assert inertia == pytest.approx(winch.inertia, rel=0.05)
+
+
+def test_friction_takes_power_always(winch):
+    speed = np.linspace(-150, 150, 301)
+    assert (friction_torque(Friction.of(winch), speed) * speed >= 0).all()
+
+
+def test_motors_and_cables_agree(winch):
+    """τ for wanted tensions and accelerations gives those tensions back: at rest exactly, the slope of f aside."""
+    world, frictionless = cl.load_world("fastkit_suspended"), Friction(0.0, 0.0, 0.0)
+    W = cl.wrench_matrix(world.robot, world.pose)
+    mass, bias = mass_and_bias(world.robot, world.pose.rotation, np.zeros(6))
+    tau = np.random.default_rng(0).uniform(5, 40, 8)
+    acceleration = np.linalg.solve(mass, W @ tau - bias)
+    torques = motor_torque(winch, frictionless, tau, 0.0, -acceleration @ W)
+    loose, yielding = np.linalg.solve(mass, bias) @ W, W.T @ np.linalg.solve(mass, W)
+    pulled = cable_tensions(winch, frictionless, torques, np.zeros(8), loose, yielding, 4e-3)
+    np.testing.assert_allclose(pulled, tau, rtol=1e-10)
+    assert motor_speed(winch, -0.04) == pytest.approx(5.0)  # one drum radius a second, behind a gear of 5
+
+
+def test_mass_and_bias_are_those_of_inverse_dynamics():
+    rng = np.random.default_rng(2)
+    robot = cl.load_world("fastkit_suspended").robot.with_payload(7.0, [0.1, -0.2, 0.05])
+    pose = cl.Pose([0, 0, 1], rpy=rng.normal(size=3))
+    twist, acceleration = rng.normal(size=(2, 6))
+    mass, bias = mass_and_bias(robot, pose.rotation, twist)
+    state = State(0.0, robot, pose.position, pose.rotation, twist, np.zeros(8))
+    wanted = cl.Pose([0.1, 0.2, 1.1], rpy=[0.3, -0.2, 0.5])
+    law = cl.ComputedTorque(30, 12)(0.0, state, cl.Reference(wanted, np.zeros(6), acceleration))
+    off = np.concatenate([wanted.position - pose.position, turn_between(pose.rotation, wanted.rotation)])
+    np.testing.assert_allclose(mass @ (acceleration - 12 * twist + 30 * off) + bias, law, atol=1e-9)
+    np.testing.assert_allclose(off[3:], rotation_vector(wanted.rotation @ pose.rotation.T), atol=1e-12)
+
+
+# --- the state machine ------------------------------------------------------------------------------------
+def sensed(time, **seen):
+    calm = {"error": 0.0, "turn_error": 0.0, "tensions": np.full(8, 9.0), "overloaded": 0.0, "missing": 0.0,
+            "wheels": {"active": np.full(4, 100.0)}, "base_error": 0.0, "slipped": 0.0,
+            "pose": (np.zeros(3), np.eye(3)), "bases": np.zeros((1, 3))}
+    return Sensors(time, **{**calm, **seen})
+
+
+def test_a_shut_guard_waits_then_stops():
+    machine = Machine((Phase("first", "", 1.0), Phase("second", "", 1.0)), (), patience=2.0)
+    assert not machine.step(sensed(0.5)) and machine.state == "first"
+    assert machine.step(sensed(1.0)) and machine.state == "second"
+    assert not machine.step(sensed(2.5, error=0.02))
+    assert machine.step(sensed(4.1, error=0.02)) and machine.state == STOPPED
+    assert "in second: waited 2 s: the platform is 20 mm off" in machine.history[-1].why
+    assert not machine.step(sensed(9.0)) and machine.state == STOPPED  # for good
+
+
+@pytest.mark.parametrize(("seen", "why"), [
+    ({"wheels": {"active": np.array([0.0, 0.2, 300.0, 300.0])}}, "'active' lifts"),
+    ({"overloaded": 0.2}, "off their limits"), ({"missing": 0.2}, "no tensions"),
+    ({"error": 0.06}, "off its path"), ({"slipped": 0.05}, "slipped")])
+def test_every_fault_stops(seen, why):
+    from cdprlab.picking.machine import FAULTS
+
+    machine = Machine((Phase("first", "", 1.0),), FAULTS)
+    assert machine.step(sensed(0.5, **seen)) and machine.state == STOPPED and why in machine.history[-1].why
+
+
+def test_phases_have_names_of_their_own():
+    world = cl.load_world("fastkit_suspended")
+    names = [phase.name for phase in job_phases(world, world.task("pick_and_place"))]
+    assert len(set(names)) == len(names) and names[0] == "coupled" and names[-1] == "return"
+
+
+@pytest.mark.parametrize("way", [0.02, -1.0, 4.8])
+def test_drives_end_where_they_should(way):
+    total = driving_time(way, 0.2, 0.2)
+    times = np.linspace(0, total, 20001)
+    speeds = [driving_speed(t, way, 0.2, 0.2) for t in times]
+    assert np.trapezoid(speeds, times) == pytest.approx(way, rel=1e-4) and np.abs(speeds).max() <= 0.2
+
+
+def test_wrong_requests_are_named():
+    world = cl.load_world("fastkit_suspended")
+    with pytest.raises(InvalidInput, match="of kind quintic"):
+        pick_and_place(world, "default")
+    with pytest.raises(InvalidInput, match="control must be"):
+        pick_and_place(world, control="position")
+    with pytest.raises(InvalidInput, match="no single motion"):
+        cl.run(world, "pick_and_place", duration=0.1)
