@@ -211,6 +211,13 @@ def test_boxes_fill_the_domain_and_say_what_holds_where():
     assert found.verdict_at([[0, 0, 0], [1.999, 1.999, 0], [9, 9, 0]]).tolist() == [1, -1, 0]
 
 
+def test_a_box_around_an_exit_point_is_halved():
+    robot = cl.load_world("planar_point").robot
+    middle = robot.exit_points[1]
+    found = certify(robot, middle - 0.5, middle + 0.5, resolution=0.1)
+    assert found.bounds[0] < found.bounds[1] < 1.0 and len(found.outside)
+
+
 def test_a_certificate_for_several_wrenches_holds_for_each():
     robot, loads = off_center(), np.array([[0, -200.0, 0], [100.0, 0, 0]])
     both = certify(robot, [-2, -2], [2, 2], resolution=0.1, wrenches=loads)

@@ -124,8 +124,14 @@ def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array | None, loa
     boxes = PoseBoxes(robot, Intervals(low[:, :d], high[:, :d]),
                       Intervals(low[:, 2], high[:, 2]) if d == 2 else None, rotation)
     poses = centers(boxes)
-    W, weight = wrench_matrices(robot, poses), np.broadcast_to(gravity_wrench(robot, poses), (len(low), robot.n_dof))
     lengths = cable_lengths(robot, poses)
+    sound = lengths.all(axis=1)
+    if not sound.all():   # an exit point in the very middle: such a box is halved
+        verdict = np.zeros(len(low))
+        if sound.any():
+            verdict[sound] = _verdicts(robot, low[sound], high[sound], rotation, loads)
+        return verdict
+    W, weight = wrench_matrices(robot, poses), np.broadcast_to(gravity_wrench(robot, poses), (len(low), robot.n_dof))
     inside, outside = np.ones(len(low), dtype=bool), np.zeros(len(low), dtype=bool)
     for load in loads:
         s, tau = best_tensions(W, weight + load, robot.tension_min, robot.tension_max)

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..errors import InvalidInput
+from ..geometry import cable_lengths
 from ..pose import Pose
 from ..robot import Robot
 from .checkpoint import Checkpoint
@@ -38,7 +39,8 @@ def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool 
     chunk : poses judged at a time; memory beyond poses and answers depends on it alone
     checkpoint : folder that keeps finished chunks; the same call goes on where an interrupted one stopped
     progress : called with (poses done, poses in all) after each chunk
-    Returns Judgement ``(inside, margin)``, each of the poses' batch shape.
+    Returns Judgement ``(inside, margin)``, each of the poses' batch shape. Poses with an anchor point on its exit point
+    are outside.
     Raises InvalidInput for a criterion that does not fit the robot.
 
     >>> import cdprlab as cl
@@ -93,11 +95,20 @@ def _answers(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_j
 
     parts: Any = (poses[start:start + chunk] for start in starts)
     if n_jobs == 1 or effective_n_jobs(n_jobs) == 1:
-        return (criterion.judge(robot, part, margin) for part in parts)
+        return (_judge(robot, part, criterion, margin) for part in parts)
     work = delayed(_judge)
     return Parallel(n_jobs=n_jobs, return_as="generator")(work(robot, part, criterion, margin) for part in parts)
 
 
 def _judge(robot: Robot, poses: Pose, criterion: Criterion, margin: bool) -> Judgement:
-    """What a worker does."""
-    return criterion.judge(robot, poses, margin)
+    """A chunk; a pose with an anchor point on its exit point, where that cable has no direction, is outside."""
+    try:
+        return criterion.judge(robot, poses, margin)
+    except InvalidInput:
+        sound = cable_lengths(robot, poses).all(axis=-1)
+        if sound.all():
+            raise
+    inside, margins = np.zeros(len(poses), dtype=bool), np.full(len(poses), np.nan)
+    if sound.any():
+        inside[sound], margins[sound] = criterion.judge(robot, poses[sound], margin)
+    return Judgement(inside, margins)

@@ -121,8 +121,10 @@ class DynamicEquilibrium(Criterion):
         W, weight, M = wrench_matrices(robot, poses), _weights(robot, poses), mass_matrix(robot, poses)
         low, high = robot.tension_min, robot.tension_max
         # Wrenches are convex in the acceleration: the corners decide, and directions that are held make none.
-        corners = box_loads(np.zeros((1, half.size)), half)
-        s = np.min([tension_margins(W, weight - M @ corner, low, high) for corner in corners], axis=0)
+        wanted = [weight - M @ corner for corner in box_loads(np.zeros((1, half.size)), half)]
+        if not margin:
+            return unknown(np.logical_and.reduce([feasible(W, w_e, low, high) for w_e in wanted]))
+        s = np.min([tension_margins(W, w_e, low, high) for w_e in wanted], axis=0)
         return Judgement(s >= -ROUNDING * high.max(), s)
 
 
