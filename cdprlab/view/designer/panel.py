@@ -10,6 +10,7 @@ from typing import Any
 import ipywidgets
 
 from ...tensions import tension_methods
+from ...workspace.brief import Brief
 from ...world import World, load_world, world_names
 from .assessment import PLANES
 from .fields import GROUPS, rows
@@ -31,8 +32,8 @@ class RobotDesigner:
     picture : of the robot, PNG
     """
 
-    def __init__(self, world: World) -> None:
-        self.session = DesignSession(world)
+    def __init__(self, world: World, brief: Brief | None = None) -> None:
+        self.session = DesignSession(world, brief)
         self.text, self.picture = "", b""
         self.player: Any = None
         self._azimuth = 25.0
@@ -105,8 +106,10 @@ class RobotDesigner:
         self._show_group()
         self._draw()
         self._slice.value = slice_svg(world, session.assessment.slice)
-        numbers = report(world, session.assessment)
-        self.text = "\n".join([*session.assessment.warnings, numbers])
+        numbers, verdict = report(world, session.assessment), session.verdict
+        judged = [] if verdict is None else [f"The brief is {'' if verdict.met else 'not '}met:", str(verdict), ""]
+        self.text = "\n".join([*judged, *session.assessment.warnings, numbers])
+        self._brief.value = as_html("\n".join(judged))
         self._warnings.value, self._numbers.value = warnings_html(session.assessment), as_html(numbers)
         for button, word, label in ((self._undo, "Undo", session.history.undo_label),
                                     (self._redo, "Redo", session.history.redo_label)):
@@ -172,8 +175,8 @@ class RobotDesigner:
     # --- widgets ----------------------------------------------------------------------------------------------
     def _make_widgets(self) -> None:
         self._quiet = False
-        self._image, self._slice, self._warnings, self._numbers, self._message, self._download = (
-            ipywidgets.HTML() for _ in range(6))
+        self._image, self._slice, self._warnings, self._numbers, self._message, self._download, self._brief = (
+            ipywidgets.HTML() for _ in range(7))
         self._groups = ipywidgets.ToggleButtons(options=[*GROUPS, FILE, FLIGHT], style={"button_width": "6.3em"},
                                                 layout={"width": "21em"})
         self._groups.observe(lambda _: self._show_group(), names="value")
@@ -186,7 +189,7 @@ class RobotDesigner:
         # Words and wishes first, then what they make: the order of the Tab key.
         left = ipywidgets.VBox([self._groups, *self._parts.values(), self._message],
                                layout={"width": "21.5em", "flex": "0 0 auto"})
-        middle = ipywidgets.VBox([self._image, self._eye, self._warnings],
+        middle = ipywidgets.VBox([self._image, self._eye, self._brief, self._warnings],
                                  layout={"width": f"{100 * SIZE[0] + 4:.0f}px", "max_width": "100%"})
         right = ipywidgets.VBox([self._planes, self._slice, self._numbers], layout={"width": "350px"})
         self._below = ipywidgets.VBox([])
@@ -284,10 +287,11 @@ class RobotDesigner:
         return ({**(data or {}), **words}, *more) if more else {**(data or {}), **words}
 
 
-def robot_designer(world: World | str = _START) -> RobotDesigner:
+def robot_designer(world: World | str = _START, brief: Brief | None = None) -> RobotDesigner:
     """Edit a robot's world file field by field; picture, workspace slice, stiffness and warnings follow at once.
 
     world : World, or the name or path of one
+    brief : judged with every edit too, if given
     A bad edit is named and changes nothing; everything can be undone. ``designer.world`` is the robot as it is.
     Raises WorldError for an unknown name, InvalidInput for anything else.
 
@@ -297,7 +301,7 @@ def robot_designer(world: World | str = _START) -> RobotDesigner:
     >>> designer.undo(), designer.world.robot.n_cables
     (True, 4)
     """
-    return RobotDesigner(load_world(world) if isinstance(world, str) else world)
+    return RobotDesigner(load_world(world) if isinstance(world, str) else world, brief)
 
 
 def _button(word: str, work: Callable[[], Any], width: str) -> Any:

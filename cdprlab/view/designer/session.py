@@ -12,6 +12,7 @@ import numpy as np
 from ...control import ComputedTorque
 from ...errors import CdprError, InvalidInput
 from ...run import Run, run
+from ...workspace.brief import Brief, Verdict
 from ...world import World, load_world
 from .assessment import PLANES, Assessment, assess
 from .edits import contents, edited, field_name, opened, with_entry, without_entry
@@ -43,6 +44,7 @@ class DesignSession:
     """Edits of one world; each is judged, and a bad one changes nothing but ``mistake``.
 
     world : where to begin
+    brief : judged with every design, if there is one
 
     >>> import cdprlab as cl
     >>> session = DesignSession(cl.load_world("caroca"))
@@ -54,13 +56,19 @@ class DesignSession:
     (True, 150.0)
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, brief: Brief | None = None) -> None:
         if not isinstance(world, World):
             raise InvalidInput(f"a designer takes a World, got {type(world).__name__}")
         self.history: History[Kept] = History(Kept(opened(world), Place()))
         self.plane = PLANES[0]
         self.mistake = ""
+        self.brief = brief
         self.assessment: Assessment = assess(self.world, self.plane)
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """What the brief says of the present world, None without a brief."""
+        return None if self.brief is None else self.brief.judge(self.world)
 
     @property
     def world(self) -> World:
