@@ -89,6 +89,7 @@ class SpatialSimulator(Simulator):
         self.tensions = np.zeros(self.robot.n_cables)
         self._reach = 5 * (1 + float(np.abs(self.robot.exit_points).max() + np.abs(start.position).max()))
         self._read()
+        self._ropes = self._make_ropes()  # anew: which ropes were taut is the last flight's memory
         self.rope_lengths = self._wound_at_rest() if self._ropes is not None else None
         return self.state()
 
