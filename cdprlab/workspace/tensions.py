@@ -13,7 +13,7 @@ from ..errors import InvalidInput
 from ..pose import Pose
 from ..robot import Robot
 from ..statics import gravity_wrench, tipping_rows
-from ..tensions.polygon import CENTROID, plain
+from ..tensions.polygon import plain
 from .criterion import Criterion, Flags, Judgement, unknown, verdict
 from .facets import capacity_margins
 from .programs import margin_by_program, standing_by_program
@@ -219,11 +219,11 @@ def _weights(robot: Robot, poses: Pose) -> Array:
 
 def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
     """Whether tensions within the limits balance each wrench: the sign of `tension_margins`, found quicker."""
-    from ..tensions import kernels
+    from . import verdict_kernel as kernel
 
-    _, found, _ = kernels.polygons(plain(W), plain(w_e), plain(low[None]), plain(high[None]), CENTROID)
-    inside = np.asarray(found == kernels.FOUND)
-    many = found == kernels.TOO_REDUNDANT
+    found = kernel.verdicts(plain(W), plain(w_e), plain(low[None]), plain(high[None]))
+    inside = np.asarray(found == kernel.INSIDE)
+    many = found == kernel.TOO_REDUNDANT
     if many.any():
         inside[many] = tension_margins(W[many], w_e[many], low, high) >= -ROUNDING * high.max()
     return inside

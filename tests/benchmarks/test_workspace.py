@@ -10,7 +10,7 @@ import pytest
 import cdprlab as cl
 from cdprlab.workspace import position_grid, random_poses
 
-POSES = 4000
+POSES = 2000
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +59,7 @@ def paired(reference, candidate, repeats):
 def test_wrench_feasibility_beside_quadprog(benchmark, report, caroca, margin, promised):
     """From poses to verdicts, wrench matrices included; the loop gets its W for nothing."""
     robot, poses, W, w = caroca
-    one, share = quadprog_feasibility(W, w, robot.tension_min, robot.tension_max), 400
+    one, share = quadprog_feasibility(W, w, robot.tension_min, robot.tension_max), 200
 
     def sweep():
         return cl.workspace(robot, poses, cl.WrenchFeasible(), margin=margin)
@@ -67,7 +67,7 @@ def test_wrench_feasibility_beside_quadprog(benchmark, report, caroca, margin, p
     verdicts = [one(k, w[k]) for k in range(POSES)]
     assert (sweep().inside == verdicts).mean() > 0.999   # quadprog itself errs at the very border
     ratio = paired(lambda: seconds(lambda: [one(k, w[k]) for k in range(share)]) * POSES / share,
-                   lambda: seconds(sweep), repeats=25)
+                   lambda: seconds(sweep), repeats=101)
     report(f"quadprog loop / WFW of the Caroca, {'margin' if margin else 'verdict'}", ratio, promised, at_least=True)
     benchmark(sweep)
 
@@ -107,7 +107,7 @@ def test_a_box_of_64_wrenches(benchmark, report, caroca):
     found = sweep()
     sure = np.abs(found.margin[:200]) > 1e-3
     assert (found.inside[:200] == vertices(200))[sure].all()
-    ratio = paired(lambda: seconds(lambda: vertices(share)) * POSES / share, lambda: seconds(sweep), repeats=15)
+    ratio = paired(lambda: seconds(lambda: vertices(share)) * POSES / share, lambda: seconds(sweep), repeats=25)
     report("64 quadprogs a pose / a box of 64 wrenches", ratio, 50, at_least=True)
     benchmark(sweep)
 
