@@ -43,11 +43,14 @@ def test_it_says_what_the_library_says(explorer):
 @pytest.mark.parametrize("name", WORLDS)
 def test_every_slider_answers_at_both_ends(name):
     explorer = widgets.configuration_explorer(cl.load_world(name))
-    for control in explorer.controls.values():
-        for value in (control.low, control.high) if isinstance(control, Slider) else control.options:
-            explorer.set(**{control.name: value})
-            assert explorer.picture.startswith(b"\x89PNG") and "at (" in explorer.text
-        reset(explorer)
+    sliders = [control for control in explorer.controls.values() if isinstance(control, Slider)]
+    choices = [control for control in explorer.controls.values() if not isinstance(control, Slider)]
+    ends = [itertools.repeat("low"), itertools.repeat("high"), itertools.cycle(["low", "high"]),
+            itertools.cycle(["high", "low"])]
+    moves = [{slider.name: getattr(slider, end) for slider, end in zip(sliders, pattern)} for pattern in ends]
+    for move in moves + [{choice.name: option} for choice in choices for option in choice.options]:
+        explorer.set(**move)
+        assert explorer.picture.startswith(b"\x89PNG") and "at (" in explorer.text
     explorer.close()
 
 

@@ -22,8 +22,8 @@ CLASS_COLORS = {INSIDE: BLUE, UNCERTAIN: ORANGE, OUTSIDE: GREY}
 """Always beside the word itself."""
 
 _CLASS_HATCHES = {INSIDE: None, UNCERTAIN: "//", OUTSIDE: None}
-_MARGIN = 0.22
-"""Of the plan around the exit points [m]."""
+_MARGIN, WIDE_MARGIN = 0.22, 0.44
+"""Of the plan around the exit points, in a large panel and in a small one [m]."""
 
 _HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6}
 
@@ -113,8 +113,14 @@ def draw_room(panel: Axes, robot: Robot, margin: float = _MARGIN) -> None:
 
 def draw_triplet(panel: Axes, robot: Robot, chosen: Configuration, position: Array, verdict: str,
                  position_uncertainty: float = 0.0, exit_uncertainty: float = 0.0) -> None:
-    """One triangle in the color of its class, its certain part darker, and the load."""
-    draw_room(panel, robot, 2 * _MARGIN)
+    """One triangle in the color of its class, its certain part darker, and the load, in its room."""
+    draw_room(panel, robot, WIDE_MARGIN)
+    fill_triplet(panel, robot, chosen, position, verdict, position_uncertainty, exit_uncertainty)
+
+
+def fill_triplet(panel: Axes, robot: Robot, chosen: Configuration, position: Array, verdict: str,
+                 position_uncertainty: float = 0.0, exit_uncertainty: float = 0.0) -> None:
+    """The same without the room."""
     corners = robot.exit_points[chosen.indices]
     color = CLASS_COLORS[verdict]
     panel.fill(*corners[:, :2].T, facecolor=color, edgecolor="none", alpha=0.22)
@@ -131,6 +137,11 @@ def draw_triplet(panel: Axes, robot: Robot, chosen: Configuration, position: Arr
 def draw_sequence(panel: Axes, robot: Robot, sequence: ConfigurationSequence) -> None:
     """The way from S to G, each part in the style of its configuration, over that configuration's triangle."""
     draw_room(panel, robot)
+    fill_sequence(panel, robot, sequence)
+
+
+def fill_sequence(panel: Axes, robot: Robot, sequence: ConfigurationSequence) -> None:
+    """The same without the room."""
     looks = [cable_style(k) for k in range(len(sequence.configurations))]
     for chosen, look, dashes in zip(sequence.configurations, looks, ("-", (0, (5, 2)), (0, (1.5, 1.5)), "-.")):
         corners = robot.exit_points[chosen.indices][:, :2]

@@ -6,6 +6,7 @@ from typing import Any
 
 import ipywidgets
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -18,7 +19,7 @@ from ...errors import InvalidInput
 from ...run import Run
 from ...switching import follow_sequence
 from ...world import World
-from ..configuration_plan import draw_room, draw_sequence, draw_triplet, in_words
+from ..configuration_plan import WIDE_MARGIN, draw_room, fill_sequence, fill_triplet, in_words
 from ..style import GREY, INK, house_style
 from .explorer import Choice, Explorer, Slider, Values
 from .player import RunPlayer
@@ -84,12 +85,21 @@ class ConfigurationExplorer(Explorer):
         grid = figure.add_gridspec(rows, columns + 1, width_ratios=[2.0] + [2.0 / columns] * columns)
         self._plan = figure.add_subplot(grid[:, 0])
         self._small = [figure.add_subplot(grid[k // columns, 1 + k % columns]) for k in range(len(self.names))]
+        draw_room(self._plan, self.robot)
+        for panel in self._small:
+            draw_room(panel, self.robot, WIDE_MARGIN)
+            panel.set(xlabel="", ylabel="", xticks=[], yticks=[])
+        # What stands still; all else is made anew at every move, animated, so that this need not be drawn again.
+        self._still = {id(artist) for panel in figure.axes for artist in _artists(panel)}
         values = {name: control.start for name, control in self.controls.items()}
         self._draw_all(dict.fromkeys(self.names, "uncertain"), None, self.place(values), (0.0, 0.0), values)
 
     def draw(self, values: Values) -> None:
         with house_style():
             self._draw_all(self._classes, self.chosen(values), self.place(values), _boxes(values), values)
+        for panel in self._panels:
+            panel.stale = False
+        self._picture.figure.stale = False
 
     def numbers(self, values: Values) -> dict[str, Any]:
         self._replan(values)
@@ -125,22 +135,28 @@ class ConfigurationExplorer(Explorer):
 
     def _draw_all(self, classes: dict[Any, str], sequence: ConfigurationSequence | None, place: Array,
                   boxes: tuple[float, float], values: Values) -> None:
-        for panel in (self._plan, *self._small):
-            _clear(panel)
+        for artist in self._moving():
+            artist.remove()
         if sequence is None:
-            draw_room(self._plan, self.robot)
             for name, end in zip("SG", _ends(values)):
                 self._plan.plot(*end[:2], marker="o", color=GREY, markersize=8)
                 self._plan.annotate(name, (end[0], end[1]), (0, 9), textcoords="offset points", ha="center")
-            self._plan.set_title("no sequence", fontsize=11)
         else:
-            draw_sequence(self._plan, self.robot, sequence)
-            self._plan.set_title(str(sequence), fontsize=11)
+            fill_sequence(self._plan, self.robot, sequence)
         self._plan.plot(*place[:2], marker="x", markersize=9, markeredgewidth=2, color=INK, zorder=7)
+        titles = [self._plan.set_title("no sequence" if sequence is None else str(sequence), fontsize=11)]
         for panel, chosen in zip(self._small, self.names):
-            draw_triplet(panel, self.robot, chosen, place, classes[chosen], *boxes)
-            panel.set(xlabel="", ylabel="", xticks=[], yticks=[])
-            panel.set_title(panel.get_title(loc="left"), fontsize=9)
+            fill_triplet(panel, self.robot, chosen, place, classes[chosen], *boxes)
+            titles.append(panel.set_title(f"{chosen}: {classes[chosen]}", fontsize=9))
+        for artist in [*self._moving(), *titles]:
+            artist.set_animated(True)
+
+    @property
+    def _panels(self) -> list[Axes]:
+        return [self._plan, *self._small]
+
+    def _moving(self) -> list[Artist]:
+        return [artist for panel in self._panels for artist in _artists(panel) if id(artist) not in self._still]
 
     def _add_fly_button(self) -> None:
         self.button = ipywidgets.Button(description="Play in the engine", icon="play", layout={"width": "auto"})
@@ -216,7 +232,5 @@ def _steps(sequence: ConfigurationSequence) -> str:
     return "\n".join([*rows, f"changes: {changes}"])
 
 
-def _clear(panel: Axes) -> None:
-    # Not clear(): ticks made anew would take longer than all the rest.
-    for artist in [*panel.lines, *panel.texts, *panel.patches]:
-        artist.remove()
+def _artists(panel: Axes) -> list[Artist]:
+    return [*panel.lines, *panel.texts, *panel.patches]
