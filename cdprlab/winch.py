@@ -119,7 +119,7 @@ def friction_experiment(winch: Winch, load: float = 10.0, duration: float = 8.0,
         raise InvalidInput("the experiment takes at least 1 s and a winch with `inertia` above zero "
                            f"[kg m²], got {duration} s and {winch.inertia}")
     friction, carried, dt = Friction.of(winch), load / _pull(winch), 5e-4
-    time = np.arange(round(duration / dt)) * dt
+    time: Array = np.arange(round(duration / dt), dtype=np.float64) * dt
     # Slow first, for breakaway, then as fast as the job asks for.
     wanted = np.where(time < duration / 2, 8.0, 80.0) * np.sin(2 * np.pi * time / (duration / 4))
     speeds, torques, speed, total = np.empty(time.size), np.empty(time.size), 0.0, 0.0

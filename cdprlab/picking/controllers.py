@@ -17,7 +17,6 @@ from ..fast_control import mass_and_bias, turn_between
 from ..fast_statics import standing_rows
 from ..geometry import cable_lengths
 from ..kinematics import base_jacobian, jacobian
-from ..pose import Pose
 from ..robot import Robot, Winch
 from ..simulate.mobile import MobileSimulator
 from ..tensions.distribution import solver_for
@@ -103,7 +102,8 @@ class TorqueControl(WinchControl):
         W, wish = engine.wrench_matrix, order.reference
         mass, bias = mass_and_bias(order.robot, engine.rotation, engine.twist)
         tau, feasible = self._tensions(engine, W, mass @ self._acceleration(engine, wish) + bias)
-        paid = _base_rates(engine, order.base_speeds)
+        # B_b q̇_b, what driving bases pay of the cables: −u · Ȧ.
+        paid = -(engine.directions * engine.exit_velocities).sum(axis=1)
         # Friction of the speed that is wanted, not of the one measured: its sign must not chatter at rest.
         torques = motor_torque(self.winch, self.believed, tau, -wish.twist @ W - paid, -wish.acceleration @ W)
         torques = np.clip(torques, -self.winch.torque, self.winch.torque)
@@ -141,7 +141,7 @@ class VelocityControl(WinchControl):
 
     name, cables = "velocity", "elastic"
 
-    def __init__(self, gain: float = 20.0, *, margin: float = 1.0, reserve: float = 5.0) -> None:
+    def __init__(self, gain: float = 20.0, *, margin: float = 1.5, reserve: float = 5.0) -> None:
         if gain < 0:
             raise InvalidInput(f"gain must not be negative [1/s], got {gain:g}")
         self.gain, self.margin, self.reserve = float(gain), float(margin), float(reserve)
@@ -188,13 +188,6 @@ def winch_control(control: str | WinchControl) -> WinchControl:
     if control not in known:
         raise InvalidInput(f"control must be {' or '.join(map(repr, known))}, or a WinchControl, got {control!r}")
     return known[control]()
-
-
-def _base_rates(engine: MobileSimulator, speeds: Array) -> Array:
-    """(m,) B_b q̇_b: what driving bases pay of the cables' lengths [m/s]."""
-    if not speeds.any():
-        return np.zeros(engine.wrench_matrix.shape[1])
-    return base_jacobian(engine.robot, Pose.of(engine.position, engine.rotation)) @ speeds
 
 
 def _winch_of(robot: Robot) -> Winch:

@@ -27,7 +27,8 @@ from .record import Job, Log
 Progress = Callable[[int, int], Any]
 
 _ACCELERATION = 0.2    # m/s² and rad/s²: of bases, as gently as a loaded trolley is pushed
-_AFTERMATH = 1.0       # s that a stopped job is watched
+_ROLLERS = 0.1         # the box's factor of 0.05 with a board: boards that a box is drawn from have rollers
+_AFTERMATH = 1.5       # s that a stopped job is watched: bases brake within 1 s
 _SLACK = 0.5           # N: how far off its limits a cable may be before it counts, about what friction leaves
 
 
@@ -63,7 +64,7 @@ def pick_and_place(world: World, task: str = "pick_and_place", control: str | Wi
     machine = Machine(job_phases(world, job, speed), faults)
     with open_simulator(begin, law.cables, dt, bodies=True, solver_iterations=20) as engine:
         assert isinstance(engine, MobileSimulator)
-        engine.add_box(BOX, job.box_position, job.box_size, job.box_mass, friction=0.2)
+        engine.add_box(BOX, job.box_position, job.box_size, job.box_mass, friction=_ROLLERS)
         law.start(engine)
         began = time.perf_counter()
         log = _Loop(engine, job, machine, law, control_period).run(progress)
@@ -81,6 +82,7 @@ class _Loop:
         self.path: Trajectory = hold(task.start, 1.0)
         self.sampled: list[Reference] | None = None
         self.bases = engine.base_poses.copy()
+        self.driven = np.zeros(self.bases.size)
         self.stroke, self.offset = 1.0, np.zeros(3)
         self.empty = self.robot = engine.world.robot
         self.carried: tuple[float, ...] = (0.0,)
@@ -90,7 +92,7 @@ class _Loop:
     def run(self, progress: Progress | None) -> Log:
         machine, total = self.machine, sum(phase.duration for phase in self.machine.phases)
         self._begin(machine.phase)
-        steps, ended, shown = 0, 0.0, 0
+        steps, ended, shown = 0, 0.0, 0.0
         while not ((machine.stopped or machine.done) and steps * self.period > ended + _AFTERMATH):
             now = steps * self.period
             wish = self._wish(now)
@@ -121,7 +123,6 @@ class _Loop:
         self.sampled = None
         if self.machine.stopped:
             self.path = hold(Pose.of(self.engine.position, self.engine.rotation), 1.0)
-            self.engine.drive(np.zeros(self.bases.size))
         elif self.machine.done:
             self.path = hold(self.path.end, 1.0)
         else:
@@ -137,12 +138,16 @@ class _Loop:
 
     def _drive(self, now: float) -> Array:
         speeds = np.zeros(self.bases.size)
-        if not (self.machine.stopped or self.machine.done):
+        if self.machine.stopped:   # brake, not stop dead: the cables would feel it
+            slower = np.abs(self.driven) - _ACCELERATION * self.period
+            speeds = np.sign(self.driven) * np.maximum(slower, 0.0)
+        elif not self.machine.done:
             for k, base in enumerate(self.empty.bases):
                 goal = self.machine.phase.drives.get(base.name)
                 if goal is not None:
                     speeds[3 * k:3 * k + 3] = self._speed_of(k, goal, now - self.machine.began + self.period / 2)
-        return self.engine.drive(speeds)
+        self.driven = self.engine.drive(speeds)
+        return self.driven
 
     def _speed_of(self, k: int, goal: tuple[float, float, float], t: float) -> Array:
         """θ̇, ρ̇₁, ρ̇₂ of one base, a rest-to-rest drive along each."""

@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..pose import Pose
 
 STOPPED = "stopped"
-"""The safe state: bases stand still, the platform holds where it is, the gripper stays as it is."""
+"""The safe state: bases brake and stand still, the platform holds where it is, the gripper stays as it is."""
 
 DONE = "done"
 

@@ -22,7 +22,7 @@ Place = tuple[float, float, float]
 
 _DRAWING = 4.0      # s for the gripper's whole stroke
 _LIFT = 0.003       # m: a box that is drawn out comes over its board's edge without catching
-_OVERLAP = 0.02     # m of the box over its board as it is set down
+_OVERLAP = 0.006    # m of the box over its board as it is set down
 _UP = np.array([0.0, 0.0, 1.0])
 
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
 from ..pose import Pose
-from ..robot import Robot
+from ..robot import Platform, Robot
 from ..world import World
 
 Color = tuple[int, int, int]
@@ -88,7 +88,7 @@ class Camera:
     def picture(self, pose: Pose, tensions: ArrayLike, width: int = 640, height: int = 480,
                 limits: tuple[float, float] | None = None, trail: ArrayLike | None = None,
                 rope_lengths: ArrayLike | None = None, robot: Robot | None = None,
-                boxes: Iterable[tuple[Pose, Array]] = ()) -> Picture:
+                boxes: Iterable[tuple[Pose, Array]] = (), tray: bool = False) -> Picture:
         """The robot at one pose.
 
         pose : single Pose
@@ -99,6 +99,7 @@ class Camera:
         rope_lengths : (m,) what is let out of each cable; what is not needed hangs through [m]
         robot : the world's with its mobile bases where they stand now; default where the world puts them
         boxes : pose and size [m] of each loose box
+        tray : draw the platform as a floor between two end walls, so that a box in it is seen
         Returns (height, width, 3).
         """
         robot = self.world.robot if robot is None else robot
@@ -110,7 +111,7 @@ class Camera:
             _draw_box(canvas, view, _corners(place, size), LOAD)
         if trail is not None:
             _draw_trail(canvas, view, as_array(trail, "trail", ("k", 3), "m"))
-        _draw_platform(canvas, view, robot, pose, self.world.scene.floor_height)
+        _draw_platform(canvas, view, robot, pose, self.world.scene.floor_height, tray)
         _draw_cables(canvas, view, robot, pose, tau, tension_colors(tau, limits or default_limits(robot)),
                      None if rope_lengths is None else as_array(rope_lengths, "rope_lengths", (robot.n_cables,), "m"))
         return canvas.picture(_OVERSAMPLING)
@@ -305,13 +306,22 @@ def _draw_supports(canvas: _Canvas, view: _View, world: World, robot: Robot) -> 
             _draw_beam(canvas, view, foot, exit_point, thickness * 0.6)
 
 
-def _draw_platform(canvas: _Canvas, view: _View, robot: Robot, pose: Pose, floor_height: float) -> None:
+def _draw_platform(canvas: _Canvas, view: _View, robot: Robot, pose: Pose, floor_height: float, tray: bool) -> None:
     corners = _corners(pose, robot.platform.size, robot.platform.center)
     shadow = corners.copy()
     shadow[:, 2] = floor_height
     for face in _FACES:
         canvas.polygon(*view.pixels(shadow[face]), SHADOW)
-    _draw_box(canvas, view, corners, PLATFORM)
+    for part, size in _tray(robot.platform) if tray else [(robot.platform.center, robot.platform.size)]:
+        _draw_box(canvas, view, _corners(pose, size, part), PLATFORM)
+
+
+def _tray(platform: Platform) -> list[tuple[Array, Array]]:
+    """Center and size [m] of floor and end walls, 2 cm thick, open along y."""
+    (x, y, z), thin = platform.size, 0.02
+    floor = np.array([0, 0, thin - z]) / 2, np.array([x, y, thin])
+    walls = [(np.array([side * (x - thin) / 2, 0, 0]), np.array([thin, y, z])) for side in (-1, 1)]
+    return [(platform.center + center, size) for center, size in (floor, *walls)]
 
 
 def _draw_trail(canvas: _Canvas, view: _View, points: Array) -> None:

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array, as_array, frozen
 from ..control import State
 from ..errors import InvalidInput
 from ..fast_statics import CYCLE
 from ..pose import Pose
 from ..robot import Base, Robot
 from ..world import World
-from .ropes import rope_law
+from .ropes import RopeLaw, rope_law
 from .spatial import Leg, SpatialSimulator, leg_joints, quaternion_of, turn_z_to
 
 _ALONG, _ACROSS, _ABOUT, _BODY = 0, 1, 2, 6  # joints that drive, and the link that is the base
@@ -49,6 +49,8 @@ class MobileSimulator(SpatialSimulator):
         self._box_sizes: dict[str, Array] = {}
         self._carried: list[tuple[int, list[int], Array]] = []
         self._targets = _places(world.robot)
+        self._feet = {base.name: np.insert(base.footprint, 2, 0.0, axis=1) - base.center_of_mass
+                      for base in world.robot.bases}
         super().__init__(world, cables, dt, tip_mass=tip_mass, solver_iterations=solver_iterations)
 
     # --- the interface ----------------------------------------------------------------------------
@@ -58,6 +60,7 @@ class MobileSimulator(SpatialSimulator):
             self.release(name)
         self._targets = _places(self.world.robot)
         self._present: Robot | None = None
+        self._standing: Array | None = None
         self._bodies, self._carried = [], []
         return super().reset(pose)
 
@@ -79,8 +82,16 @@ class MobileSimulator(SpatialSimulator):
         b, client = self._bullet, self._client
         if not self._bodies:
             return self._targets
-        return np.array([[b.getJointState(body, joint, client)[0] for joint in (_ALONG, _ACROSS, _ABOUT)]
-                         for body in self._bodies])
+        if self._standing is None:
+            self._standing = frozen(np.array([
+                [b.getJointState(body, joint, client)[0] for joint in (_ALONG, _ACROSS, _ABOUT)]
+                for body in self._bodies]))
+        return self._standing
+
+    @property
+    def exit_velocities(self) -> Array:
+        """(m, 3) of the exit points during the last step [m/s]."""
+        return self._exit_steps.T / (self.dt * self._substeps)
 
     @property
     def tilts(self) -> Array:
@@ -92,7 +103,7 @@ class MobileSimulator(SpatialSimulator):
         loads = {}
         for base, body in zip(self.world.robot.bases, self._bodies):
             place, turn = self._placed(body)
-            corners = place + (np.insert(base.footprint, 2, 0.0, axis=1) - base.center_of_mass) @ turn.T
+            corners = place + self._feet[base.name] @ turn.T
             force = np.zeros(len(corners))
             contacts = self._bullet.getContactPoints(bodyA=body, linkIndexA=_BODY, physicsClientId=self._client)
             if contacts:
@@ -186,7 +197,7 @@ class MobileSimulator(SpatialSimulator):
         """
         if self._ropes is not None:
             elasticity = robot.elasticity if self.cables == "elastic" else None
-            self._ropes = rope_law(robot, self.dt, elasticity)
+            self._ropes = self._paid_out(rope_law(robot, self.dt, elasticity))
 
     def release(self, name: str) -> None:
         """Let a box go."""
@@ -231,11 +242,26 @@ class MobileSimulator(SpatialSimulator):
             for joint, rate in zip((_ALONG, _ACROSS, _ABOUT), (missing + rates).tolist()):
                 control(body, joint, b.VELOCITY_CONTROL, targetVelocity=rate, force=force, physicsClientId=client)
 
+    def _make_ropes(self) -> RopeLaw | None:
+        law = super()._make_ropes()
+        return None if law is None else self._paid_out(law)
+
+    def _paid_out(self, law: RopeLaw) -> RopeLaw:
+        """The law of ropes whose exit points move: a base that drives away in the step needs that much more rope."""
+        def tensions(W: Array, rotation: Array, twist: Array, lengths: Array, now: Array, wound: Array,
+                     push: Any) -> Array:
+            leaving = (self.directions * self._exit_steps.T).sum(axis=1)
+            return law(W, rotation, twist, lengths, now, wound - leaving, push)
+
+        return tensions
+
     def _read(self) -> None:
-        self._present = None
+        self._present = self._standing = None
+        before = self._exits[:3].copy()
         for body, columns, local in self._carried:
             place, turn = self._placed(body)
             self._exits[:, columns] = (place[:, None] + turn @ local)[CYCLE]
+        self._exit_steps = self._exits[:3] - before
         super()._read()
 
     def _placed(self, body: int, link: int = _BODY) -> tuple[Array, Array]:
@@ -253,7 +279,7 @@ class MobileSimulator(SpatialSimulator):
         tensions = np.where(self._cut, np.nan, self.tensions)
         boxes = [(self.box_pose(name), self._box_sizes[name]) for name in self._boxes]
         return self._camera.picture(Pose.of(self.position, self.rotation), tensions, width, height,
-                                    rope_lengths=self.rope_lengths, robot=self.robot, boxes=boxes)
+                                    rope_lengths=self.rope_lengths, robot=self.robot, boxes=boxes, tray=bool(boxes))
 
     # --- building ---------------------------------------------------------------------------------
     def _make_legs(self, start: Pose) -> tuple[Leg, ...]:

@@ -14,7 +14,7 @@ from ..pose import Pose
 from ..simulate.camera import INK as INK_RGB
 from ..simulate.camera import Camera
 from .film import _ECONOMIES, LARGEST_FILE, _checked_path, _draw_scale, _font, _ticks, _write_gif
-from .plots import Figure, _label_ends
+from .plots import Figure, _label_ends, _spread
 from .style import AXIS_COLORS, AXIS_DASHES, BLUE, GREY, INK, VERMILION, cable_style, house_style
 
 
@@ -71,7 +71,7 @@ def frame_at(job: Job, t: float, width: int = 640, camera: Camera | None = None)
     limits = float(ticks[0]), float(ticks[-1])
     picture = (camera or Camera(job.world)).picture(
         job.poses[index], job.tensions[index], width, height, limits, trail, robot=job.robot_at(index),
-        boxes=[(box, job.task.box_size)])
+        boxes=[(box, job.task.box_size)], tray=True)
     top = round(56 * scale)
     frame = Image.new("RGB", (width, height + top + round(56 * scale)), "white")
     frame.paste(Image.fromarray(picture), (0, top))
@@ -98,8 +98,10 @@ def _shade_phases(panel: Axes, job: Job) -> None:
 
 
 def _name_phases(panel: Axes, job: Job) -> None:
-    for start, end, name in _spans(job):
-        panel.annotate(name, ((start + end) / 2, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 4), rotation=60,
+    spans, lasting = _spans(job), float(job.time[-1])
+    middles = np.array([(start + end) / 2 for start, end, _ in spans])
+    for (_, _, name), middle in zip(spans, lasting * _spread(middles / lasting, gap=0.017)):
+        panel.annotate(name, (middle, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 4), rotation=60,
                        textcoords="offset points", ha="left", va="bottom", fontsize=9, color=GREY,
                        annotation_clip=False)
 
