@@ -29,7 +29,7 @@ endif
 run test bench: export OMP_NUM_THREADS = 1
 
 help:  ## this list
-	@grep -hE '^[a-z-]+:.*##' Makefile | sed -E 's/^([a-z]+):.*## */  make \1\t/' | expand -t 24
+	@grep -hE '^[a-z-]+:.*##' Makefile | sed -E 's/^([a-z-]+):.*## */  make \1\t/' | expand -t 24
 
 run: $(VENV)/.students  ## the CAROCA along its trajectory; table on the screen, pictures and log in out/caroca/
 	$(BIN)/python -m cdprlab run caroca
