@@ -1,6 +1,7 @@
 """FASTKIT's job in the engine: both controllers, both layouts, standing bases, friction found, safe endings."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -42,8 +43,8 @@ def near(world, **changes):
 
 @pytest.fixture(scope="module")
 def flown():
-    """The whole job under torque control, deployment and all."""
-    return pick_and_place(cl.load_world("fastkit_suspended"))
+    """The whole job under torque control, 1.2 m of the deployment's 4.8 m."""
+    return pick_and_place(job_world(coupled={"active": (-2.0, 0.0, 0.0)}, aside=-0.1))
 
 
 def edge_loads(job):
@@ -65,7 +66,7 @@ def test_the_whole_job_is_done_under_torque_control(flown):
 
 
 def test_the_platform_keeps_its_pose_while_the_base_deploys(flown):
-    """5 m of driving, then the place of the world file to a centimeter; nobody else moved."""
+    """The base ends in the world file's place to a centimeter, within its speed; nobody else moved."""
     deploying = [k for k, event in enumerate(flown.events) if event.state in ("sidestep", "deploy", "line up")]
     during = np.isin(flown.states, deploying)
     assert np.linalg.norm(flown.poses.position[during] - flown.task.start.position, axis=1).max() <= 5e-3
@@ -85,6 +86,51 @@ def test_velocity_control_does_the_job_too():
     robot = job.world.robot
     assert (job.tensions[1:] >= robot.tension_min).all() and (job.tensions <= robot.tension_max).all()
     assert edge_loads(job).min() > 0
+
+
+def test_the_whole_deployment_is_feasible():
+    """The way from where the bases are coupled, every 5 cm: tensions hold the platform where it starts."""
+    world = cl.load_world("fastkit_suspended")
+    task, robot = world.task("pick_and_place"), world.robot
+    stops = [(1.6, 0.0), (1.6, -0.4), (-3.2, -0.4), (-3.2, 0.0)]
+    assert task.coupled == {"active": (*stops[0], 0.0)} and task.aside == -0.4
+    for (x0, y0), (x1, y1) in pairwise(stops):
+        for s in np.linspace(0, 1, 1 + round(20 * max(abs(x1 - x0), abs(y1 - y0)))):
+            there = robot.with_bases({"active": (x0 + s * (x1 - x0), y0 + s * (y1 - y0), 0.0)})
+            W, w_e = cl.wrench_matrix(there, task.start), cl.gravity_wrench(there, task.start)
+            assert cl.distribute_tensions(W, w_e, robot.tension_min, robot.tension_max).feasible
+
+
+def test_a_base_that_drives_does_not_pull_at_ropes():
+    """Velocity control while a base drives: tensions are those wanted to 0.1 N, once ropes have settled."""
+    world = job_world(coupled={"active": (-2.0, 0.0, 0.0)})
+    watch = (lambda sensors: "enough" if sensors.time > 4.5 else "",)
+    job = pick_and_place(world, control="velocity", faults=watch)
+    driving = (job.time > 1.0) & (job.time < 4.4)
+    assert job.state_at(int(np.flatnonzero(driving)[-1])) == "deploy"
+    assert np.abs(job.tensions - job.commanded)[driving].max() <= 0.1
+    stopped = job.time > 4.6
+    assert np.abs(np.diff(job.base_poses[stopped, 0, :2], axis=0)).max() / 4e-3 <= 0.2  # it brakes
+    assert np.abs(job.base_poses[-1] - job.base_poses[-2]).max() < 1e-6
+
+
+def test_a_job_is_saved(flown, tmp_path):
+    flown.save(tmp_path)
+    log = np.load(tmp_path / "log.npz")
+    np.testing.assert_array_equal(log["tensions"], flown.tensions)
+    np.testing.assert_array_equal(log["state"], flown.states)
+    lines = (tmp_path / "events.csv").read_text().splitlines()
+    assert len(lines) == 1 + len(flown.events) and "0.500,uncouple" in lines[2]
+    assert cl.load_world(str(tmp_path / "world.yaml")).task("pick_and_place").box_mass == 7.0
+
+
+def test_a_job_is_pictured(flown, tmp_path):
+    from cdprlab.view.job import frame_at, plot_job
+
+    figure = plot_job(flown)
+    assert "done" in figure.alt_text and len(figure.axes) == 5
+    early, late = (np.asarray(frame_at(flown, t)) for t in (0.0, flown.time[-1]))
+    assert early.shape == late.shape and (early != late).any()
 
 
 def test_two_jobs_are_identical():

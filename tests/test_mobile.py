@@ -143,6 +143,36 @@ def test_a_gripped_box_comes_along_and_a_released_one_stays(world):
         assert simulator.box_pose("box").position[2] == pytest.approx(0.075, abs=0.01)  # on the floor
 
 
+def test_substeps_change_neither_wheel_loads_nor_driving(world):
+    """One call of two substeps, or two calls: the same loads, and a base that drives without pitching."""
+    seen = []
+    for substeps in (1, 2):
+        with cl.open_simulator(world, dt=2e-3, bodies=True) as simulator:
+            for k in range(200 // substeps):
+                simulator.drive([0, 0.2 * min(1.0, substeps * k * 2e-3), 0, 0, 0, 0])
+                simulator.step(holding(simulator), substeps)
+            seen.append((simulator.wheel_loads()["active"], simulator.base_poses[0]))
+    np.testing.assert_allclose(seen[0][0], seen[1][0], rtol=0.03)
+    np.testing.assert_allclose(seen[0][1], seen[1][1], atol=2e-4)  # one engine step of the speeds' ramp
+    # m a h over a track of 0.9 m: 80 kg at 0.2 m/s², 0.6 m up, shift 5.3 N from each front wheel.
+    assert min(load.min() for load, _ in seen) > 50
+
+
+def test_a_gripped_box_is_drawn_in(world):
+    with cl.open_simulator(world, bodies=True) as simulator:
+        start = simulator.state().pose
+        simulator.add_box("box", start.position + [0, 0.3, 0], [0.1, 0.1, 0.1], 0.01)
+        simulator.grip("box")
+        for k in range(1, 501):
+            simulator.draw("box", [0, -0.2 * k / 500, 0])
+            simulator.step(holding(simulator))
+        off = simulator.box_pose("box").position - simulator.position
+        np.testing.assert_allclose(off, [0, 0.1, 0], atol=2e-3)
+        assert simulator.is_gripped("box")
+        with pytest.raises(InvalidInput, match="not gripped"):
+            simulator.draw("crate", [0, 0, 0])
+
+
 def test_two_flights_are_identical(world):
     def fly():
         with cl.open_simulator(world, bodies=True) as simulator:

@@ -126,12 +126,14 @@ class Job:
         """
         target = Path(folder)
         target.mkdir(parents=True, exist_ok=True)
-        arrays = {"time": self.time, "positions": self.poses.position, "rotations": self.poses.rotation,
-                  "reference_positions": self.reference.position, "reference_rotations": self.reference.rotation,
-                  "box_positions": self.box_poses.position, "box_rotations": self.box_poses.rotation,
-                  "state": self.states, **{name: getattr(self, name) for name in _UNITS if hasattr(self, name)}}
+        parts = {"": self.poses, "reference_": self.reference, "box_": self.box_poses}
+        arrays: dict[str, Any] = {name: getattr(self, name) for name in _UNITS if hasattr(self, name)}
+        arrays["state"] = self.states
+        for kind, pose in parts.items():
+            arrays[f"{kind}positions"], arrays[f"{kind}rotations"] = pose.position, pose.rotation
+        arrays = {name: np.asarray(arrays[name]) for name in _UNITS}
         np.savez_compressed(target / "log.npz", units=np.array(json.dumps(_UNITS)), **arrays)
-        write_csv(target / "log.csv", {name: (np.asarray(values), _UNITS[name]) for name, values in arrays.items()})
+        write_csv(target / "log.csv", {name: (values, _UNITS[name]) for name, values in arrays.items()})
         lines = ["time [s],state,why", *(f"{event.time:.3f},{event.state},\"{event.why}\"" for event in self.events)]
         (target / "events.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
         self.world.save(target / "world.yaml")

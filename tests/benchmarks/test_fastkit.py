@@ -16,5 +16,6 @@ def test_job(benchmark, report):
         return pick_and_place(world, faults=(lambda sensors: "enough" if sensors.time > 4 else "",))
 
     fly()   # friction is identified once
+    assert pick_and_place(cl.load_world("fastkit_suspended")).state == "done"  # all of it, 75 s
     report("FASTKIT's job / real time", max(fly().real_time_factor for _ in range(3)), 3, at_least=True)
     benchmark.pedantic(fly, rounds=3)
