@@ -89,7 +89,8 @@ class Brief:
         def to(low: Array, high: Array) -> str:
             return " × ".join(f"{a:g} to {b:g}" for a, b in zip(low, high))
 
-        pushes = ", ".join(f"{_AXES[k]} {push:g} {'N' if k < 3 else 'N m'}" for k, push in enumerate(self.pushes) if push)
+        pushes = ", ".join(f"{axis} {push:g} {'N' if axis[0] == 'f' else 'N m'}"
+                           for axis, push in zip(_AXES, self.pushes) if push)
         lines = {
             "load": f"{self.mass:g} kg, a box of {' × '.join(f'{edge:g}' for edge in self.size)} m, P at its center",
             "positions of P": f"{to(self.lower, self.upper)} m",
@@ -192,11 +193,18 @@ class Brief:
         return not off.any(), "all on the load" if not off.any() else (
             f"{_cables(off)} beyond the box of the load: there is nothing to fix a cable to")
 
+    def margins(self, robot: Robot, poses: Pose) -> Array:
+        """(k, N) distance of the tensions from their limits at best, push by push of ``wrenches``, pose by pose [N]."""
+        return np.array([s for s, _ in self._best(robot, poses)])
+
+    def _best(self, robot: Robot, poses: Pose) -> list[tuple[Array, Array]]:
+        W = wrench_matrix(robot, poses)
+        weight = np.broadcast_to(gravity_wrench(robot, poses), W.shape[:-1])
+        return [best_tensions(W, weight + push, robot.tension_min, robot.tension_max) for push in self.wrenches]
+
     def _worst(self, robot: Robot, poses: Pose) -> tuple[float, tuple[bool, str]]:
         """The smallest margin over all poses and pushes, and what to say about the place where it is."""
-        W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
-        weight = np.broadcast_to(weight, W.shape[:-1])
-        found = [best_tensions(W, weight + push, robot.tension_min, robot.tension_max) for push in self.wrenches]
+        found = self._best(robot, poses)
         margins = np.array([s for s, _ in found])
         k, i = np.unravel_index(int(np.argmin(margins)), margins.shape)
         least, tau = float(margins[k, i]), found[k][1][i]
