@@ -83,6 +83,8 @@ def test_workspace_writes_map_table_and_data(arguments, criterion, tmp_path, cap
     (["run", "caroca", "--duration", "-1"], "duration must be positive"),
     (["run", "caroca", "--method", "all", "--kp", "50"], "--kp has no say"),
     (["run", "caroca", "--method", "all", "--task", "none"], "there are default"),
+    (["run", "caroca", "--control", "velocity"], "--control belongs to tasks of kind pick_and_place"),
+    (["run", "fastkit_suspended", "--task", "pick_and_place", "--kp", "5"], "--kp has no say"),
 ])
 def test_wrong_input_is_one_line_and_exit_2(arguments, message, capsys):
     assert main(arguments) == 2

@@ -29,6 +29,9 @@ _UNITS = {
 }
 """Columns of the log."""
 
+_EVERY = 5
+"""Rows that log.csv keeps one of, for spreadsheets; log.npz has them all."""
+
 
 @dataclass(frozen=True, eq=False)
 class Job:
@@ -120,7 +123,7 @@ class Job:
         }
 
     def save(self, folder: str | Path) -> Path:
-        """Write log.npz (arrays and their units), log.csv, events.csv, the world and the settings.
+        """Write log.npz (arrays and their units), log.csv (every fifth row), events.csv, the world and the settings.
 
         folder : made if missing
         """
@@ -133,7 +136,7 @@ class Job:
             arrays[f"{kind}positions"], arrays[f"{kind}rotations"] = pose.position, pose.rotation
         arrays = {name: np.asarray(arrays[name]) for name in _UNITS}
         np.savez_compressed(target / "log.npz", units=np.array(json.dumps(_UNITS)), **arrays)
-        write_csv(target / "log.csv", {name: (values, _UNITS[name]) for name, values in arrays.items()})
+        write_csv(target / "log.csv", {name: (values[::_EVERY], _UNITS[name]) for name, values in arrays.items()})
         lines = ["time [s],state,why", *(f"{event.time:.3f},{event.state},\"{event.why}\"" for event in self.events)]
         (target / "events.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
         self.world.save(target / "world.yaml")
