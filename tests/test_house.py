@@ -10,11 +10,12 @@ import cdprlab
 
 PACKAGE = Path(cdprlab.__file__).parent
 ROOMS = (
-    "errors", "arrays", "intervals", "pose", "robot", "world", "geometry", "kinematics", "statics", "tensions", "sets", "workspace",
-    "configurations", "trajectory", "control", "simulate", "run", "picking", "view", "__main__",
+    "errors", "arrays", "intervals", "pose", "robot", "world", "geometry", "kinematics", "statics", "tensions", "sets",
+    "workspace", "configurations", "navigation", "trajectory", "control", "simulate", "run", "picking", "view", "__main__",
 )
 CLOSETS = {"compare": "run", "redundancy": "kinematics", "fast_statics": "statics", "base_placement": "workspace",
            "fast_control": "control", "winding": "control", "switching": "run", "winch": "control",
+           "mission": "picking", "mission_drive": "picking",
            "command_workspace": "__main__"}
 """Files that belong to a room without being in its folder."""
 UPWARDS = {

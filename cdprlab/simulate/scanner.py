@@ -1,0 +1,41 @@
+"""What laser scanners see in the engine: beams are ray tests against everything solid, people included."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Array
+from .spatial import SpatialSimulator
+
+_TALL = 1.75     # m: a person
+
+
+def ray_distances(simulator: SpatialSimulator, origin: Array, directions: Array, reach: float) -> Array:
+    """(b,) distance along each beam to what it meets first, inf where it meets nothing within reach [m].
+
+    origin : (3,) of the scanner [m]; directions : (b, 3) unit vectors; reach : [m]
+    """
+    ends = origin + reach * directions
+    hits = simulator._bullet.rayTestBatch(np.broadcast_to(origin, ends.shape).tolist(), ends.tolist(),
+                                          physicsClientId=simulator._client)
+    share = np.array([hit[2] for hit in hits])
+    return np.where([hit[0] >= 0 for hit in hits], reach * share, np.inf)
+
+
+class Bystander:
+    """A person in the engine: an upright cylinder that is where it is put.
+
+    simulator : SpatialSimulator; place : (2,) [m]; radius : [m]
+    """
+
+    def __init__(self, simulator: SpatialSimulator, place: Array, radius: float) -> None:
+        self._engine, self._client = simulator._bullet, simulator._client
+        shape = self._engine.createCollisionShape(self._engine.GEOM_CYLINDER, radius=radius, height=_TALL,
+                                                  physicsClientId=self._client)
+        self._body = self._engine.createMultiBody(0, shape, basePosition=[*place, _TALL / 2],
+                                                  physicsClientId=self._client)
+
+    def put(self, place: Array) -> None:
+        """Stand there."""
+        self._engine.resetBasePositionAndOrientation(self._body, [*place, _TALL / 2], [0, 0, 0, 1],
+                                                     physicsClientId=self._client)
