@@ -15,8 +15,6 @@ from ..arrays import Array
 from ..errors import InvalidInput
 from ..fast_control import mass_and_bias, turn_between
 from ..fast_statics import standing_rows
-from ..geometry import cable_lengths
-from ..kinematics import base_jacobian, jacobian
 from ..robot import Robot, Winch
 from ..simulate.mobile import MobileSimulator
 from ..tensions.distribution import solver_for
@@ -136,7 +134,7 @@ class VelocityControl(WinchControl):
 
     gain : of the length error [1/s]
     margin : kept from the cables' limits [N]; reserve : kept from tipping [N m]
-    Source: Pedemonte et al. 2020, section 2.3, with the base Jacobian as corrected in `base_jacobian`.
+    Source: Pedemonte et al. 2020, section 2.3; B_b q̇_b, which `base_jacobian` gives, is read off the exit points.
     """
 
     name, cables = "velocity", "elastic"
@@ -149,19 +147,18 @@ class VelocityControl(WinchControl):
     def start(self, engine: MobileSimulator) -> None:
         super().start(engine)
         robot = engine.world.robot
-        self.lengths = np.array(engine.rope_lengths)
+        self.lengths, self.stiffness = np.array(engine.rope_lengths), _elasticity(robot)
         self.fastest = np.minimum(robot.speed_max, self.winch.speed * self.winch.drum_radius / self.winch.gear_ratio)
         self.low, self.high = robot.tension_min + self.margin, robot.tension_max - self.margin
         self.edges, self.wanted = standing_rows(robot), engine.tensions
 
     def step(self, engine: MobileSimulator, order: Order) -> Effort:
-        robot, wish = engine.robot, order.reference
-        J = jacobian(robot, wish.pose)
-        rates = J @ wish.twist
-        if order.base_speeds.any():
-            rates = rates - base_jacobian(robot, wish.pose) @ order.base_speeds
-        feasible = self._distribute(engine, order, -J.T)
-        unstretched = cable_lengths(robot, wish.pose) / (1 + self.wanted / _elasticity(robot))
+        wish = order.reference
+        directions, W, lengths = engine.cables_at(wish.pose)
+        # J t − B_b q̇_b: −Wᵀ t, and what driving bases pay of the cables.
+        rates = -wish.twist @ W + (directions * engine.exit_velocities).sum(axis=1)
+        feasible = self._distribute(engine, order, W)
+        unstretched = lengths / (1 + self.wanted / self.stiffness)
         rates = rates + self.gain * (unstretched - self.lengths)
         kept = np.clip(rates, -self.fastest, self.fastest)
         self.lengths = self.lengths + kept * order.period

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array, frozen
 from ..control import State
 from ..errors import InvalidInput
-from ..fast_statics import CYCLE
+from ..fast_statics import CYCLE, CableStatics, cyclic
 from ..pose import Pose
 from ..robot import Base, Robot
 from ..world import World
@@ -92,6 +92,10 @@ class MobileSimulator(SpatialSimulator):
     def exit_velocities(self) -> Array:
         """(m, 3) of the exit points during the last step [m/s]."""
         return self._exit_steps.T / (self.dt * self._substeps)
+
+    def cables_at(self, pose: Pose) -> CableStatics:
+        """Directions, wrench matrix and lengths if the platform were at a pose, the bases where they are."""
+        return self._statics(*cyclic(pose.position, pose.rotation))
 
     @property
     def tilts(self) -> Array:
