@@ -47,6 +47,12 @@ def cable_statics(robot: Robot, exits: Array | None = None) -> Callable[[Array, 
     m, ones, turns = robot.n_cables, np.ones(3), robot.pattern.turns
     basis = robot.pattern.basis if robot.motion_pattern == "2R3T" else None
 
+    def evaluate_point(place: Array, turn: Array) -> CableStatics:
+        u = exits[:3] - place[:3]
+        lengths = np.sqrt(ones.dot(u * u))
+        u /= lengths
+        return u.T, u, lengths
+
     def evaluate(place: Array, turn: Array) -> CableStatics:
         # `dot` where `@` would do: on small matrices it takes half the time.
         arms = turn.dot(anchors)
@@ -55,14 +61,13 @@ def cable_statics(robot: Robot, exits: Array | None = None) -> Callable[[Array, 
         directions = u[:3]
         lengths = np.sqrt(ones.dot(directions * directions))
         u /= lengths
-        if not turns:
-            return directions.T, directions, lengths
         w = np.empty((6, m))
         w[:3] = directions
         np.subtract(arms[1:4] * u[2:], arms[2:] * u[1:4], out=w[3:])
         return directions.T, w if basis is None else basis(turn[:3]).T.dot(w), lengths
 
-    return evaluate
+    # Without turning, in 3T, all cables meet at P.
+    return evaluate if turns else evaluate_point
 
 
 def standing_rows(robot: Robot) -> Callable[[Array, Array], tuple[Array, Array]]:

@@ -115,13 +115,17 @@ _Approach = Callable[[Array, Array, Array, Any], tuple[Array, Array]]
 
 
 def _point_approach(robot: Robot, dt: float) -> _Approach:
-    weight, lightness = np.array([0.0, 0.0, -robot.gravity]), 1 / robot.mass
+    lightness = 1 / robot.mass
+    falling = np.array([0.0, 0.0, -robot.gravity * dt])
 
     def approach(W: Array, rotation: Array, twist: Array, push: Any) -> tuple[Array, Array]:
-        fall = weight if push is None else weight + push[:3] * lightness
-        A = W.T.dot(W)
+        velocity = twist[:3] + falling
+        if push is not None:
+            velocity += dt * lightness * push[:3]
+        A, longer = W.T.dot(W), velocity.dot(W)
         A *= lightness
-        return A, (twist[:3] + dt * fall).dot(W) * -dt
+        longer *= -dt
+        return A, longer
 
     return approach
 

@@ -61,6 +61,7 @@ class SpatialSimulator(Simulator):
         self._exits = cyclic_exits(self.robot)
         self._statics = cable_statics(self.robot, self._exits)
         self._ropes = self._make_ropes()
+        self._reel_limits = world.robot.speed_max
         self.rope_lengths: Array | None = None
         self._frame = _BodyFrame(self.robot)
         # Threshold 0: the default ends the iterations early, at a moment that depends on the motion.
@@ -110,19 +111,24 @@ class SpatialSimulator(Simulator):
                                "with cables=\"length\"")
         before = self.rope_lengths
         after = self._reachable(np.asarray(lengths, dtype=float), before, self.dt * substeps)
-        for k in range(1, substeps + 1):
-            now, wound = self.rope_lengths, after if k == substeps else before + k / substeps * (after - before)
-            held = np.where(self._cut, self.lengths + _AMPLE, wound) if self._any_cut else wound
-            self._pulled(self._ropes(self.wrench_matrix, self.rotation, self.twist, self.lengths, now, held,
-                                     self._push), 1)
-            self.rope_lengths = wound
+        for k in range(1, substeps):
+            self._wound(before + k / substeps * (after - before))
+        self._wound(after)
         return after is lengths or bool(np.array_equal(after, lengths))
+
+    def _wound(self, lengths: Array) -> None:
+        """One step, by whose end no rope is longer than this."""
+        held = np.where(self._cut, self.lengths + _AMPLE, lengths) if self._any_cut else lengths
+        assert self._ropes is not None and self.rope_lengths is not None
+        self._pulled(self._ropes(self.wrench_matrix, self.rotation, self.twist, self.lengths, self.rope_lengths, held,
+                                 self._push), 1)
+        self.rope_lengths = lengths
 
     def _reachable(self, wanted: Array, now: Array, period: float) -> Array:
         """The wanted lengths as far as the winches' speed limits allow; the same array if they all do."""
         # A speed exactly at its limit must not fail by rounding: 1 nm.
-        farthest = self.robot.speed_max * period + 1e-9
-        if wanted.shape == now.shape and (np.abs(wanted - now) <= farthest).all() and wanted.min() > 0:
+        farthest = self._reel_limits * period + 1e-9
+        if wanted.shape == now.shape and (np.abs(wanted - now) <= farthest).all():
             return wanted
         if wanted.shape != now.shape or not (np.isfinite(wanted).all() and wanted.min() > 0):
             raise InvalidInput(f"rope lengths must be {now.shape[0]} positive numbers [m], got {wanted.tolist()}")
