@@ -10,8 +10,9 @@ import cdprlab
 
 PACKAGE = Path(cdprlab.__file__).parent
 ROOMS = (
-    "errors", "arrays", "intervals", "pose", "robot", "world", "geometry", "kinematics", "statics", "tensions", "sets",
-    "workspace", "configurations", "navigation", "trajectory", "control", "simulate", "run", "picking", "view", "__main__",
+    "errors", "arrays", "intervals", "pose", "robot", "world", "geometry", "kinematics", "statics", "tensions",
+    "sets", "workspace", "configurations", "navigation", "trajectory", "control", "simulate", "run", "picking",
+    "view", "__main__",
 )
 CLOSETS = {"compare": "run", "redundancy": "kinematics", "fast_statics": "statics", "base_placement": "workspace",
            "fast_control": "control", "winding": "control", "switching": "run", "winch": "control",
