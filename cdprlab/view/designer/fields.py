@@ -218,8 +218,8 @@ def _base(world: World, place: Place) -> Iterator[Row]:
     yield Row("mass", (Field((*at, "mass"), "", "kg", step=1.0),))
     yield Row("center of mass", _vector((*at, "center_of_mass"), _axes(world)))
     yield Row("footprint", (Field((*at, "footprint"), "", "m", "points"),))
-    yield Row("turns at most", (Field((*at, "speed", "rotation"), "", "rad/s"),))
-    yield Row("drives at most", tuple(Field((*at, "speed", "translation", k), name, "m/s")
+    yield Row("turn speed", (Field((*at, "speed", "rotation"), "", "rad/s"),))
+    yield Row("drive speed", tuple(Field((*at, "speed", "translation", k), name, "m/s")
                                       for k, name in enumerate(("ρ₁", "ρ₂"))))
 
 

@@ -47,11 +47,12 @@ class Form:
         self.box.children = [self._row(row, world) for row in rows]
 
     def _row(self, row: Row, world: World) -> Any:
-        label = ipywidgets.Label(f"{row.label}{_in(row.fields[0])}", layout={"width": "9.6em", "margin": "2px"})
+        beside = len(row.fields) == 1
+        label = ipywidgets.Label(f"{row.label}{_in(row.fields[0])}",
+                                 layout={"margin": "2px", "width": "9.6em" if beside else "100%"})
         width = {1: "11em", 2: "50%", 3: "33.3%"}[len(row.fields)]
         entries = [self._entry(row, field, world, width) for field in row.fields]
-        return ipywidgets.HBox([label, *entries]) if len(entries) == 1 else ipywidgets.VBox(
-            [label, ipywidgets.HBox(entries)])
+        return ipywidgets.HBox([label, *entries]) if beside else ipywidgets.VBox([label, ipywidgets.HBox(entries)])
 
     def _entry(self, row: Row, field: Field, world: World, width: str) -> Any:
         # Where there is no description the tooltip is the entry's name for a screen reader.
