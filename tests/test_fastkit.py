@@ -102,13 +102,16 @@ def test_the_whole_deployment_is_feasible():
 
 
 def test_a_base_that_drives_does_not_pull_at_ropes():
-    """Velocity control while a base drives: tensions are those wanted to 0.1 N, once ropes have settled."""
+    """Velocity control while a base drives: tensions are those wanted.
+
+    A base's speed is known a step late: 0.2 m/s² for 4 ms, over the gain of 20/s, are 40 µm, or EA / l of it 0.5 N.
+    """
     world = job_world(coupled={"active": (-2.0, 0.0, 0.0)})
     watch = (lambda sensors: "enough" if sensors.time > 4.5 else "",)
     job = pick_and_place(world, control="velocity", faults=watch)
     driving = (job.time > 1.0) & (job.time < 4.4)
     assert job.state_at(int(np.flatnonzero(driving)[-1])) == "deploy"
-    assert np.abs(job.tensions - job.commanded)[driving].max() <= 0.1
+    assert np.abs(job.tensions - job.commanded)[driving].max() <= 0.5
     stopped = job.time > 4.6
     assert np.abs(np.diff(job.base_poses[stopped, 0, :2], axis=0)).max() / 4e-3 <= 0.2  # it brakes
     assert np.abs(job.base_poses[-1] - job.base_poses[-2]).max() < 1e-6
@@ -232,7 +235,7 @@ def test_mass_and_bias_are_those_of_inverse_dynamics():
 # --- the state machine ------------------------------------------------------------------------------------
 def sensed(time, **seen):
     calm = {"error": 0.0, "turn_error": 0.0, "tensions": np.full(8, 9.0), "overloaded": 0.0, "missing": 0.0,
-            "wheels": {"active": np.full(4, 100.0)}, "base_error": 0.0, "slipped": 0.0,
+            "wheels": {"active": np.full(4, 100.0)}, "base_error": 0.0, "gripped": False, "slipped": 0.0,
             "pose": (np.zeros(3), np.eye(3)), "bases": np.zeros((1, 3))}
     return Sensors(time, **{**calm, **seen})
 
@@ -250,12 +253,23 @@ def test_a_shut_guard_waits_then_stops():
 @pytest.mark.parametrize(("seen", "why"), [
     ({"wheels": {"active": np.array([0.0, 0.2, 300.0, 300.0])}}, "'active' lifts"),
     ({"overloaded": 0.2}, "off their limits"), ({"missing": 0.2}, "no tensions"),
-    ({"error": 0.06}, "off its path"), ({"slipped": 0.05}, "slipped")])
+    ({"error": 0.06}, "off its path"), ({"gripped": True, "slipped": 0.05}, "slipped")])
 def test_every_fault_stops(seen, why):
     from cdprlab.picking.machine import FAULTS
 
     machine = Machine((Phase("first", "", 1.0),), FAULTS)
     assert machine.step(sensed(0.5, **seen)) and machine.state == STOPPED and why in machine.history[-1].why
+
+
+def test_the_gripper_does_not_close_on_nothing():
+    world = cl.load_world("fastkit_suspended")
+    phases = job_phases(world, world.task("pick_and_place"))
+    hook = next(k for k, phase in enumerate(phases) if phase.name == "hook")
+    machine = Machine(phases[hook:hook + 2], ())
+    assert not machine.step(sensed(1.0, slipped=0.05)) and machine.state == "hook"
+    assert machine.step(sensed(9.0, slipped=0.05)) and "no box to grip: it is 50 mm" in machine.history[-1].why
+    machine = Machine(phases[hook:hook + 2], ())
+    assert machine.step(sensed(1.0, slipped=0.001)) and machine.state == "grip"
 
 
 def test_phases_have_names_of_their_own():

@@ -180,16 +180,16 @@ class _Loop:
 
     def _look(self, now: float, wish: Reference) -> Sensors:
         engine, phase = self.engine, self.machine.phase
-        slipped = 0.0
-        if engine.is_gripped(BOX) and self.offset.any():
-            slipped = float(np.linalg.norm(self._held() - self.offset - (self.stroke - 1) * self.task.stroke))
+        gripped = engine.is_gripped(BOX)
+        place = self.offset + (self.stroke - 1) * self.task.stroke if gripped else self.task.seat + self.task.stroke
+        slipped = float(np.linalg.norm(self._held() - place))
         now_at = engine.base_poses
         goals = [(k, phase.drives[base.name]) for k, base in enumerate(self.empty.bases) if base.name in phase.drives]
         base_error = max((float(np.linalg.norm(now_at[k, :2] - goal[:2])) for k, goal in goals), default=0.0)
         return Sensors(now, math.dist(wish.pose.position, engine.position),
                        math.hypot(*turn_between(engine.rotation, wish.pose.rotation)), engine.tensions,
-                       self.overloaded, self.missing, engine.wheel_loads(), base_error, slipped,
-                       (engine.position, engine.rotation), now_at)
+                       self.overloaded, self.missing, engine.wheel_loads(), base_error, gripped,
+                       slipped, (engine.position, engine.rotation), now_at)
 
     def _note(self, now: float, wish: Reference, sensors: Sensors, effort: Effort) -> None:
         engine, robot = self.engine, self.empty

@@ -30,7 +30,8 @@ class Sensors(NamedTuple):
     missing : [s] for how long no tensions balanced the wanted wrench
     wheels : base name → (k,) load of each wheel [N]
     base_error : farthest of any base from where it should be [m]
-    slipped : distance of a gripped box from where the gripper should hold it [m]
+    gripped : whether the gripper is closed
+    slipped : distance of the box from where the gripper holds it, or would take it [m]
     pose : position [m] and rotation of the platform; bases : (p, 3) x, y, heading [m, m, rad]
     """
 
@@ -42,6 +43,7 @@ class Sensors(NamedTuple):
     missing: float
     wheels: dict[str, Array]
     base_error: float
+    gripped: bool
     slipped: float
     pose: tuple[Array, Array]
     bases: Array
@@ -56,6 +58,13 @@ def settled(sensors: Sensors) -> str:
     if sensors.error > 5e-3:
         return f"the platform is {sensors.error * 1e3:.0f} mm off its reference"
     return f"the platform is {np.degrees(sensors.turn_error):.1f}° off" if sensors.turn_error > 0.0175 else ""
+
+
+def box_there(sensors: Sensors) -> str:
+    """The guard before the gripper closes: a box within 2 cm of where it is to be taken."""
+    if sensors.slipped > 0.02:
+        return f"no box to grip: it is {sensors.slipped * 1e3:.0f} mm from where it should be"
+    return settled(sensors)
 
 
 def _nothing(_: Any) -> None:
@@ -171,7 +180,8 @@ def on_its_path(sensors: Sensors) -> str:
 
 def box_in_hand(sensors: Sensors) -> str:
     """Fault: a gripped box is not where the gripper holds it."""
-    return f"the box slipped by {sensors.slipped * 1e3:.0f} mm" if sensors.slipped > 0.03 else ""
+    off = sensors.gripped and sensors.slipped > 0.03
+    return f"the box slipped by {sensors.slipped * 1e3:.0f} mm" if off else ""
 
 
 FAULTS: tuple[Guard, ...] = (standing, cables_within_limits, on_its_path, box_in_hand)

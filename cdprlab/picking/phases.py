@@ -13,7 +13,7 @@ from ..robot import Base
 from ..simulate.mobile import MobileSimulator
 from ..world import World
 from ..world.model import PickAndPlace
-from .machine import Phase, Sensors, settled
+from .machine import Phase, Sensors, box_there, settled
 
 BOX = "box"
 
@@ -74,7 +74,7 @@ def _taking(task: PickAndPlace, speed: float) -> Iterator[Phase]:
     yield _move("approach", "to the box", task.start, before, speed)
     yield Phase("tilt", "the lip goes down, by cable lengths alone", 1.0, Pose.of(before.position, hooking.rotation))
     yield Phase("reach", "forward, the lip under the box's edge", 1.5, hooking)
-    yield Phase("hook", "level again", 1.0, at)
+    yield Phase("hook", "level again", 1.0, at, guard=box_there)
     yield Phase("grip", "the gripper closes", 0.3, begin=lambda engine: engine.grip(BOX))
     yield Phase("draw in", "the box slides from its board into the tray", _DRAWING, stroke=(1.0, 0.0))
     yield Phase("back off", "away from the shelf", 1.5, before)

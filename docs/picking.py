@@ -1,0 +1,97 @@
+"""Figures and tables of docs/picking.md: FASTKIT's whole job, and the job in which a base tips.
+
+Run: python docs/picking.py
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
+import cdprlab as cl
+from cdprlab.picking import TorqueControl, pick_and_place
+from cdprlab.picking.phases import job_phases
+from cdprlab.view import plot_job, save_figure
+from cdprlab.view.job import frame_at, least_edge_loads
+
+DOCS = Path(__file__).parent
+SHOWN = ("coupled", "deploy", "reach", "draw in", "carry", "push out")
+LIGHT = 38.0    # kg: a base without its cabinet; chosen so that prestress tips it
+STIFF = 45.0    # N
+
+
+def strip(job):
+    """Six pictures of a job, each in the middle of its phase."""
+    starts = [event.time for event in job.events] + [float(job.time[-1])]
+    moments = [(start + end) / 2 for start, end, event in zip(starts, starts[1:], job.events) if event.state in SHOWN]
+    frames = [np.asarray(frame_at(job, t)) for t in moments]
+    rows = [np.concatenate(frames[i:i + 2], axis=1) for i in range(0, len(frames), 2)]
+    return Image.fromarray(np.concatenate(rows))
+
+
+def light(world):
+    """The same world on bases of 38 kg."""
+    bases = tuple(dataclasses.replace(base, mass=LIGHT) for base in world.robot.bases)
+    return dataclasses.replace(world, robot=dataclasses.replace(world.robot, bases=bases))
+
+
+def results(jobs):
+    """A column a job."""
+    keys = list(next(iter(jobs.values())).table())
+    keys.remove("real-time factor")
+    lines = ["| | " + " | ".join(jobs) + " |", "|---" * (len(jobs) + 1) + "|"]
+    lines += [f"| {key} | " + " | ".join(job.table()[key] for job in jobs.values()) + " |" for key in keys]
+    return "\n".join(lines)
+
+
+def phases(world):
+    """The state machine, one line a phase."""
+    rows = [f"| {k} | `{phase.name}` | {phase.what} | {phase.duration:.1f} |"
+            for k, phase in enumerate(job_phases(world, world.task("pick_and_place")), 1)]
+    return "\n".join(["| | state | what is done | motion [s] |", "|---|---|---|---|", *rows])
+
+
+def tipping(jobs):
+    """How two jobs on light bases end."""
+    lines = ["| tipping rows | ends | least load on a base's edge | largest tilt |", "|---|---|---|---|"]
+    for name, job in jobs.items():
+        least = float(least_edge_loads(job.wheels[job.time >= 0.1]).min())
+        reason = f"{job.state}: {job.reason}" if job.reason else job.state
+        lines.append(f"| {name} | {reason} | {least:.1f} N | {np.degrees(job.tilts.max()):.1f}° |")
+    return "\n".join(lines)
+
+
+def write_tables(tables):
+    """Put each table between its marks."""
+    page = DOCS / "picking.md"
+    text = page.read_text(encoding="utf-8")
+    for name, table in tables.items():
+        marked = f"<!-- table {name} -->\n\n{table}\n\n<!-- end -->"
+        text = re.sub(f"<!-- table {name} -->.*?<!-- end -->", lambda _, m=marked: m, text, flags=re.DOTALL)
+    page.write_text(text, encoding="utf-8", newline="\n")
+
+
+def main():
+    """Everything anew."""
+    suspended, constrained = cl.load_world("fastkit_suspended"), cl.load_world("fastkit_constrained")
+    jobs = {"suspended, torque control": pick_and_place(suspended),
+            "suspended, velocity control": pick_and_place(suspended, control="velocity"),
+            "constrained, torque control": pick_and_place(constrained),
+            "constrained, velocity control": pick_and_place(constrained, control="velocity")}
+    save_figure(plot_job(jobs["suspended, torque control"]), DOCS / "picking.png")
+    info = PngInfo()
+    info.add_itxt("Description", "Six pictures of FASTKIT's job: coupled, deploying, reaching, drawing in, carrying, "
+                                 "pushing out.")
+    strip(jobs["suspended, torque control"]).quantize(96).save(DOCS / "picking_frames.png", pnginfo=info, optimize=True)
+    harder = {name: pick_and_place(light(constrained), control=TorqueControl(toward=STIFF, standing=standing))
+              for name, standing in (("in the program", True), ("left out", False))}
+    write_tables({"phases": phases(suspended), "results": results(jobs), "tipping": tipping(harder)})
+
+
+if __name__ == "__main__":
+    main()
