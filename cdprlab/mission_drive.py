@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import Array
+from .arrays import Array, as_array
 from .errors import InvalidInput
 from .navigation import Hall, Odometry, Vehicle, Walker
 from .navigation.driving import clearance, step_between
@@ -131,3 +131,29 @@ def moved_pair(world: World, vehicle: Vehicle, pose: ArrayLike) -> World:
     names = [base.name for base in world.robot.bases]
     places = {name: tuple(base.tolist()) for name, base in zip(names, vehicle.bases(there))}
     return replace(world, robot=world.robot.with_bases(places), pose=platform, tasks={})
+
+
+def in_hall(world: World, bounds: ArrayLike, pallets: ArrayLike = (), height: float = 1.2) -> World:
+    """A world with walls around the floor and pallets on it.
+
+    bounds : (2, 2) of the floor, the walls just outside [m]; pallets : (k, 5) center, edges [m], heading [rad]
+    height : of walls and pallets [m]
+
+    >>> import cdprlab as cl
+    >>> fastkit = cl.load_world("fastkit_suspended")
+    >>> len(in_hall(fastkit, [[-5, -6], [7, 2]], [[3, -3, 0.8, 1.2, 0.3]]).scene.boxes) - len(fastkit.scene.boxes)
+    5
+    """
+    (west, south), (east, north) = as_array(bounds, "bounds", (2, 2), "m").tolist()
+    x, y, length, depth, thick = (west + east) / 2, (south + north) / 2, east - west, north - south, 0.1
+    walls = [(x, north + thick / 2, length, thick, 0.0), (x, south - thick / 2, length, thick, 0.0),
+             (west - thick / 2, y, thick, depth, 0.0), (east + thick / 2, y, thick, depth, 0.0)]
+    names = ["north wall", "south wall", "west wall", "east wall"]
+    rows = [*walls, *np.asarray(pallets, dtype=float).reshape(-1, 5).tolist()]
+    names += [f"pallet {k}" for k in range(1, len(rows) - 3)]
+    document = world.to_dict()
+    scene = document.setdefault("scene", {})
+    scene["boxes"] = [*scene.get("boxes", []), *(
+        {"name": name, "position": [px, py, height / 2], "size": [along, across, height], "yaw": yaw}
+        for name, (px, py, along, across, yaw) in zip(names, rows))]
+    return World.from_dict(document)

@@ -54,5 +54,14 @@ def practice_hall(vehicle: Vehicle, seed: int, size: tuple[float, float] = (10.0
             rows.append(row)
     middle = (start[:2] + goal[:2]) / 2
     aside = np.array([random.uniform(2.0, 3.0), random.uniform(-0.5, 0.5)])
-    walker = Walker(np.clip([middle - aside, middle + aside], 0.4, np.array(size) - 0.4), random.uniform(0.4, 0.8))
-    return Practice(Hall.of(np.array(rows), [[0, 0], size]), start, goal, (walker,))
+    hall = Hall.of(np.array(rows), [[0, 0], size])
+    way = np.clip([middle - aside, middle + aside], 0.4, np.array(size) - 0.4)
+    return Practice(hall, start, goal, (Walker(_walkable(hall, way), random.uniform(0.4, 0.8)),))
+
+
+def _walkable(hall: Hall, way: Array, room: float = 0.3) -> Array:
+    """(2, 2) the longest part of a straight way that leaves a person room [m]."""
+    points = way[0] + np.linspace(0, 1, 101)[:, None] * (way[1] - way[0])
+    blocked = np.flatnonzero(np.concatenate([[True], hall.distance(points) < room, [True]])) - 1
+    first = int(np.argmax(np.diff(blocked)))
+    return points[[min(blocked[first] + 1, 100), max(blocked[first + 1] - 1, 0)]]

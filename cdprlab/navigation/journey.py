@@ -124,6 +124,8 @@ class _Loop:
         points = pair.scan()
         where.look(points)
         first = self._plan(now, where.unexpected(points))[0]
+        if not first.found:   # perhaps only somebody who walks on soon
+            first = self._plan(now, np.zeros((0, 2)))[0]
         reason, follower = first.reason, Follower(pair.vehicle, first.poses) if first.found else None
         while True:
             self._note(now)

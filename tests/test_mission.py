@@ -1,0 +1,169 @@
+"""Laws of the mission: engine and geometry see the same, the pair gets there, every failure has a name."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import cdprlab as cl
+from cdprlab.errors import InvalidInput
+
+pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
+
+from cdprlab.mission import DONE, STOPPED, Mission, State, at_the_shelf, run_mission, walk_through
+from cdprlab.mission_drive import EnginePair, in_hall, moved_pair, pair_pose
+from cdprlab.navigation import ARRIVED, Hall, Vehicle, Walker, cast
+from cdprlab.simulate.scanner import ray_distances
+
+BOUNDS = [[-5, -6], [7, 2]]
+PALLETS = [[2.6, -3.0, 0.8, 1.2, 0.3], [-1.5, -2.2, 1.2, 0.8, 0.0]]
+START = [5.0, -3.5, 1.8]
+
+
+@pytest.fixture(scope="module")
+def world():
+    return in_hall(cl.load_world("fastkit_suspended"), BOUNDS, PALLETS)
+
+
+def coupled(world):
+    task = world.task("pick_and_place")
+    return replace(world, robot=world.robot.with_bases(task.coupled), pose=task.start, tasks={})
+
+
+def through(world, _):
+    """Work that is done at once."""
+    states = "coupled", "approach", "return", DONE
+    events = tuple(SimpleNamespace(time=0.1 * k, state=state) for k, state in enumerate(states))
+    return SimpleNamespace(state=DONE, reason="", events=events, time=np.array([0.0, 0.3]), world=world,
+                           table=lambda: {"state": DONE})
+
+
+@pytest.fixture(scope="module")
+def mission(world):
+    return run_mission(world, BOUNDS, START, seed=3, beams=91, work=through,
+                       walkers=(Walker([[2.5, -1.0], [6.0, -1.0]]),))
+
+
+def test_the_engine_s_rays_end_where_geometry_says(world):
+    pair, hall = Vehicle.of(world.robot, 1.6), Hall.of_world(world, BOUNDS)
+    with EnginePair(coupled(world), pair, hall, START) as bases:
+        for scanner in pair.scanners:
+            origin, directions = scanner.beams_from(bases.pose)
+            eye, beams = np.array([*origin, scanner.height]), np.insert(directions, 2, 0, axis=1)
+            rays = ray_distances(bases.engine, eye, beams, 3.0)
+            exact = cast(origin, directions, hall.segments)
+            seen = np.isfinite(rays)
+            assert seen.sum() > 50
+            np.testing.assert_array_equal(seen, exact < 3.0)
+            # Bullet keeps places as 32-bit numbers, and boxes have a margin of their own.
+            np.testing.assert_allclose(rays[seen], exact[seen], atol=5e-3)
+
+
+def test_the_pair_drives_in_the_engine_as_its_kinematics_say(world):
+    pair, hall = Vehicle.of(world.robot, 1.6), Hall.of_world(world, BOUNDS)
+    twist = np.array([0.08, 0.05, 0.05])
+    with EnginePair(coupled(world), pair, hall, START) as bases:
+        before = np.array(bases.pose)
+        for _ in range(20):
+            bases.drive(twist, 0.1)
+        stands, both = np.array(bases.pose), bases.engine.base_poses
+    assert np.ptp([stands[2] - before[2], 0.1]) <= 5e-3                    # 0.05 rad/s for 2 s
+    np.testing.assert_allclose(pair.bases(stands)[1], both[1], atol=0.01)  # the link holds
+    c, s = np.cos(before[2] + 0.05), np.sin(before[2] + 0.05)
+    np.testing.assert_allclose(stands[:2] - before[:2], [0.16 * c - 0.1 * s, 0.16 * s + 0.1 * c], atol=5e-3)
+
+
+def test_a_moved_pair_is_the_same_pair(world):
+    berth, spacing = pair_pose(coupled(world))
+    pair = Vehicle.of(world.robot, spacing)
+    there = moved_pair(coupled(world), pair, START)
+    np.testing.assert_allclose(pair_pose(there)[0], START, atol=1e-12)
+    np.testing.assert_allclose(cl.cable_lengths(there.robot, there.pose),
+                               cl.cable_lengths(coupled(world).robot, coupled(world).pose), atol=1e-12)
+    assert spacing == pytest.approx(1.6) and berth[2] == 0
+
+
+def test_the_mission_gets_to_the_shelf_and_through_all_its_states(mission):
+    assert [event.state for event in mission.events] == [
+        "navigation", "undeployed", "deployed", "pick and place", "return", DONE]
+    assert mission.state == DONE and mission.reason == ""
+    way = mission.journey
+    assert way.state == ARRIVED and way.clearance.min() > 0.03
+    off = way.errors[-1]
+    assert np.linalg.norm(off[:2]) <= 0.05 and abs(off[2]) <= np.radians(2)
+    assert np.linalg.norm(way.poses[-1, :2] - way.goal[:2]) <= 0.05
+
+
+def test_no_wheel_lifts_and_no_cable_moves_on_the_way(mission, world):
+    # The first rows are wheels finding the floor.
+    assert mission.drive.wheels[3:].min() > 10 and mission.drive.tilts.max() < np.radians(0.5)
+    np.testing.assert_allclose(mission.drive.tensions, world.robot.tension_min[0], atol=0.05)  # tips weigh 1e-3 N
+
+
+def test_the_work_begins_where_the_pair_stands(mission, world):
+    there, task = mission.job.world, mission.job.world.task("pick_and_place")
+    standing = Vehicle.of(world.robot, 1.6).bases(mission.journey.poses[-1])
+    np.testing.assert_allclose(task.coupled["active"], standing[0], atol=1e-9)
+    passive = there.robot.base("passive")
+    np.testing.assert_allclose([*passive.position, passive.heading], standing[1], atol=1e-9)
+    gap = there.robot.base("active").position - passive.position
+    asked = world.robot.base("active").position - world.robot.base("passive").position
+    assert np.linalg.norm(gap) == pytest.approx(np.linalg.norm(asked), abs=1e-9)
+
+
+def test_the_journey_is_drawn_with_words_for_those_who_cannot_see_it(mission):
+    from cdprlab.view.navigation import plot_journey
+
+    figure = plot_journey(mission.journey)
+    assert "reaches its goal" in figure.alt_text and len(figure.axes) == 3
+    way = next(line for line in figure.axes[0].lines if line.get_label() == "way driven (middle)")
+    np.testing.assert_array_equal(way.get_xydata(), mission.journey.poses[:, :2])
+
+
+def test_the_mission_repeated_is_identical(mission, world):
+    again = run_mission(world, BOUNDS, START, seed=3, beams=91, work=through,
+                        walkers=(Walker([[2.5, -1.0], [6.0, -1.0]]),))
+    np.testing.assert_array_equal(again.journey.poses, mission.journey.poses)
+    np.testing.assert_array_equal(again.journey.estimates, mission.journey.estimates)
+    np.testing.assert_array_equal(again.drive.wheels, mission.drive.wheels)
+    assert again.events == mission.events
+
+
+def test_no_way_to_the_shelf_stops_with_the_reason(world):
+    walled = in_hall(world, [[-4.9, -5.9], [6.9, 1.9]], [[1.0, -1.4, 12.0, 0.2, 0.0]])
+    stopped = run_mission(walled, BOUNDS, START, beams=91, work=through)
+    assert stopped.state == STOPPED and stopped.job is None
+    assert stopped.reason.startswith("in navigation: there is no way of 1.49 m width")
+
+
+def test_no_room_to_dock_stops_with_the_reason(world):
+    narrow = in_hall(world, [[-4.9, -5.9], [6.9, 1.9]], [[2.4, 0.6, 0.8, 0.12, 0.0]])
+    stopped = run_mission(narrow, BOUNDS, START, beams=91, work=through)
+    assert stopped.state == STOPPED and "no room to dock" in stopped.reason
+
+
+@pytest.mark.parametrize("failing", ["first", "second", "third"])
+def test_a_shut_guard_ends_in_the_safe_state_and_nothing_further_is_done(world, failing):
+    done = []
+    names = ("first", "second", "third")
+    states = tuple(State(name, name, lambda _, name=name: done.append(name),
+                         lambda _, name=name: "the door is shut" if name == failing else "") for name in names)
+    events = list(walk_through(Mission(world, "pick_and_place", 0), states))
+    assert done == list(names[:names.index(failing) + 1])
+    assert events[-1].state == STOPPED and events[-1].why == f"in {failing}: the door is shut"
+
+
+def test_a_pair_that_is_not_sure_of_its_place_does_not_deploy(world):
+    unsure = SimpleNamespace(state=ARRIVED, reason="", goal=np.zeros(3), estimates=np.zeros((1, 3)),
+                             deviations=np.array([[0.03, 0.001, 0.001]]))
+    assert "off its berth" in at_the_shelf(Mission(world, "pick_and_place", 0, journey=unsure))
+
+
+def test_wrong_requests_are_named(world):
+    with pytest.raises(InvalidInput, match="of kind quintic"):
+        run_mission(world, BOUNDS, START, "default")
+    with pytest.raises(InvalidInput, match="a pair is a base 'active'"):
+        pair_pose(cl.load_world("caroca"))
+    with pytest.raises(InvalidInput, match="start"):
+        run_mission(world, BOUNDS, [0, 0])
