@@ -102,6 +102,8 @@ def _run(options: argparse.Namespace) -> int:
     if options.method == "all":
         return _compare(options)
     world = load_world(options.world)
+    if options.task == "mission" and "mission" not in world.tasks:
+        return _mission(options, world)
     if isinstance(world.task(options.task), PickAndPlace):
         return _pick_and_place(options, world)
     _say_no(options, ("control",), "belongs to tasks of kind pick_and_place")
@@ -118,6 +120,17 @@ def _run(options: argparse.Namespace) -> int:
     flown.save(folder)
     if not options.no_pictures:
         _pictures(flown, folder)
+    print(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir()))}")
+    return 0
+
+
+def _mission(options: argparse.Namespace, world: World) -> int:
+    from .command_mission import fly_mission
+
+    _say_no(options, (*_NO_SAY, "method", "control"), "has no say in a mission")
+    print(f"{world.title or world.name}: mission, from the hall to the shelf, pick and place, return")
+    folder = options.out or Path("out") / world.name
+    fly_mission(world, folder, not options.no_pictures)
     print(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir()))}")
     return 0
 

@@ -17,7 +17,8 @@ ROOMS = (
 CLOSETS = {"compare": "run", "redundancy": "kinematics", "fast_statics": "statics", "base_placement": "workspace",
            "fast_control": "control", "winding": "control", "switching": "run", "winch": "control",
            "mission": "picking", "mission_drive": "picking",
-           "command_workspace": "__main__"}
+           "command_workspace": "__main__",
+           "command_mission": "__main__"}
 """Files that belong to a room without being in its folder."""
 UPWARDS = {
     ("run", "view"): "a table of results draws itself, when asked",

@@ -167,3 +167,11 @@ def test_wrong_requests_are_named(world):
         pair_pose(cl.load_world("caroca"))
     with pytest.raises(InvalidInput, match="start"):
         run_mission(world, BOUNDS, [0, 0])
+
+
+def test_the_command_line_writes_the_journey(tmp_path, capsys):
+    from cdprlab.command_mission import fly_mission
+
+    mission = fly_mission(cl.load_world("fastkit_suspended"), tmp_path, pictures=True, work=lambda *_: None)
+    assert mission.state == STOPPED and "stopped safely: in deployed" in capsys.readouterr().out
+    assert [path.name for path in tmp_path.iterdir()] == ["journey.png"]
