@@ -14,6 +14,7 @@ from .control import ComputedTorque, State
 from .errors import CdprError
 from .geometry import cable_directions, cable_lengths, cable_vectors
 from .kinematics import base_jacobian, forward_kinematics, jacobian
+from .picking import Job, TorqueControl, VelocityControl, pick_and_place
 from .pose import Pose
 from .redundancy import TwistResolution, resolve_twist
 from .robot import Base, Cable, Platform, Robot
@@ -41,12 +42,12 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Base", "Cable", "CdprError", "ComputedTorque", "ConfigurationSequence", "DynamicEquilibrium", "InterferenceFree",
-    "Platform", "Polytope", "Pose", "Reference", "Robot", "Run", "Simulator", "State", "StaticEquilibrium",
-    "StaticallyStable", "TensionComparison", "TensionDistribution", "TippingSafe", "Trajectory", "TwistFeasible",
-    "TwistResolution", "World", "WrenchClosure", "WrenchFeasible", "available_twist_set", "available_wrench_set",
-    "base_jacobian", "cable_directions", "cable_lengths", "cable_vectors", "classify_configurations",
-    "compare_tensions", "distribute_tensions", "errors", "forward_kinematics", "gravity_wrench", "hold", "jacobian",
-    "load_world", "open_simulator", "place_bases", "plan_configurations", "plot", "quintic", "resolve_twist", "run",
-    "stiffness", "tension_methods", "tipping_moments", "tipping_rows", "workspace", "world_names", "world_schema",
-    "wrench_matrix",
+    "Job", "Platform", "Polytope", "Pose", "Reference", "Robot", "Run", "Simulator", "State", "StaticEquilibrium",
+    "StaticallyStable", "TensionComparison", "TensionDistribution", "TippingSafe", "TorqueControl", "Trajectory",
+    "TwistFeasible", "TwistResolution", "VelocityControl", "World", "WrenchClosure", "WrenchFeasible",
+    "available_twist_set", "available_wrench_set", "base_jacobian", "cable_directions", "cable_lengths",
+    "cable_vectors", "classify_configurations", "compare_tensions", "distribute_tensions", "errors",
+    "forward_kinematics", "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator", "pick_and_place",
+    "place_bases", "plan_configurations", "plot", "quintic", "resolve_twist", "run", "stiffness", "tension_methods",
+    "tipping_moments", "tipping_rows", "workspace", "world_names", "world_schema", "wrench_matrix",
 ]
