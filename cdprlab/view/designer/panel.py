@@ -230,6 +230,7 @@ class RobotDesigner:
         self._eye = ipywidgets.FloatSlider(
             value=self._azimuth, min=-180, max=180, step=5, description="seen from [deg]", readout_format=".0f",
             style={"description_width": "9.5em"}, layout={"width": "32em", "max_width": "100%"})
+        self._eye.add_class("view-only")  # it changes the picture, no number
         self._eye.observe(self._walk, names="value")
 
     def _file_part(self) -> Any:
