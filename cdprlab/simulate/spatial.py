@@ -36,6 +36,7 @@ Leg = tuple[int, int]
 """A cable: the body it belongs to, and that body's prismatic joint, whose link is the tip."""
 
 _NOTHING = (0.0, 0.0, 0.0)
+_ROUNDING = 1e-9  # m: a reel exactly at its limit must not fail by it
 _AMPLE = 1.0  # m: a cut rope does not become taut in any one step
 
 
@@ -62,6 +63,7 @@ class SpatialSimulator(Simulator):
         self._statics = cable_statics(self.robot, self._exits)
         self._ropes = self._make_ropes()
         self._reel_limits = world.robot.speed_max
+        self._step_limits = self._reel_limits * self.dt + _ROUNDING
         self.rope_lengths: Array | None = None
         self._frame = _BodyFrame(self.robot)
         # Threshold 0: the default ends the iterations early, at a moment that depends on the motion.
@@ -126,8 +128,7 @@ class SpatialSimulator(Simulator):
 
     def _reachable(self, wanted: Array, now: Array, period: float) -> Array:
         """The wanted lengths as far as the winches' speed limits allow; the same array if they all do."""
-        # A speed exactly at its limit must not fail by rounding: 1 nm.
-        farthest = self._reel_limits * period + 1e-9
+        farthest = self._step_limits if period == self.dt else self._reel_limits * period + _ROUNDING
         if wanted.shape == now.shape and (np.abs(wanted - now) <= farthest).all():
             return wanted
         if wanted.shape != now.shape or not (np.isfinite(wanted).all() and wanted.min() > 0):
