@@ -55,7 +55,7 @@ student-zip: lessons  ## for instructors: what students get, dist/cdprlab-studen
 	$(BIN)/python lessons/source/student_zip.py
 
 docs: $(VENV)/.students  ## figures and tables of the pages in docs/, made anew
-	set -e; for page in docs/*.py; do $(BIN)/python "$$page"; done
+	set -e; for page in docs/*.md; do script="$${page%.md}.py"; if test -f "$$script"; then $(BIN)/python "$$script"; fi; done
 
 bench: $(VENV)/.tests  ## speed, as ratios to what it stands on
 	$(BIN)/python -m pytest tests/benchmarks --benchmark-enable

@@ -7,16 +7,14 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import re
-from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from generated import save_small, write_tables
 from joblib import Parallel, delayed
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
-from PIL import Image
 
 import cdprlab as cl
 from cdprlab.errors import SimulationDiverged
@@ -197,31 +195,13 @@ def pairs_table(flights):
     return "\n".join(rows)
 
 
-def write(name, text):
-    """Between the page's markers."""
-    page = PAGE.read_text(encoding="utf-8")
-    new, found = re.subn(rf"(<!-- table {name} -->\n).*?(<!-- end -->)", lambda m: f"{m[1]}\n{text}\n\n{m[2]}", page,
-                         flags=re.DOTALL)
-    if found != 1:
-        raise SystemExit(f"{PAGE.name} needs one '<!-- table {name} -->' … '<!-- end -->'")
-    PAGE.write_text(new, encoding="utf-8", newline="\n")
-
-
-def save(figure, name):
-    """A palette PNG, a third of the size."""
-    PICTURES.mkdir(exist_ok=True)
-    drawn = BytesIO()
-    figure.savefig(drawn, dpi=100, format="png")
-    Image.open(drawn).convert("RGB").quantize(64).save(PICTURES / f"{name}.png", "png", optimize=True)
-
-
 def main():
     """Fly, draw, write."""
     flights = study()
-    save(singles_figure(flights), "singles")
-    save(pairs_figure(flights), "pairs")
+    save_small(singles_figure(flights), PICTURES / "singles.png")
+    save_small(pairs_figure(flights), PICTURES / "pairs.png")
     for name, table in (("singles", singles_table), ("methods", methods_table), ("pairs", pairs_table)):
-        write(name, table(flights))
+        write_tables(PAGE, {name: table(flights)})
 
 
 if __name__ == "__main__":

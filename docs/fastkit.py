@@ -6,11 +6,11 @@ Run: python docs/fastkit.py
 from __future__ import annotations
 
 import dataclasses
-import re
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from generated import write_tables
 from matplotlib.colors import BoundaryNorm, ListedColormap
 
 import cdprlab as cl
@@ -190,16 +190,6 @@ def winch_table(winch):
                       f"| 1600 rpm | {speed:.2f} m/s | {needed:.0f} rpm for 2 m/s |"])
 
 
-def write_tables(tables):
-    """Between the markers of docs/fastkit.md."""
-    page = DOCS / "fastkit.md"
-    text = page.read_text(encoding="utf-8")
-    for name, table in tables.items():
-        marked = f"<!-- table {name} -->\n\n{table}\n\n<!-- end -->"
-        text = re.sub(f"<!-- table {name} -->.*?<!-- end -->", lambda _, m=marked: m, text, flags=re.DOTALL)
-    page.write_text(text, encoding="utf-8", newline="\n")
-
-
 def main():
     """Everything anew."""
     robots = {name: cl.load_world(name).robot for name in TITLES}
@@ -217,8 +207,9 @@ def main():
                          ("forces", force_figure)):
         save_figure(figure, DOCS / f"fastkit_{name}.png")
         print(figure.alt_text)
-    write_tables({"payload": payload_table(maps, free_maps), "twist": bars_table(twists, axis_names("3R3T", "twist")),
-                  "wrench": bars_table(wrenches, axis_names("3R3T", "wrench")), "winch": winch_table(suspended.winch)})
+    write_tables(DOCS / "fastkit.md", {
+        "payload": payload_table(maps, free_maps), "twist": bars_table(twists, axis_names("3R3T", "twist")),
+        "wrench": bars_table(wrenches, axis_names("3R3T", "wrench")), "winch": winch_table(suspended.winch)})
 
 
 if __name__ == "__main__":

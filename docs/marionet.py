@@ -5,10 +5,10 @@ Run: python docs/marionet.py (about two minutes, most of it flights in the engin
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import numpy as np
+from generated import write_tables
 from joblib import Parallel, delayed
 
 import cdprlab as cl
@@ -237,16 +237,6 @@ def flights_table(trials):
     return "\n".join(rows)
 
 
-def write_tables(tables):
-    """Between the markers of docs/marionet.md."""
-    page = DOCS / "marionet.md"
-    text = page.read_text(encoding="utf-8")
-    for name, table in tables.items():
-        marked = f"<!-- table {name} -->\n\n{table}\n\n<!-- end -->"
-        text = re.sub(f"<!-- table {name} -->.*?<!-- end -->", lambda _, m=marked: m, text, flags=re.DOTALL)
-    page.write_text(text, encoding="utf-8", newline="\n")
-
-
 def main():
     """Everything anew."""
     world = cl.load_world("marionet")
@@ -262,7 +252,7 @@ def main():
                          ("method_two", method_two_figure(robot)), ("flights", flights_figure(trials))):
         save_figure(figure, PICTURES / f"{name}.png")
         print(figure.alt_text)
-    write_tables({f"sequence {n}": scores_table(robot, n, own[n]) for n in own}
+    write_tables(DOCS / "marionet.md", {f"sequence {n}": scores_table(robot, n, own[n]) for n in own}
                  | {"forms": forms_table(robot), "measured": measured_table(), "candidates": candidates_table(robot),
                     "slack": slack_table(robot), "flights": flights_table(trials)})
 

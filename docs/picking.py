@@ -6,10 +6,10 @@ Run: python docs/picking.py
 from __future__ import annotations
 
 import dataclasses
-import re
 from pathlib import Path
 
 import numpy as np
+from generated import write_tables
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
@@ -66,16 +66,6 @@ def tipping(jobs):
     return "\n".join(lines)
 
 
-def write_tables(tables):
-    """Put each table between its marks."""
-    page = DOCS / "picking.md"
-    text = page.read_text(encoding="utf-8")
-    for name, table in tables.items():
-        marked = f"<!-- table {name} -->\n\n{table}\n\n<!-- end -->"
-        text = re.sub(f"<!-- table {name} -->.*?<!-- end -->", lambda _, m=marked: m, text, flags=re.DOTALL)
-    page.write_text(text, encoding="utf-8", newline="\n")
-
-
 def main():
     """Everything anew."""
     suspended, constrained = cl.load_world("fastkit_suspended"), cl.load_world("fastkit_constrained")
@@ -90,7 +80,8 @@ def main():
     strip(jobs["suspended, torque control"]).quantize(96).save(DOCS / "picking_frames.png", pnginfo=info, optimize=True)
     harder = {name: pick_and_place(light(constrained), control=TorqueControl(toward=STIFF, standing=standing))
               for name, standing in (("in the program", True), ("left out", False))}
-    write_tables({"phases": phases(suspended), "results": results(jobs), "tipping": tipping(harder)})
+    write_tables(DOCS / "picking.md",
+                 {"phases": phases(suspended), "results": results(jobs), "tipping": tipping(harder)})
 
 
 if __name__ == "__main__":

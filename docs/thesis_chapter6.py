@@ -6,16 +6,14 @@ Run: python docs/thesis_chapter6.py
 from __future__ import annotations
 
 import dataclasses
-import re
-from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from generated import save_small, write_tables
 from joblib import Parallel, delayed
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from PIL import Image
 from scipy.optimize import linprog
 
 import cdprlab as cl
@@ -293,35 +291,16 @@ def start_table(found, begin):
     return "\n".join(rows) + f"\n\nTensions of at least 1 N exist from t = **{begin:.2f} s** on."
 
 
-def write(name, text):
-    """Between the page's markers."""
-    page = PAGE.read_text(encoding="utf-8")
-    new, found = re.subn(rf"(<!-- table {name} -->\n).*?(<!-- end -->)", lambda m: f"{m[1]}\n{text}\n\n{m[2]}", page,
-                         flags=re.DOTALL)
-    if found != 1:
-        raise SystemExit(f"{PAGE.name} needs one '<!-- table {name} -->' … '<!-- end -->'")
-    PAGE.write_text(new, encoding="utf-8", newline="\n")
-
-
-def save(figure, name):
-    """A palette PNG, a third of the size."""
-    PICTURES.mkdir(exist_ok=True)
-    drawn = BytesIO()
-    figure.savefig(drawn, dpi=100, format="png")
-    Image.open(drawn).convert("RGB").quantize(64).save(PICTURES / f"{name}.png", "png", optimize=True)
-
-
 def publish(flights):
     """Draw and write all that the flights came to."""
     found, runs, begin = edge(), kernel_flights(), first_feasible()
     for name, figure in (("start", edge_figure(found, begin)),
                          ("thesis", chapter_figure(flights, "thesis", begin)),
                          ("default", chapter_figure(flights, "default", begin)), ("kernel", kernel_figure(runs))):
-        save(figure, name)
-    for name, table in (("maxima", maxima_table(flights)), ("errors", errors_table(flights)),
-                        ("ropes", ropes_table(flights)), ("clock", clock_table(flights)),
-                        ("kernel", kernel_table(runs)), ("start", start_table(found, begin))):
-        write(name, table)
+        save_small(figure, PICTURES / f"{name}.png")
+    write_tables(PAGE, {"maxima": maxima_table(flights), "errors": errors_table(flights), "ropes": ropes_table(flights),
+                        "clock": clock_table(flights), "kernel": kernel_table(runs),
+                        "start": start_table(found, begin)})
 
 
 if __name__ == "__main__":

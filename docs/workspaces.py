@@ -6,10 +6,10 @@ Run: python docs/workspaces.py
 from __future__ import annotations
 
 import dataclasses
-import re
 from pathlib import Path
 
 import numpy as np
+from generated import write_tables
 
 import cdprlab as cl
 from cdprlab.view import save_figure
@@ -145,16 +145,6 @@ def proofs():
     return figure, "\n".join(rows)
 
 
-def write_tables(tables):
-    """Between the markers of docs/workspaces.md."""
-    page = DOCS / "workspaces.md"
-    text = page.read_text(encoding="utf-8")
-    for name, table in tables.items():
-        marked = f"<!-- table {name} -->\n\n{table}\n\n<!-- end -->"
-        text = re.sub(f"<!-- table {name} -->.*?<!-- end -->", lambda _, m=marked: m, text, flags=re.DOTALL)
-    page.write_text(text, encoding="utf-8", newline="\n")
-
-
 def main():
     """Everything anew."""
     from cdprlab.view.workspace import plot_workspace
@@ -172,7 +162,7 @@ def main():
             figure = plot_workspace(world.robot, grid, found, title=title, unit=unit)
             save_figure(figure, DOCS / f"workspaces_{name}.png")
             print(figure.alt_text)
-    write_tables(tables)
+    write_tables(DOCS / "workspaces.md", tables)
     for table in tables.values():
         print(table)
 
