@@ -39,7 +39,8 @@ test: $(VENV)/.tests  ## style, types, tests and doctests
 	@# Later Pythons get a later numpy, whose annotations differ: types are checked where the pins are the students'.
 	if $(BIN)/python -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))'; then $(BIN)/mypy; \
 	  else echo "types: checked on Python 3.11 only"; fi
-	$(BIN)/python -m pytest
+	@# A file is one worker's, for what its tests share; the browser's, the longest, come first in the order of collection.
+	$(BIN)/python -m pytest --numprocesses logical --dist loadfile --no-loadscope-reorder
 
 lab: $(VENV)/.students  ## JupyterLab with your own copies of the lessons, in my_lessons/
 	$(BIN)/python lessons/my_lessons.py my_lessons
