@@ -12,6 +12,7 @@ import cdprlab as cl
 from cdprlab.errors import InvalidInput, NotListable
 from cdprlab.sets import hyperplane_shifting
 from cdprlab.sets.linear_program import maximize
+from cdprlab.sets.listing import _needed
 
 KINDS = ["rows", "zonotope", "image", "flat zonotope", "flat image", "point", "segment"]
 
@@ -210,6 +211,14 @@ def test_unbounded_sets_answer_but_are_not_listed():
     np.testing.assert_array_equal(strip.axis_section(), [[-1, 1], [-np.inf, np.inf]])
     with pytest.raises(NotListable, match="unbounded"):
         _ = strip.vertices
+
+
+def test_planes_that_touch_an_edge_or_nothing_are_superfluous():
+    """Of the cube's planes, one through its edge, one that cuts its corner and one far off, only the cut is needed."""
+    diagonal, corner = np.array([[1, 1, 0]]) / np.sqrt(2), np.ones((1, 3)) / np.sqrt(3)
+    normals = np.concatenate([np.eye(3), -np.eye(3), diagonal, corner, corner])
+    offsets = np.concatenate([np.ones(6), [np.sqrt(2), 1.5, 4]])
+    np.testing.assert_array_equal(_needed(normals, offsets), [0, 1, 2, 3, 4, 5, 7])
 
 
 def test_too_large_to_list_but_not_to_ask():

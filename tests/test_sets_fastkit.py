@@ -4,9 +4,11 @@ import dataclasses
 
 import numpy as np
 import pytest
+from programs import lp_support
 from scipy.optimize import linprog
 
 import cdprlab as cl
+from cdprlab.sets.listing import _in_frame, _needed
 
 NAMES = ("fastkit_suspended", "fastkit_constrained")
 SHELF = cl.Pose([0.8, 0.0, 0.9])
@@ -50,6 +52,24 @@ def test_the_largest_payload_is_an_lps(robot, z):
         assert np.isnan(largest)
     else:
         assert largest == pytest.approx(found.x[-1], abs=1e-7)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_wrenches_that_tip_no_base_are_listed_also_where_many_planes_meet_in_a_corner(turned):
+    """Qhull lists some of these sets and gives up at others; planes by linear programs are the same, and suffice."""
+    robot = cl.load_world("fastkit_suspended").robot
+    rng, by_hull = np.random.default_rng(4), []
+    for position in rng.uniform([-1, -0.5, 0.5], [1, 0.5, 1.5], (6, 3)):
+        pose = cl.Pose(position, rpy=rng.uniform(-0.2, 0.2, 3) * turned)
+        aws = cl.available_wrench_set(robot, pose, tipping=True)
+        rows = _in_frame(aws, aws._frame, *aws._outer_rows)
+        needed, found = _needed(*rows), aws._planes
+        np.testing.assert_array_equal(found.normals, rows[0][needed])
+        by_hull.append(found.corners is not None)
+        again = cl.Polytope.from_rows(aws.normals, aws.offsets)
+        d = rng.normal(size=(50, 6))
+        np.testing.assert_allclose(lp_support(again, d), lp_support(aws, d), rtol=1e-9)
+    assert any(by_hull) and not all(by_hull)
 
 
 def test_no_seven_kilograms_half_way_between_the_bases_and_high():

@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import NotListable
 from .frame import Frame
+from .linear_program import Indices, maximize
 from .zonotope import (
     MOST_COMBINATIONS,
     PARALLEL,
@@ -148,9 +149,19 @@ def _in_frame(polytope: Polytope, at: Frame, normals: Array, offsets: Array) -> 
 
 def _without_superfluous(normals: Array, offsets: Array) -> Planes:
     """Planes n·z ≤ d around an inner point and points n/d are dual: a facet is a corner of the points' hull."""
-    hull = _hull(normals / offsets[:, None])
+    try:
+        hull = _hull(normals / offsets[:, None])
+    except NotListable:                     # corners where many planes meet: each plane is then asked for itself
+        kept = _needed(normals, offsets)
+        return Planes(normals[kept], offsets[kept])
     kept = np.sort(hull.vertices)
     return Planes(normals[kept], offsets[kept], _from_dual(hull.equations))
+
+
+def _needed(normals: Array, offsets: Array) -> Indices:
+    """Planes beyond which the set reaches as soon as they give way: max nᵢ·z > dᵢ with dᵢ + 1 for dᵢ in row i."""
+    reached = maximize(normals, offsets + np.eye(len(offsets)), normals).values
+    return np.flatnonzero(reached > offsets + _SAME)
 
 
 def _meetings(normals: Array, offsets: Array) -> Array:
