@@ -1,4 +1,4 @@
-"""Mobile bases: speeds shared with the winches, lengths integrated along a drive, and where bases must stand."""
+"""Mobile bases: speeds shared with the winches, and lengths integrated along a drive."""
 
 from dataclasses import replace
 
@@ -7,8 +7,7 @@ import pytest
 from scipy.optimize import linprog, minimize
 
 import cdprlab as cl
-from cdprlab.base_placement import place_bases
-from cdprlab.errors import InfeasibleTwist, InvalidInput, NoPlacement
+from cdprlab.errors import InfeasibleTwist, InvalidInput
 from cdprlab.redundancy import RESOLUTION_METHODS, resolve_twist
 from robots import BASED, case, moved
 
@@ -194,78 +193,3 @@ def test_wrong_requests_are_named():
         resolve_twist(world.robot, world.pose, [0, 0], weights=-np.ones(10))
     with pytest.raises(InvalidInput, match="alike"):
         resolve_twist(world.robot, world.pose, [0, 0], "least_norm", weights=np.ones(10))
-
-
-# --- where bases must stand ----------------------------------------------------------------------------------
-def serves(robot, poses, wrenches):
-    W = cl.wrench_matrix(robot, poses)
-    return all(cl.distribute_tensions(W, wrench, robot.tension_min, robot.tension_max).feasible.all()
-               for wrench in np.atleast_2d(wrenches))
-
-
-@pytest.mark.parametrize("name, places", [
-    ("planar_mcdpr", [[2.6, 1.2], [3.2, 1.4]]),
-    ("mobile_four_bases", [[4.0, 3.0, 0.8], [5.0, 3.5, 1.2], [4.5, 2.5, 1.0]]),
-])
-def test_bases_are_placed_where_they_serve(name, places):
-    """Judged by the tension distribution, not by the search's own program; only what may drive has moved."""
-    world = cl.load_world(name)
-    poses, weight = cl.Pose(places), cl.gravity_wrench(world.robot, world.pose)
-    push = np.zeros(world.robot.n_dof)
-    push[0] = 5.0
-    wrenches = np.stack([weight, weight + push, weight - push])
-    assert not serves(world.robot, poses, wrenches)
-    placed = place_bases(world.robot, poses, wrenches)
-    assert serves(placed, poses, wrenches)
-    for before, after in zip(world.robot.bases, placed.bases):
-        shift = before.rotation[:2, :2].T @ (after.position - before.position)
-        change = np.append(after.heading - before.heading, shift)
-        np.testing.assert_allclose(change[before.speed_max == 0], 0, atol=1e-12)
-    for i, a in enumerate(placed.bases):
-        assert all(np.linalg.norm(a.position - b.position) > 0.6 for b in placed.bases[:i])
-
-
-def test_bases_that_serve_already_stay():
-    world = cl.load_world("fastkit_planar")
-    assert place_bases(world.robot, world.pose, cl.gravity_wrench(world.robot, world.pose)) is world.robot
-
-
-def test_a_margin_can_be_asked_for():
-    world = cl.load_world("planar_mcdpr")
-    weight = cl.gravity_wrench(world.robot, world.pose)
-    poses = cl.Pose([[2.6, 1.2], [3.2, 1.4]])
-    placed = place_bases(world.robot, poses, weight, margin=0.1)
-    low, high = world.robot.tension_min, world.robot.tension_max
-    band = 0.1 * (high - low) / 2
-    assert cl.distribute_tensions(cl.wrench_matrix(placed, poses), weight, low + band, high - band).feasible.all()
-
-
-def test_a_pose_above_all_exits_is_impossible_and_said_so():
-    world = cl.load_world("planar_mcdpr")
-    weight = cl.gravity_wrench(world.robot, world.pose)
-    with pytest.raises(NoPlacement, match=r"no base poses can serve .*pose 2 of 2 .*needs 19\.62 N upwards; 0 of 4"):
-        place_bases(world.robot, cl.Pose([[1.0, 1.0], [1.0, 2.4]]), weight)
-
-
-def test_what_cannot_be_found_is_told_with_pose_wrench_and_cable():
-    """400 N to either side is more than two cables of 100 N can pull, wherever their bases stand."""
-    world = cl.load_world("planar_mcdpr")
-    with pytest.raises(NoPlacement, match=r"no base poses were found .*pose 1 of 1 .*cable \d would need") as caught:
-        place_bases(world.robot, cl.Pose([1.0, 1.6]), [[400.0, -19.62], [-400.0, -19.62]])
-    assert isinstance(caught.value.robot, cl.Robot)
-
-
-def test_robots_that_cannot_be_placed_are_named():
-    world = cl.load_world("planar_mcdpr")
-    weight = cl.gravity_wrench(world.robot, world.pose)
-    with pytest.raises(InvalidInput, match="no bases"):
-        place_bases(cl.load_world("planar_point").robot, world.pose, weight)
-    held = replace(world.robot, bases=tuple(replace(base, speed_max=np.zeros(3)) for base in world.robot.bases))
-    with pytest.raises(InvalidInput, match="no base that can drive"):
-        place_bases(held, world.pose, weight)
-    with pytest.raises(InvalidInput, match="lives in 2 dimensions"):
-        place_bases(world.robot, cl.Pose([0, 0, 1]), weight)
-    with pytest.raises(InvalidInput, match=r"wrenches must be \(2,\), \(k, 2\)"):
-        place_bases(world.robot, world.pose, np.zeros((3, 2, 2)))
-    with pytest.raises(InvalidInput, match="between 0 and 1"):
-        place_bases(world.robot, world.pose, weight, margin=2)
