@@ -25,7 +25,7 @@ ifneq ($(and $(PYTHON),$(wildcard $(BIN)/python)),)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help run test lab designer lessons student-zip docs bench requirements clean
+.PHONY: help run test lab designer lessons student-zip docs book bench requirements clean
 run test bench: export OMP_NUM_THREADS = 1
 
 help:  ## this list
@@ -57,6 +57,9 @@ student-zip: lessons  ## for instructors: what students get, dist/cdprlab-studen
 
 docs: $(VENV)/.students  ## figures and tables of the pages in docs/, made anew
 	set -e; for page in docs/*.md; do script="$${page%.md}.py"; if test -f "$$script"; then $(BIN)/python "$$script"; fi; done
+
+book: $(VENV)/.tests  ## executed lessons, pages and the public face as a web site, in build/book/
+	$(BIN)/python docs/book/build.py
 
 bench: $(VENV)/.tests  ## speed, as ratios to what it stands on
 	$(BIN)/python -m pytest tests/benchmarks --benchmark-enable
