@@ -45,8 +45,8 @@ def friction_torque(friction: Friction, speed: ArrayLike) -> Array:
     >>> float(friction_torque(Friction(0.03, 0.02, 0.0), 100.0).round(6))
     0.02
     """
-    q = np.asarray(speed, dtype=float)
-    return np.asarray(_features(q) @ np.array(friction, dtype=float))
+    features = _features(np.asarray(speed, dtype=float))
+    return np.asarray(sum(share * feature for share, feature in zip(friction, features)))
 
 
 def friction_slope(friction: Friction, speed: ArrayLike) -> Array:
@@ -141,16 +141,16 @@ def identify_friction(experiment: Experiment) -> tuple[Friction, float]:
     """
     speed = as_array(experiment.speed, "speed", ("k",), "rad/s")
     change = np.gradient(speed, experiment.time)
-    matrix = np.column_stack([_features(speed), change])
+    matrix = np.column_stack([*_features(speed), change])
     found = np.linalg.lstsq(matrix, experiment.torque - experiment.load, rcond=None)[0]
     static, coulomb, viscous, inertia = found.tolist()
     return Friction(static, coulomb, viscous), inertia
 
 
-def _features(speed: Array) -> Array:
-    """(…, 3) what static, Coulomb and viscous friction are multiplied with: f is linear in them."""
+def _features(speed: Array) -> tuple[Array, Array, Array]:
+    """What static, Coulomb and viscous friction are multiplied with: f is linear in them."""
     sign, slow = np.tanh(speed / BREAKAWAY), np.exp(-(speed / STRIBECK)**2)
-    return np.stack([sign * slow, sign * (1 - slow), speed], axis=-1)
+    return sign * slow, sign * (1 - slow), speed
 
 
 def _pull(winch: Winch) -> float:

@@ -150,7 +150,7 @@ class VelocityControl(WinchControl):
         self.lengths, self.stiffness = np.array(engine.rope_lengths), _elasticity(robot)
         self.fastest = np.minimum(robot.speed_max, self.winch.speed * self.winch.drum_radius / self.winch.gear_ratio)
         self.low, self.high = robot.tension_min + self.margin, robot.tension_max - self.margin
-        self.edges, self.wanted = standing_rows(robot), engine.tensions
+        self.edges, self.wanted, self.friction = standing_rows(robot), engine.tensions, Friction.of(self.winch)
 
     def step(self, engine: MobileSimulator, order: Order) -> Effort:
         wish = order.reference
@@ -160,10 +160,10 @@ class VelocityControl(WinchControl):
         feasible = self._distribute(engine, order, W)
         unstretched = lengths / (1 + self.wanted / self.stiffness)
         rates = rates + self.gain * (unstretched - self.lengths)
-        kept = np.clip(rates, -self.fastest, self.fastest)
+        kept = np.minimum(np.maximum(rates, -self.fastest), self.fastest)
         self.lengths = self.lengths + kept * order.period
         feasible &= engine.wind(self.lengths, round(order.period / engine.dt)) and bool((kept == rates).all())
-        torques = motor_torque(self.winch, Friction.of(self.winch), engine.tensions, kept, 0.0)
+        torques = motor_torque(self.winch, self.friction, engine.tensions, kept, 0.0)
         return Effort(self.wanted, torques, motor_speed(self.winch, kept), feasible)
 
     def _distribute(self, engine: MobileSimulator, order: Order, W: Array) -> bool:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..control import inverse_dynamics, mobility
+from ..fast_control import mass_and_bias
 from ..robot import Elasticity, Robot
 
 _FEW = 5  # ropes: for more the program is quicker
@@ -68,7 +68,8 @@ def _complementary(m: int) -> Callable[[Array, Array], Array]:
         if m <= _FEW and (quick := _with_taut(A.tolist(), b.tolist(), taut)) is not None:
             return np.array(quick)
         T = np.maximum(quadprog.solve_qp(A, b, identity, zero)[0], 0.0)  # rounding leaves −1e-14 N
-        taut[:] = np.flatnonzero(T > 0).tolist()
+        if m <= _FEW:
+            taut[:] = np.flatnonzero(T > 0).tolist()
         return T
 
     return solve
@@ -107,7 +108,8 @@ def _yielding(A: Array, overlength: Array, stretch: Array, k: Array, damping: fl
     """
     d = 2 * damping * np.sqrt(k / np.maximum(A.diagonal(), 1e-12))
     stiff = dt * (k * dt + d)
-    return A + np.diag(1 / stiff), (k * overlength + d * (overlength - stretch) / dt) / stiff
+    A.ravel()[::k.size + 1] += 1 / stiff   # its diagonal
+    return A, (k * overlength + d * (overlength - stretch) / dt) / stiff
 
 
 _Approach = Callable[[Array, Array, Array, Any], tuple[Array, Array]]
@@ -131,13 +133,14 @@ def _point_approach(robot: Robot, dt: float) -> _Approach:
 
 
 def _approach(robot: Robot, dt: float) -> _Approach:
-    rest = np.zeros(6)
+    every_row, basis = robot.n_dof == 6, robot.pattern.basis
 
     def approach(W: Array, rotation: Array, twist: Array, push: Any) -> tuple[Array, Array]:
-        wrench = -inverse_dynamics(robot, rotation, twist, rest, every_row=True)
-        fall = mobility(robot, rotation, every_row=True).dot(wrench if push is None else wrench + push)
-        velocity = (twist + dt * fall) @ robot.pattern.basis(rotation)
-        return W.T @ mobility(robot, rotation) @ W, velocity.dot(W) * -dt
+        pulls = W if every_row else basis(rotation).dot(W)   # whatever the pattern controls, all of it moves
+        mass, bias = mass_and_bias(robot, rotation, twist)
+        lightness = np.linalg.inv(mass)
+        velocity = twist + dt * lightness.dot(-bias if push is None else push - bias)
+        return pulls.T.dot(lightness).dot(pulls), velocity.dot(pulls) * -dt
 
     return approach
 

@@ -31,9 +31,8 @@ def standing_tensions(W: Array, w_e: Array, low: Array, high: Array, rows: Array
     identity = np.eye(m)
     constraints = np.concatenate([W.T, identity, -identity, -rows.T], axis=1)
     bounds = np.concatenate([-w_e, low, -high, offset])
-    wanted = np.broadcast_to(np.asarray(toward, dtype=float), (m,)).copy()
     try:
-        found = quadprog.solve_qp(identity, wanted, constraints, bounds, W.shape[0], True)[0]
+        found = quadprog.solve_qp(identity, np.full(m, toward, dtype=float), constraints, bounds, W.shape[0], True)[0]
     except ValueError:
         return np.full(m, np.nan), f"{INFEASIBLE} and keep every base standing" if rows.size else INFEASIBLE
     return np.clip(found, low, high), ""
