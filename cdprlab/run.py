@@ -7,8 +7,8 @@ import json
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import chain
 from pathlib import Path
+from struct import Struct
 from typing import Any
 
 import numpy as np
@@ -274,34 +274,30 @@ class _Loop:
         if push is not None and not callable(push):
             engine.push(push)
         steps, period = self.table.shape[0], engine.dt * substeps
-        log, within, commanded, every = _Samples(), [], [], max(1, steps // 100)
-        sample, wind, note = engine.sample, engine.wind, log.rows.append
+        sample, wind, every = engine.sample, engine.wind, max(1, steps // 100)
         began = time.perf_counter()
-        note(sample())
+        start, m = list(sample()), self.robot.n_cables
+        # Packed rows are the quickest log from Python numbers: lists and tuples would call the garbage collector.
+        pack, log = Struct(f"{1 + m + len(start)}d").pack, []
         for k, lengths in enumerate(self._lengths(engine, ahead.pose)):
-            commanded.append(lengths)
             if k in self.cuts:
                 engine.cut(self.cuts[k])
             if callable(push):
                 engine.push(push(k * period))
-            within.append(wind(lengths, substeps))
-            note(sample())
-            if (k + 1) % every == 0 or k + 1 == steps:
-                log.pack(5000 if k + 1 < steps else 1)
-                if progress is not None:
-                    progress(k + 1, steps)
+            log.append(pack(wind(lengths, substeps), *lengths, *sample()))
+            if progress is not None and ((k + 1) % every == 0 or k + 1 == steps):
+                progress(k + 1, steps)
+        rows = np.frombuffer(b"".join(log)).reshape(steps, -1)
         elapsed = time.perf_counter() - began
-        self.feasible, self.commanded_lengths = np.array(within), np.array(commanded)
-        self._fill(np.concatenate(log.blocks))
+        self.feasible, self.commanded_lengths = rows[:, 0] == 1, rows[:, 1:1 + m].copy()
+        self._fill(np.vstack([start, rows[:, 1 + m:]]))
         return elapsed
 
     def _lengths(self, engine: Simulator, ahead: Pose) -> Iterator[list[float]]:
         """Rope lengths for each step's end; where bases drive, to where they will then stand."""
         if self.drive is None:
-            yield from cable_lengths(self.robot, ahead).tolist()
-            return
-        for pose in ahead:
-            yield cable_lengths(self.drive.step(engine), pose).tolist()
+            return map(np.ndarray.tolist, cable_lengths(self.robot, ahead))
+        return (cable_lengths(self.drive.step(engine), pose).tolist() for pose in ahead)
 
     def _fill(self, samples: Array) -> None:
         """The table from N + 1 samples: states as each step began, tensions as it ended, no wrench or tension asked."""
@@ -393,22 +389,6 @@ class _Loop:
                    lengths, _errors(world.robot, poses, self.reference.pose), self.feasible, factor, dt, period,
                    settings, None if self.commanded_lengths is None else frozen(self.commanded_lengths),
                    None if self.drive is None else frozen(np.array(self.drive.poses)))
-
-
-class _Samples:
-    """Rows of floats as they come, packed into arrays now and then: the quickest log from Python numbers."""
-
-    def __init__(self) -> None:
-        self.rows: list[Any] = []
-        self.blocks: list[Array] = []
-
-    def pack(self, least: int) -> None:
-        """Move the rows into an array of their own, if there are that many."""
-        count = len(self.rows)
-        if count < least:
-            return
-        self.blocks.append(np.fromiter(chain.from_iterable(self.rows), np.float64).reshape(count, -1))
-        self.rows.clear()
 
 
 class _Drive:

@@ -28,7 +28,7 @@ from ..robot import Robot
 from ..world import World
 from .planar_bases import DrivenBases
 from .planar_camera import PlanarCamera
-from .planar_space import PlanarSpace, iterations_needed
+from .planar_space import PlanarSpace, solving_order
 from .simulator import Simulator
 
 
@@ -52,12 +52,15 @@ class PlanarSimulator(Simulator):
         # What runs every step comes straight from the engine's library: pymunk's own checks would double its time.
         from pymunk._chipmunk_cffi import lib
 
+        self._step_space = lib.cpSpaceStep
         self._set_velocity, self._impulse = lib.cpBodySetVelocity, lib.cpConstraintGetImpulse
         self._getters = (lib.cpBodyGetPosition, lib.cpBodyGetVelocity, lib.cpBodyGetAngle, lib.cpBodyGetAngularVelocity)
-        self._iterations = solver_iterations or iterations_needed(world)
+        self._order, rounds = solving_order(world)
+        self._iterations = solver_iterations or rounds
         self._center = [float(x) for x in world.robot.platform.center_of_mass]
         self._anchors = (world.robot.anchor_points - world.robot.platform.center_of_mass).tolist()
         self._speed_max = world.robot.speed_max.tolist()
+        self._most_wound = (world.robot.speed_max * self.dt).tolist()   # in one step
         self._camera: Any = None
         self.reset()
 
@@ -73,10 +76,11 @@ class PlanarSimulator(Simulator):
         # A new space: nothing of the last run, such as an impulse kept for the solver's start, stays behind.
         self._space = PlanarSpace(self._pymunk, self.world, start, self._iterations)
         self._body, self._platform = self._space.body, self._space.body._body
+        self._engine = self._space.space._space
         self._space.place_bases(self._bases, self.dt)
         self._look()
         self._paid_out = self._lengths
-        self._ropes = self._space.tie(self._bases.exits, self._anchors) if self.cables == "length" else []
+        self._ropes = self._space.tie(self._bases.exits, self._anchors, self._order) if self.cables == "length" else []
         self._joints = [rope._constraint for rope in self._ropes]
         self._reels = [rope.a._body for rope in self._ropes]
         return self.state()
@@ -104,8 +108,8 @@ class PlanarSimulator(Simulator):
         after = wanted = lengths if isinstance(lengths, list) else np.asarray(lengths, dtype=float).tolist()
         if len(wanted) != len(before):
             raise InvalidInput(f"lengths must be {len(before)} numbers [m], got {len(wanted)}")
-        for now, wish, limit in zip(before, wanted, self._speed_max):
-            if not (wish > 0 and abs(wish - now) <= limit * self.dt * substeps):
+        for now, wish, most in zip(before, wanted, self._most_wound):
+            if not (wish > 0 and abs(wish - now) <= most * substeps):
                 after = self._reachable(wanted, self.dt * substeps)
                 break
         for k in range(1, substeps):
@@ -227,10 +231,10 @@ class PlanarSimulator(Simulator):
         if self._bases.moving:
             self._reel_from_driven_bases(lengths)
             return
-        set_velocity, rate = self._set_velocity, 1 / self.dt
+        set_velocity, rate = self._set_velocity, -1 / self.dt
         for reel, (ux, uy), length in zip(self._reels, self._directions, lengths):
             speed = length * rate
-            set_velocity(reel, (-speed * ux, -speed * uy))
+            set_velocity(reel, (speed * ux, speed * uy))
 
     def _reel_from_driven_bases(self, lengths: list[float]) -> None:
         """The same, the reels being where their bases are and moving with them."""
@@ -258,7 +262,7 @@ class PlanarSimulator(Simulator):
     def _advance(self) -> None:
         if self._bases.moving:
             self._space.place_bases(self._bases, self.dt)
-        self._space.space.step(self.dt)
+        self._step_space(self._engine, self.dt)
         if self._bases.moving:
             self._bases.advance()
         self._steps += 1
@@ -276,7 +280,7 @@ class PlanarSimulator(Simulator):
         lengths, directions = [], []
         for (ax, ay), (bx, by) in zip(self._bases.exits, self._anchors):
             dx, dy = ax - x - bx * c + by * s, ay - y - bx * s - by * c
-            length = math.sqrt(dx * dx + dy * dy) or 1e-12
+            length = math.hypot(dx, dy) or 1e-12
             lengths.append(length)
             directions.append((dx / length, dy / length))
         self._lengths, self._directions, self._turn = lengths, directions, (c, s)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from functools import reduce
+from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -18,6 +20,8 @@ from .planar_camera import BASE_HEIGHT, CORNERS
 
 _FRICTION = 0.5
 _MOST_ITERATIONS = 1000
+_MOST_ORDERED = 6
+"""Ropes whose every order is tried."""
 
 
 class PlanarSpace:
@@ -49,16 +53,20 @@ class PlanarSpace:
             body.position, body.angle = (x - vx * dt, y - vy * dt), heading - spin * dt
             self.space.reindex_shapes_for_body(body)
 
-    def tie(self, exits: Iterable[ArrayLike], anchors: Iterable[ArrayLike]) -> list[Any]:
-        """A rope of length zero from a reel at each exit point to the platform, anchors from its center of mass."""
+    def tie(self, exits: Iterable[ArrayLike], anchors: Iterable[ArrayLike], order: Iterable[int]) -> list[Any]:
+        """A rope of length zero from a reel at each exit point to the platform, anchors from its center of mass.
+
+        order : in which the solver takes them
+        """
         ropes = []
         for exit_point, anchor in zip(exits, anchors):
             reel = self._pymunk.Body(body_type=self._pymunk.Body.STATIC)
             reel.position = exit_point
             rope = self._pymunk.SlideJoint(reel, self.body, (0, 0), anchor, 0.0, 0.0)
             rope.error_bias = 0.0
-            self.space.add(reel, rope)
             ropes.append(rope)
+        for i in order:
+            self.space.add(ropes[i].a, ropes[i])
         return ropes
 
     def contact_force(self, dt: float) -> float:
@@ -101,25 +109,35 @@ class PlanarSpace:
         return shape
 
 
-def iterations_needed(world: World) -> int:
-    """As many as bring the solver's error down a millionfold, wherever a task starts or ends.
+def solving_order(world: World) -> tuple[tuple[int, ...], int]:
+    """The order in which the ropes are best solved, and how many rounds bring the solver's error down a millionfold.
 
     Ropes are solved one after the other (Gauss and Seidel); a round over all of them projects the remaining error on
     one rope's complement after the other's. Left unfinished, taut redundant ropes would tighten each other step by
-    step.
+    step. How quickly it goes depends on who follows whom, not on who begins: of few ropes every order is tried, at
+    every pose where a task starts or ends.
     """
-    robot = world.robot
+    robot, ropes = world.robot, range(world.robot.n_cables)
     weights = np.array([robot.mass, robot.mass, float(robot.platform.inertia)])[:robot.n_dof]
-    slowest = 0.0
+    steps = []
     for pose in (world.pose, *(end for task in world.tasks.values() for end in (task.start, task.end))):
         rows = wrench_matrix(robot, pose).T
         if robot.n_dof == 3:   # moments about the center of mass
             x, y = pose.rotation @ robot.platform.center_of_mass
             rows = rows - np.outer(x * rows[:, 1] - y * rows[:, 0], [0.0, 0.0, 1.0])
-        once = np.eye(robot.n_dof)
-        for row in rows / np.sqrt(weights):
-            once = once - np.outer(row, row @ once) / max(row @ row, 1e-12)
-        slowest = max(slowest, float(np.abs(np.linalg.eigvals(once)).max()))
-    if slowest > 1 - 1e-9:   # fewer ropes than freedoms: some error is nobody's
-        return _MOST_ITERATIONS if len(robot.cables) >= robot.n_dof else 30
-    return int(np.clip(math.ceil(math.log(1e-6) / math.log(max(slowest, 1e-6))), 10, _MOST_ITERATIONS))
+        rows = rows / np.sqrt(weights)
+        lengths = np.maximum((rows**2).sum(axis=1), 1e-12)[:, None, None]
+        steps.append(np.eye(robot.n_dof) - rows[:, :, None] * rows[:, None, :] / lengths)
+    projections = np.array(steps)                                          # (poses, m, n, n)
+    few = len(ropes) <= _MOST_ORDERED
+    orders = [(0, *rest) for rest in permutations(ropes[1:])] if few else [tuple(ropes)]
+    rates = [float(np.abs(np.linalg.eigvals(reduce(np.matmul, np.moveaxis(projections[:, order], 1, 0)))).max())
+             for order in orders]
+    best = int(np.argmin(np.round(rates, 6)))
+    return orders[best], _rounds(rates[best], len(ropes) >= robot.n_dof)
+
+
+def _rounds(rate: float, enough: bool) -> int:
+    if rate > 1 - 1e-9:   # fewer ropes than freedoms: some error is nobody's
+        return _MOST_ITERATIONS if enough else 30
+    return int(np.clip(math.ceil(math.log(1e-6) / math.log(max(rate, 1e-6))), 10, _MOST_ITERATIONS))

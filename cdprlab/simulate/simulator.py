@@ -53,7 +53,7 @@ class Simulator(ABC):
 
     def sample(self) -> Iterable[float]:
         """Position, rotation (row by row), twist, lengths and tensions as one row of a log."""
-        return np.concatenate([self.position, self.rotation.ravel(), self.twist, self.lengths, self.tensions])
+        return np.concatenate([self.position, self.rotation.ravel(), self.twist, self.lengths, self.tensions]).tolist()
 
     @abstractmethod
     def state(self) -> State:
