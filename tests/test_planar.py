@@ -174,7 +174,8 @@ def test_ropes_are_solved_in_the_order_that_settles_first():
     """One rope after the other, in rounds: what is left of an error shrinks a millionfold in as many as are taken."""
     world = cl.load_world("planar_rigid")
     order, rounds = solving_order(world)
-    rows = cl.wrench_matrix(world.robot, world.pose).T / np.sqrt([world.robot.mass] * 2 + [world.robot.platform.inertia])
+    body = world.robot.platform
+    rows = cl.wrench_matrix(world.robot, world.pose).T / np.sqrt([body.mass, body.mass, body.inertia])
 
     def left(order):
         error = np.array([1.0, -2.0, 0.5])
