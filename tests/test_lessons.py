@@ -89,6 +89,16 @@ def test_widgets_swallow_no_error(flight: Flight):
 
 @flies
 @every_flight
+def test_what_is_shown_can_be_shown_on_a_page(flight: Flight):
+    """The book, which is still, knows text, pictures, and explorers by their text; docs/book/lesson_page.py."""
+    kinds = {tuple(sorted(output.data)) for cell in flight.notebook.cells for output in cell.get("outputs", [])
+             if "data" in output}
+    assert kinds <= {("text/plain",), ("image/png", "text/plain"),
+                     ("application/vnd.jupyter.widget-view+json", "text/plain")}
+
+
+@flies
+@every_flight
 def test_solutions_earn_full_marks(flight: Flight):
     graded = {check: flight.notebook.cells[index] for check, index in notebooks.checks(flight.notebook).items()}
     assert {check: determine_grade(cell) for check, cell in graded.items()} == {

@@ -65,7 +65,7 @@ def full_name(word: str, inside: str = "") -> str | None:
     """
     shown = {name for group in GROUPS.values() for room in group for name in members(room)}
     owners = [owner for owner in shown if inside == owner or inside.startswith(f"{owner}.")]
-    word = word.removeprefix("cl.")
+    word = word.removeprefix("cl.").removesuffix("()")
     for candidate in (f"cdprlab.{word}", f"cdprlab.errors.{word}", f"cdprlab.view.widgets.{word}"):
         if candidate in shown:
             return candidate
@@ -104,7 +104,7 @@ def _first_line(thing: Any) -> str:
 def _page(group: str) -> str:
     text = _title(group) + ".. py:currentmodule:: cdprlab\n\n"
     for room in GROUPS[group]:
-        if len(GROUPS[group]) > 1:
+        if len(GROUPS[group]) > 1 and room != _file(group):
             text += _title(room.replace("_", " ").capitalize(), "-")
         text += _first_line(importlib.import_module(f"cdprlab.{room}")) + "\n\n"
         text += "".join(_entry(name) for name in sorted(members(room), key=_order))
@@ -127,11 +127,11 @@ def _entry(name: str) -> str:
 
 def _index() -> str:
     """Every public name with its first line, by room."""
-    text = _title("The public face") + "``import cdprlab as cl`` and everything on these pages is yours.\n\n"
+    text = _title("API: the public names") + "``import cdprlab as cl``, and ``cl.`` reaches all of this.\n\n"
     text += ".. toctree::\n   :hidden:\n\n" + "".join(f"   {_file(group)}\n" for group in GROUPS) \
         + "   command_line\n\n"
     for group, rooms in GROUPS.items():
-        text += _title(group, "-") + f"On the page :doc:`{_file(group)}`:\n\n.. list-table::\n   :widths: 30 70\n\n"
+        text += _title(group, "-") + ".. list-table::\n   :widths: auto\n\n"
         for name in (name for room in rooms for name in sorted(members(room), key=_order)):
             if not inspect.ismodule(_thing(name)):
                 short = name.removeprefix("cdprlab.view.").removeprefix("cdprlab.")

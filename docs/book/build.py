@@ -24,20 +24,23 @@ from sphinx.cmd.build import build_main  # noqa: E402
 
 
 def build(site: Path, work: Path, run: str = "all") -> int:
-    """Make the site; returns how many things are wrong with it.
+    """Make the site, in place of the one before if nothing is wrong with it; returns how many things are.
 
     site : folder for the pages and nothing else: it can be published as it is
     work : folder for what they are made from, solutions and executed lessons among it
     run : the lessons that are executed: "all", "none", or the name of one
     """
-    pages = source_tree.assemble(work / "source", work / "executed", run)
-    shutil.rmtree(site, ignore_errors=True)  # pages that are no more
-    source_tree.math(site)
+    pages, made = source_tree.assemble(work / "source", work / "executed", run), work / "site"
+    shutil.rmtree(made, ignore_errors=True)
+    source_tree.math(made)
     failed = build_main(["-b", "html", "-c", str(HERE), "-d", str(work / "doctrees"), "--fail-on-warning",
-                         "--keep-going", "--nitpicky", "--quiet", str(pages), str(site)])
-    faults = site_check.faults(site)
+                         "--keep-going", "--nitpicky", "--quiet", str(pages), str(made)])
+    faults = site_check.faults(made)
     for fault in faults:
         print(fault, file=sys.stderr)
+    if not failed and not faults:
+        shutil.rmtree(site, ignore_errors=True)
+        shutil.move(made, site)
     return int(failed != 0) + len(faults)
 
 
@@ -51,7 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     site = options.out.resolve()
     wrong = build(site, site.with_name(f"{site.name}_work"), options.run)
     if wrong:
-        print(f"The book has {wrong} fault{'s' if wrong > 1 else ''}, see above.", file=sys.stderr)
+        print(f"The book has {wrong} fault{'s' if wrong > 1 else ''}, see above; {site} stays as it was.",
+              file=sys.stderr)
         return 1
     print(f"{site}/index.html: open it in a browser, or put the folder on any web server.")
     return 0

@@ -16,6 +16,7 @@ _NAMES = r"[\w*]+(?:, [\w*]+)*"
 _ARGUMENT = re.compile(rf"(?P<names>{_NAMES}) : (?P<text>.*)")
 _SEVERAL = re.compile(rf"; (?={_NAMES} : )")
 _FIELD = re.compile(r"(?P<name>Returns|Raises|Source:) (?P<text>.*)")
+_CLASS = re.compile(r"(?<![`\w.])[A-Z][a-z]\w+(?![`\w])")
 _CODE = re.compile(r"(``.+?``|`[^`]+`)")
 
 
@@ -35,7 +36,7 @@ def as_rst(docstring: str, link: Link = lambda name: None) -> list[str]:
                 names, meaning = one.split(" : ", 1)
                 lines += [f"   **{_escaped(names)}** : {inline(meaning, link)}", ""]
         elif kind in ("Returns", "Raises", "Source"):
-            lines += [f":{kind}: {inline(text, link)}", ""]
+            lines += [f":{kind}: {inline(_named(text, link) if kind != 'Source' else text, link)}", ""]
         else:
             lines += [text if kind == "doctest" else inline(text, link), ""]
         inside = kind == "argument"
@@ -50,6 +51,11 @@ def inline(text: str, link: Link = lambda name: None) -> str:
     """
     return "".join(_code(part.strip("`"), link if part[1] != "`" else lambda name: None) if part[:1] == "`"
                    else _escaped(part) for part in _CODE.split(text))
+
+
+def _named(text: str, link: Link) -> str:
+    """Classes are named without backticks in what is returned and raised."""
+    return _CLASS.sub(lambda found: f"`{found[0]}`" if link(found[0]) else found[0], text)
 
 
 def _parts(lines: list[str]) -> Iterator[tuple[str, str]]:
