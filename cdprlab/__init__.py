@@ -10,7 +10,7 @@ from . import errors
 from .base_placement import place_bases
 from .compare import TensionComparison, compare_tensions
 from .configurations import ConfigurationSequence, classify_configurations, plan_configurations
-from .control import ComputedTorque, State
+from .control import ComputedTorque
 from .errors import CdprError
 from .geometry import cable_directions, cable_lengths, cable_vectors
 from .kinematics import base_jacobian, forward_kinematics, jacobian
@@ -21,6 +21,7 @@ from .robot import Base, Cable, Platform, Robot
 from .run import Run, run
 from .sets import Polytope, available_twist_set, available_wrench_set
 from .simulate import Simulator, open_simulator
+from .state import State
 from .statics import gravity_wrench, stiffness, tipping_moments, tipping_rows, wrench_matrix
 from .tensions import TensionDistribution, distribute_tensions, tension_methods
 from .trajectory import Reference, Trajectory, hold, quintic

@@ -4,41 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
 from .arrays import Array, as_array
 from .errors import InvalidInput
 from .fast_control import applies_to, computed_torque
-from .pose import Pose, cross_matrix, rotation_vector
+from .pose import cross_matrix, rotation_vector
 from .robot import Robot
+from .state import State
 from .trajectory import Reference
-
-
-class State(NamedTuple):
-    """What a controller may know at one instant.
-
-    time : [s]
-    robot : the robot, for its masses and points
-    position : (d,) of P in the world [m]
-    rotation : (d, d)
-    twist : (3 planar or 6 spatial,) [v; ω] of P in world axes [m/s, rad/s]
-    tensions : (m,) measured over the last step, zero before the first [N]
-    """
-
-    time: float
-    robot: Robot
-    position: Array
-    rotation: Array
-    twist: Array
-    tensions: Array
-
-    @property
-    def pose(self) -> Pose:
-        """The platform's pose."""
-        return Pose.of(self.position, self.rotation)
-
 
 Controller = Callable[[float, State, Reference], Array]
 """W τ of the cables, weight not subtracted: at rest it is minus the gravity wrench."""

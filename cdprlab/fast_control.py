@@ -7,16 +7,13 @@ counts, and written out the same sums take half the time.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .arrays import Array
 from .robot import Robot
+from .state import State
 from .trajectory import Reference
-
-if TYPE_CHECKING:
-    from .control import State
 
 
 def applies_to(robot: Robot) -> bool:

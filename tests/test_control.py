@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import robots
-from cdprlab.control import ComputedTorque, State, inverse_dynamics, mobility, pose_error
+from cdprlab.control import ComputedTorque, inverse_dynamics, mobility, pose_error
 from cdprlab.pose import Pose, rotation_from_vector
+from cdprlab.state import State
 from cdprlab.trajectory import Reference, quintic
 
 STEP = 1e-5  # s: central differences of the energy err by its third derivative times STEP²

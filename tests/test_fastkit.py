@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
-from cdprlab.control import State
 from cdprlab.errors import InvalidInput
 from cdprlab.fast_control import mass_and_bias, turn_between
 from cdprlab.picking import DONE, STOPPED, Machine, Phase, Sensors, TorqueControl, pick_and_place
 from cdprlab.picking.phases import driving_speed, driving_time, job_phases
 from cdprlab.pose import rotation_vector
+from cdprlab.state import State
 from cdprlab.tensions.standing import standing_tensions
 from cdprlab.winch import (
     Friction,

@@ -15,7 +15,7 @@ ROOMS = (
     "view", "__main__",
 )
 CLOSETS = {"compare": "run", "redundancy": "kinematics", "fast_statics": "statics", "base_placement": "workspace",
-           "fast_control": "control", "winding": "control", "switching": "run", "winch": "control",
+           "fast_control": "control", "state": "control", "winding": "control", "switching": "run", "winch": "control",
            "mission": "picking", "mission_drive": "picking",
            "command_workspace": "__main__",
            "command_mission": "__main__"}

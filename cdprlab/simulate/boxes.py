@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
-from ..control import State
 from ..errors import InvalidInput
 from ..pose import Pose
+from ..state import State
 from ..world import World
 from .spatial import DEFAULT_TIP_MASS, SpatialSimulator, quaternion_of
 

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, frozen
-from ..control import State
 from ..errors import InvalidInput
 from ..fast_statics import CYCLE, CableStatics, cyclic
 from ..pose import Pose
 from ..robot import Robot
+from ..state import State
 from ..world import World
 from .base_body import ABOUT, ACROSS, ALONG, BODY, drum_joint, make_base
 from .boxes import BoxSimulator

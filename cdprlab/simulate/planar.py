@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
-from ..control import State
 from ..errors import InvalidInput, MissingDependency, SimulationDiverged
 from ..pose import Pose
 from ..robot import Robot
+from ..state import State
 from ..world import World
 from .planar_bases import DrivenBases
 from .planar_camera import PlanarCamera

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
-from ..control import State
 from ..errors import InvalidInput
 from ..pose import Pose
 from ..robot import Robot
+from ..state import State
 from ..world import World
 
 

@@ -20,11 +20,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
-from ..control import State
 from ..errors import InvalidInput, MissingDependency, SimulationDiverged
 from ..fast_statics import cable_statics, cyclic, cyclic_exits
 from ..pose import Pose
 from ..robot import Robot
+from ..state import State
 from ..statics import gravity_wrench
 from ..tensions import distribute_tensions
 from ..world import World
