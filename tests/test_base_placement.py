@@ -8,9 +8,11 @@ from scipy.optimize import linprog
 
 import cdprlab as cl
 from cdprlab.base_placement import place_bases
-from cdprlab.base_placement.proof import largest_share
+from cdprlab.base_placement.program import Task, worst_margin
+from cdprlab.base_placement.proof import largest_share, standing_rows
 from cdprlab.errors import InvalidInput, NoPlacement
-from robots import BASED, case
+from cdprlab.robot import Base
+from robots import BASED, build, case
 
 WORLDS = [
     ("planar_mcdpr", [[2.6, 1.2], [3.2, 1.4]]),
@@ -153,6 +155,30 @@ def test_a_margin_can_be_asked_for():
     assert not keeps(place_bases(light, poses, wrenches))
 
 
+@pytest.mark.parametrize("name, places", WORLDS)
+def test_the_margin_is_the_worst_of_all_poses_and_wrenches(name, places):
+    """s of half the range from every limit, and s of the mean moment of a base's weight about its edges."""
+    robot, poses, wrenches = wanted(name, places)
+    robot, m = lighter(robot, 12.0), robot.n_cables
+    half = (robot.tension_max - robot.tension_min) / 2
+
+    def margin(pose, wrench):
+        rows, sides = [np.column_stack([-np.eye(m), half]), np.column_stack([np.eye(m), half])], [-robot.tension_min,
+                                                                                                robot.tension_max]
+        idle, pulled = cl.tipping_moments(robot, pose, np.zeros(m)), cl.tipping_moments(robot, pose, np.eye(m))
+        for base in pulled:
+            share = np.full(idle[base].size, np.abs(idle[base]).mean())
+            rows.append(np.column_stack([(pulled[base] - idle[base]).T, share]))
+            sides.append(-idle[base])
+        balance = np.column_stack([cl.wrench_matrix(robot, pose), np.zeros(robot.n_dof)])
+        return linprog(-np.eye(m + 1)[-1], A_ub=np.concatenate(rows), b_ub=np.concatenate(sides), A_eq=balance,
+                       b_eq=-wrench, bounds=[(None, None)] * m + [(None, 1.0)], method="highs").x[-1]
+
+    found, tensions = worst_margin(robot, Task(poses, np.broadcast_to(wrenches, (len(poses), *wrenches.shape)), True))
+    assert found == pytest.approx(min(margin(pose, wrench) for pose in poses for wrench in wrenches), abs=1e-7)
+    assert tensions.shape == (len(poses), 3, m)
+
+
 # --- none: proven, or not found ------------------------------------------------------------------------------
 def shaken(robot, rng):
     """The bases anywhere within some meters along the directions in which they may drive."""
@@ -189,6 +215,41 @@ def test_no_placement_does_better_than_the_bound(name, standing):
         reached.append(max(share(shaken(robot, rng), pose, load, standing)[0] for _ in range(40)))
     assert np.all(np.array(reached) <= np.array(bounds) + 1e-7)
     assert min(bounds) < 0.99
+
+
+def test_a_turning_base_at_the_point_of_tipping_is_within_its_bound():
+    """Turned any way and pulled as hard as it stands; the bound knows heights and lengths, not the turn."""
+    rng, spare = np.random.default_rng(7), []
+    for seed in range(40):
+        robot, pose = case("two bases", seed)
+        robot = level(robot, np.ones((2, 3)))
+        turned = robot.with_bases({base.name: (*base.position, rng.uniform(-np.pi, np.pi)) for base in robot.bases})
+        pulls = rng.uniform(0, 1, 8) * (rng.random(8) < 0.5)
+        directions = cl.cable_directions(turned, pose)
+        for k, base in enumerate(robot.bases):
+            idle, pulled = (cl.tipping_moments(turned, pose, tau)[base.name] for tau in (0 * pulls, pulls))
+            lifting = pulled > idle
+            if lifting.any():
+                hardest = (-idle / (pulled - idle))[lifting].min()
+                rows, sides = standing_rows(robot, k, cl.cable_vectors(robot, pose)[:, -1])
+                spare.append((1 - np.einsum("eid,id->e", rows, hardest * pulls[:, None] * directions) / sides).min())
+    assert min(spare) > 0 and len(spare) > 50
+
+
+def test_the_bound_of_a_turning_base_is_reached_over_a_corner():
+    """Exit point and center of mass behind, the pull straight over the corner in front: none of the bound to spare."""
+    corner = np.array([np.cos(np.pi / 8), np.sin(np.pi / 8)])     # one of the directions the bound looks along
+    across = np.array([-corner[1], corner[0]])
+    feet = 0.6 * np.array([corner, across, -corner, -across])
+    behind = np.append(-0.3 * corner, 2.0)
+    base = Base("turning", [1.0, 2.0], 0.0, 40.0, np.append(-0.1 * corner, 0.5), feet, np.ones(3))
+    robot = build("3T", [behind, [0, 0, 3]], [[0, 0, 0]] * 2, bases=(base,), carriers=["turning", None])
+    pose = cl.Pose(base.to_world(behind) + np.append(1.5 * corner, -1.2))
+    idle, pulled = (cl.tipping_moments(robot, pose, [pull, 0.0])["turning"] for pull in (0.0, 1.0))
+    hardest = (-idle / (pulled - idle))[pulled > idle].min()
+    rows, sides = standing_rows(robot, 0, cl.cable_vectors(robot, pose)[:, -1])
+    pulls = hardest * np.array([[1.0], [0.0]]) * cl.cable_directions(robot, pose)
+    assert (1 - np.einsum("eid,id->e", rows, pulls) / sides).min() == pytest.approx(0, abs=1e-12)
 
 
 @pytest.mark.parametrize("standing", [True, False])

@@ -161,6 +161,20 @@ def test_least_norm_is_the_pseudo_inverse():
                                np.linalg.pinv(B) @ cl.jacobian(robot, pose) @ twist, atol=1e-12)
 
 
+@pytest.mark.parametrize("name", BASED)
+def test_weighted_is_the_cheapest(name):
+    """min Σ w x² with [B_b I] x = J t is x = D⁻¹ Aᵀ (A D⁻¹ Aᵀ)⁻¹ J t, whatever the limits say."""
+    robot, pose = limited_case(name, 2)
+    robot = replace(robot, bases=tuple(replace(base, speed_max=np.ones(3)) for base in robot.bases))
+    rng = np.random.default_rng(2)
+    twist = rng.normal(size=robot.n_dof)
+    A = np.concatenate([cl.base_jacobian(robot, pose), np.eye(robot.n_cables)], axis=1)
+    weights = rng.uniform(0.1, 10.0, A.shape[1])
+    found = resolve_twist(robot, pose, twist, "weighted", weights=weights)
+    cheapest = A.T / weights[:, None] @ np.linalg.solve(A / weights @ A.T, cl.jacobian(robot, pose) @ twist)
+    np.testing.assert_allclose(np.concatenate([found.base_speeds, found.cable_speeds]), cheapest, atol=1e-10)
+
+
 def test_a_batch_of_twists_along_a_motion():
     world = cl.load_world("mobile_four_bases")
     path = world.task().trajectory()(np.linspace(0, 3, 7))

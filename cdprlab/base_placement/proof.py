@@ -91,7 +91,7 @@ def largest_share(robot: Robot, pose: Pose, load: Array, tipping: bool) -> float
     rows, sides = [pulls.rows], [pulls.sides]
     for k, base in enumerate(robot.bases) if tipping else ():
         if len(base.footprint) and not (robot.dimension == 2 and base.speed_max[0]):   # the plane turns footprints up
-            edges, spare = _standing(robot, k, cable_vectors(robot, pose)[:, -1])
+            edges, spare = standing_rows(robot, k, cable_vectors(robot, pose)[:, -1])
             rows.append(np.einsum("eid,idv->ev", edges, pulls.forces))
             sides.append(spare)
     A = np.concatenate(rows)
@@ -159,7 +159,7 @@ def _normals(d: int, load: Array) -> Array:
     return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
 
 
-def _standing(robot: Robot, k: int, rises: Array) -> tuple[Array, Array]:
+def standing_rows(robot: Robot, k: int, rises: Array) -> tuple[Array, Array]:
     """Rows (e, m, d) over the f_i and sides (e,) [N m] that hold while a base stands, wherever it is driven.
 
     Its center of pressure p stays inside the footprint: towards e, p·e N = Σ (−z_i f_ie + r_ie f_iz) + G_e m g is at
