@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -24,10 +25,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns 0, or 2 after one line on stderr saying what was wrong."""
     options = _parser().parse_args(arguments)
     try:
-        return int(options.command(options))
+        code = int(options.command(options))
+        sys.stdout.flush()
+        return code
     except CdprError as error:
         print(f"cdprlab: {error}", file=sys.stderr)
         return 2
+    except BrokenPipeError:  # the reader of our lines has seen enough, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing more is to be written at exit
+        return 141
     except OSError as error:
         print(f"cdprlab: cannot write {error.filename}: {error.strerror}", file=sys.stderr)
         return 2
@@ -92,9 +98,10 @@ class _Bar:
 
 
 def _worlds(_: argparse.Namespace) -> int:
+    width = max(map(len, world_names()))
     for name in world_names():
         world = load_world(name)
-        print(f"{name:14} {world.title}; tasks: {', '.join(world.tasks)}")
+        print(f"{name:{width}}  {world.title}; tasks: {', '.join(world.tasks)}")
     return 0
 
 

@@ -1,6 +1,9 @@
 """The command line: what it writes, and one line with exit code 2 for what it cannot do."""
 
 import csv
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -98,3 +101,12 @@ def test_wrong_command_line_is_one_line_and_exit_2(arguments, capsys):
         main(arguments)
     assert stop.value.code == 2
     assert len(capsys.readouterr().err.strip().splitlines()) == 1
+
+
+def test_a_reader_who_leaves_early_makes_no_noise():
+    reading, writing = os.pipe()
+    os.close(reading)                                       # as `head` does, once it has its lines
+    command = [sys.executable, "-m", "cdprlab", "worlds"]
+    left = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, timeout=60)
+    os.close(writing)
+    assert (left.returncode, left.stderr) == (141, b"")     # what a shell says of a broken pipe
