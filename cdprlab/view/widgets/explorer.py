@@ -75,7 +75,7 @@ class Slider:
         digits = next((n for n in range(7) if abs(step - round(step, n)) < 1e-9 * step), 3)
         return ipywidgets.FloatSlider(
             value=self.start, min=self.low, max=self.high, step=step, description=self.caption,
-            readout_format=f".{digits}f", continuous_update=True, style={"description_width": "9em"},
+            readout_format=f".{digits}f", continuous_update=True, style={"description_width": "13em"},
             layout={"width": "auto"})
 
 
@@ -108,7 +108,7 @@ class Choice:
         """The ipywidget."""
         start = self.options[0] if self.start is None else self.check(self.start)
         return ipywidgets.Dropdown(options=[(str(option).replace("_", " "), option) for option in self.options],
-                                   value=start, description=self.label, style={"description_width": "9em"},
+                                   value=start, description=self.label, style={"description_width": "13em"},
                                    layout={"width": "auto"})
 
 
@@ -240,7 +240,7 @@ class Explorer:
         # An HTML img, because ipywidgets' Image knows no alternative text (and 8.1.9's fails to show with a tooltip).
         self._image, self._numbers, self._mistake = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
         title = ipywidgets.HTML(f"<b>{html.escape(self.title)}</b>")
-        self.panel = ipywidgets.VBox(list(self.sliders.values()), layout={"width": "30em", "max_width": "100%"})
+        self.panel = ipywidgets.VBox(list(self.sliders.values()), layout={"width": "34em", "max_width": "100%"})
         self.stage = ipywidgets.VBox([self._image])
         beside = ipywidgets.VBox([self.panel, self._mistake, self._numbers],
                                  layout={"flex": "1 1 25em", "min_width": "0"})
