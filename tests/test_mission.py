@@ -14,6 +14,8 @@ pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
 from cdprlab.mission import DONE, STOPPED, Mission, State, at_the_shelf, run_mission, walk_through
 from cdprlab.mission_drive import EnginePair, in_hall, moved_pair, pair_pose
 from cdprlab.navigation import ARRIVED, Hall, Vehicle, Walker, cast
+from cdprlab.picking import pick_and_place
+from cdprlab.picking.phases import job_phases
 from cdprlab.simulate.scanner import ray_distances
 
 BOUNDS = [[-5, -6], [7, 2]]
@@ -31,12 +33,14 @@ def coupled(world):
     return replace(world, robot=world.robot.with_bases(task.coupled), pose=task.start, tasks={})
 
 
-def through(world, _):
-    """Work that is done at once."""
+def through(world, task):
+    """Work that is done at once, and leaves the bases coupled."""
     states = "coupled", "approach", "return", DONE
     events = tuple(SimpleNamespace(time=0.1 * k, state=state) for k, state in enumerate(states))
+    bases = world.robot.with_bases(world.task(task).coupled).bases
+    stand = np.array([[[*base.position, base.heading] for base in bases]])
     return SimpleNamespace(state=DONE, reason="", events=events, time=np.array([0.0, 0.3]), world=world,
-                           table=lambda: {"state": DONE})
+                           base_poses=stand, table=lambda: {"state": DONE})
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +90,7 @@ def test_a_moved_pair_is_the_same_pair(world):
 
 def test_the_mission_gets_to_the_shelf_and_through_all_its_states(mission):
     assert [event.state for event in mission.events] == [
-        "navigation", "undeployed", "deployed", "pick and place", "return", DONE]
+        "navigation", "undeployed", "deployed", "pick and place", "return", "home", DONE]
     assert mission.state == DONE and mission.reason == ""
     way = mission.journey
     assert way.state == ARRIVED and way.clearance.min() > 0.03
@@ -95,10 +99,66 @@ def test_the_mission_gets_to_the_shelf_and_through_all_its_states(mission):
     assert np.linalg.norm(way.poses[-1, :2] - way.goal[:2]) <= 0.05
 
 
+def test_the_pair_comes_home_coupled_to_where_it_began(mission, world):
+    way, berth = mission.way_home, pair_pose(coupled(world))[0]
+    assert way.state == ARRIVED and way.clearance.min() > 0.03
+    # It begins where the work left the pair, and what it believed on arrival.
+    np.testing.assert_allclose(way.poses[0], mission.journey.poses[-1], atol=1e-3)
+    assert np.linalg.norm(way.errors[0, :2]) <= 0.05
+    # Straight out of the berth to the station first, as straight as it came in.
+    plan = next(plan for _, plan in way.plans if plan.found)       # the first may wait for the person to walk on
+    np.testing.assert_allclose(plan.poses[1], berth + [0.2, -0.4, 0.0], atol=1e-12)
+    np.testing.assert_array_equal(way.goal, START)
+    assert np.linalg.norm(way.poses[-1, :2] - START[:2]) <= 0.05
+    assert mission.now == pytest.approx(mission.journey.time[-1] + 0.3 + way.time[-1])
+    assert [event.time for event in mission.events] == sorted(event.time for event in mission.events)
+
+
+def test_bases_that_do_not_come_together_do_not_drive_home(world):
+    def ajar(there, task):
+        job = through(there, task)
+        job.base_poses[-1, 0, 0] -= 0.03
+        return job
+
+    berth = pair_pose(coupled(world))[0]
+    stopped = run_mission(world, BOUNDS, berth + [0.2, -0.4, 0.0], beams=91, work=ajar)
+    assert stopped.state == STOPPED and stopped.way_home is None
+    assert stopped.reason == "in return: the bases are not together: one is 30 mm off its coupled place"
+
+
+def test_folding_is_the_deployment_turned_round(monkeypatch):
+    """The platform holds still, the base ends where it began, and the link is closed again."""
+    world = cl.load_world("fastkit_suspended")
+    task = replace(world.task("pick_and_place"), coupled={"active": (-2.6, 0.0, 0.0)}, aside=-0.1)
+    world = replace(world, tasks={"pick_and_place": task})
+    phases = job_phases(world, task, fold=True)
+    out, back = (([phase for phase in part if phase.drives]) for part in (phases[:5], phases[-4:-1]))
+    assert [phase.name for phase in back] == ["step out", "fold", "close up"]
+    stops = [task.coupled, *(phase.drives for phase in out)]
+    assert [phase.drives for phase in back] == stops[-2::-1]
+    np.testing.assert_allclose([phase.duration for phase in back], [phase.duration for phase in out[::-1]])
+    only = (*phases[:5], *phases[-4:])
+    monkeypatch.setattr("cdprlab.picking.job.job_phases", lambda *_, **__: only)
+    job = pick_and_place(world, fold=True)
+    assert job.state == DONE and job.events[-2].state == "link"
+    assert np.linalg.norm(job.poses.position - task.start.position, axis=1).max() <= 1e-3
+    np.testing.assert_allclose(job.base_poses[-1], job.base_poses[0], atol=1e-4)
+    robot = world.robot
+    assert (job.tensions[1:] >= robot.tension_min).all() and (job.tensions <= robot.tension_max).all()
+
+
+def test_who_has_nothing_to_fold_is_told():
+    world = cl.load_world("fastkit_constrained")
+    with pytest.raises(InvalidInput, match="names no `coupled:` base"):
+        pick_and_place(world, fold=True)
+
+
 def test_no_wheel_lifts_and_no_cable_moves_on_the_way(mission, world):
     # The first rows are wheels finding the floor.
     assert mission.drive.wheels[3:].min() > 10 and mission.drive.tilts.max() < np.radians(0.5)
     np.testing.assert_allclose(mission.drive.tensions, world.robot.tension_min[0], atol=0.05)  # tips weigh 1e-3 N
+    assert mission.drive_home.wheels[3:].min() > 10 and mission.drive_home.tilts.max() < np.radians(0.5)
+    assert len(mission.drive_home.tilts) == len(mission.way_home.time) - 1
 
 
 def test_the_work_begins_where_the_pair_stands(mission, world):
@@ -127,6 +187,8 @@ def test_the_mission_repeated_is_identical(mission, world):
     np.testing.assert_array_equal(again.journey.poses, mission.journey.poses)
     np.testing.assert_array_equal(again.journey.estimates, mission.journey.estimates)
     np.testing.assert_array_equal(again.drive.wheels, mission.drive.wheels)
+    np.testing.assert_array_equal(again.way_home.poses, mission.way_home.poses)
+    np.testing.assert_array_equal(again.drive_home.wheels, mission.drive_home.wheels)
     assert again.events == mission.events
 
 

@@ -43,7 +43,8 @@ class Walker:
     """A person who walks to and fro, and stops before walking into a machine.
 
     way : (2, 2) from where to where [m]; speed : [m/s]; radius : [m]
-    care : stops this near to the machine [m]; patience : then turns round after [s]
+    care : stops this near to the machine [m]; patience : then turns round after [s], and, cornered, steps back
+    hall : what they cannot step back through; None: nothing is in the way
     """
 
     way: Array
@@ -51,10 +52,12 @@ class Walker:
     radius: float = 0.25
     care: float = 0.4
     patience: float = 4.0
+    hall: Hall | None = None
 
     def __post_init__(self) -> None:
         self.way = as_array(self.way, "way", (2, 2), "m")
-        self.place, self.onward, self.waited = np.array(self.way[0]), 1, 0.0
+        self.place, self.onward = np.array(self.way[0]), 1
+        self.waited, self.turned = 0.0, 0
 
     def walk(self, period: float, machine: Array) -> None:
         """Walk on, the machine's outline (4, 2) in mind."""
@@ -65,14 +68,31 @@ class Walker:
             return
         then = self.place + left * min(1.0, self.speed * period / far)
         near, now = (_disc_distance(machine, place, self.radius) for place in (then, self.place))
-        if near < self.care and near < now:
-            self.waited += period
-            if self.waited > self.patience:
-                self.onward, self.waited = 1 - self.onward, 0.0
+        # Along a machine one walks on, but not ever closer.
+        along = 0.2 * float(np.linalg.norm(then - self.place)) if near > self.care / 2 else 0.0
+        if near < self.care and near < now - along:
+            self._wait(period, machine, now)
             return
-        self.place, self.waited = then, 0.0
+        self.place, self.waited, self.turned = then, 0.0, 0
         if far <= self.speed * period:
             self.onward = 1 - self.onward
+
+    def _wait(self, period: float, machine: Array, now: float) -> None:
+        self.waited += period
+        if self.waited > self.patience:
+            self.onward, self.waited, self.turned = 1 - self.onward, 0.0, self.turned + 1
+        if self.turned > 1 and now < self.care:      # turned round and could not walk that way either
+            away = _away(machine, self.place) * self.speed * period
+            for angle in (0.0, 0.8, -0.8, 1.5, -1.5):            # straight back, or past what stands there
+                back = self.place + turn(angle) @ away
+                roomy = self._room(back) >= min(self._room(self.place), 0.2)
+                if roomy and _disc_distance(machine, back, self.radius) >= now:
+                    self.place = back
+                    return
+
+    def _room(self, place: Array) -> float:
+        """Between the person and what stands in the hall [m]."""
+        return np.inf if self.hall is None else float(self.hall.distance(place)) - self.radius
 
 
 class KinematicPair:
@@ -143,3 +163,13 @@ def _disc_distance(outline: Array, center: Array, radius: float) -> float:
     along, off = sides[:, 1] - sides[:, 0], center - sides[:, 0]
     inside = (along[:, 0] * off[:, 1] - along[:, 1] * off[:, 0] >= 0).all()
     return 0.0 if inside else float(segment_distance(center, sides).min()) - radius
+
+
+def _away(outline: Array, place: Array) -> Array:
+    """(2,) unit vector from an outline's nearest point to a place outside it."""
+    start, end = np.moveaxis(edges(outline), 1, 0)
+    along = end - start
+    share = np.clip(((place - start) * along).sum(axis=1) / (along * along).sum(axis=1), 0, 1)
+    off = place - start - share[:, None] * along
+    distances = np.linalg.norm(off, axis=1)
+    return np.asarray(off[distances.argmin()] / max(distances.min(), 1e-9))

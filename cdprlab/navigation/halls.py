@@ -56,7 +56,7 @@ def practice_hall(vehicle: Vehicle, seed: int, size: tuple[float, float] = (10.0
     aside = np.array([random.uniform(2.0, 3.0), random.uniform(-0.5, 0.5)])
     hall = Hall.of(np.array(rows), [[0, 0], size])
     way = np.clip([middle - aside, middle + aside], 0.4, np.array(size) - 0.4)
-    return Practice(hall, start, goal, (Walker(_walkable(hall, way), random.uniform(0.4, 0.8)),))
+    return Practice(hall, start, goal, (Walker(_walkable(hall, way), random.uniform(0.4, 0.8), hall=hall),))
 
 
 def _walkable(hall: Hall, way: Array, room: float = 0.3) -> Array:

@@ -34,7 +34,7 @@ _SLACK = 0.5           # N: how far off its limits a cable may be before it coun
 
 def pick_and_place(world: World, task: str = "pick_and_place", control: str | WinchControl = "torque", *,
                    speed: float = 0.5, dt: float = 2e-3, control_period: float = 4e-3,
-                   faults: tuple[Guard, ...] = FAULTS, progress: Progress | None = None) -> Job:
+                   faults: tuple[Guard, ...] = FAULTS, fold: bool = False, progress: Progress | None = None) -> Job:
     """Deploy the bases, take a box from a shelf, put it in its place, return; stop safely where something fails.
 
     world, task : spatial, with bases that have footprints, and a task of kind pick_and_place
@@ -42,6 +42,7 @@ def pick_and_place(world: World, task: str = "pick_and_place", control: str | Wi
     speed : the platform's largest [m/s]
     dt, control_period : engine step and control step, the second a multiple of the first [s]
     faults : what stops the job, see `machine`
+    fold : in the end drive the bases together again and couple them; who works on at the same shelf need not
     progress : called as (milliseconds done, in all)
     Returns Job: `.state` is "done" or "stopped", `.reason` why.
     Raises InvalidInput for another kind of task; SimulationDiverged.
@@ -61,7 +62,7 @@ def pick_and_place(world: World, task: str = "pick_and_place", control: str | Wi
         raise InvalidInput(f"control_period must be a whole multiple of dt, got {control_period:g} s and {dt:g} s")
     law = winch_control(control)
     begin = replace(world, robot=world.robot.with_bases(job.coupled), pose=job.start, tasks={task: job})
-    machine = Machine(job_phases(world, job, speed), faults)
+    machine = Machine(job_phases(world, job, speed, fold=fold), faults)
     with open_simulator(begin, law.cables, dt, bodies=True, solver_iterations=20) as engine:
         assert isinstance(engine, MobileSimulator)
         engine.add_box(BOX, job.box_position, job.box_size, job.box_mass, friction=_ROLLERS)

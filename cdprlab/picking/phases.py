@@ -1,4 +1,4 @@
-"""The phases of pick and place, from a task: deploy, take the box, carry it, put it down, return."""
+"""The phases of pick and place, from a task: deploy, take the box, carry it, put it down, return, perhaps fold."""
 
 from __future__ import annotations
 
@@ -27,14 +27,16 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 
 def job_phases(world: World, task: PickAndPlace, speed: float = 0.5,
-               base_acceleration: float = 0.2) -> tuple[Phase, ...]:
+               base_acceleration: float = 0.2, fold: bool = False) -> tuple[Phase, ...]:
     """What happens, in order.
 
     world : as it is to be once deployed
     speed : the platform's largest, carrying or not [m/s]
     base_acceleration : [m/s²]
+    fold : whether the bases come together again in the end
     """
-    return (*_deployment(world, task, base_acceleration), *_taking(task, speed), *_putting(task, speed))
+    folding = _folding(world, task, base_acceleration) if fold else ()
+    return (*_deployment(world, task, base_acceleration), *_taking(task, speed), *_putting(task, speed), *folding)
 
 
 def _deployment(world: World, task: PickAndPlace, acceleration: float) -> Iterator[Phase]:
@@ -53,6 +55,25 @@ def _deployment(world: World, task: PickAndPlace, acceleration: float) -> Iterat
         for (state, what), here, there in zip(words, stops, stops[1:]):
             yield Phase(state, what, _driving_time(base, here, there, acceleration), drives={name: there},
                         guard=_arrived)
+
+
+def _folding(world: World, task: PickAndPlace, acceleration: float) -> Iterator[Phase]:
+    """The deployment's way, back."""
+    if not task.coupled:
+        raise InvalidInput("bases are to fold back, but the task names no `coupled:` base and its pose")
+    aside = task.aside
+    for name, goal in task.coupled.items():
+        base = world.robot.base(name)
+        start = (float(base.position[0]), float(base.position[1]), base.heading)
+        stops = [start, _beside(start, aside), _beside(goal, aside), goal] if aside else [start, goal]
+        words = ([("step out", "clear of the shelf again"), ("fold", "the active base drives back, the platform stays"),
+                  ("close up", "beside the other base, as before")] if aside else
+                 [("fold", "the active base drives back, the platform stays")])
+        for (state, what), here, there in zip(words, stops, stops[1:]):
+            yield Phase(state, what, _driving_time(base, here, there, acceleration), drives={name: there},
+                        guard=_arrived)
+    yield Phase("link", "the electromagnetic link closes", 0.5, drives=dict(task.coupled), guard=_arrived,
+                begin=MobileSimulator.couple)
 
 
 def _beside(place: Place, aside: float) -> Place:
