@@ -43,8 +43,18 @@ def near(world, **changes):
 
 @pytest.fixture(scope="module")
 def flown():
-    """The whole job under torque control, 1.2 m of the deployment's 4.8 m."""
-    return pick_and_place(job_world(coupled={"active": (-2.0, 0.0, 0.0)}, aside=-0.1))
+    """The whole job under torque control, from the coupled bases on."""
+    return pick_and_place(cl.load_world("fastkit_suspended"))
+
+
+@pytest.fixture(scope="module")
+def wound():
+    """The whole job of the constrained layout under velocity control."""
+    return pick_and_place(cl.load_world("fastkit_constrained"), control="velocity")
+
+
+def rotation(angle):
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 def edge_loads(job):
@@ -54,24 +64,31 @@ def edge_loads(job):
 
 
 # --- the job ----------------------------------------------------------------------------------------------
-def test_the_whole_job_is_done_under_torque_control(flown):
-    assert flown.state == DONE and not flown.reason
-    assert flown.position_errors.max() <= 5e-3
-    assert flown.box_error <= 0.02
-    robot = flown.world.robot
-    assert (flown.tensions[1:] >= robot.tension_min).all() and (flown.tensions <= robot.tension_max).all()
-    assert np.abs(flown.torques).max() < robot.winch.torque and np.abs(flown.motor_speeds).max() < robot.winch.speed
-    assert flown.feasible.all() and edge_loads(flown).min() > 0
-    assert flown.carried.max() == 7.0
+@pytest.mark.parametrize(("which", "load"), [("flown", 7.0), ("wound", 2.0)])
+def test_the_whole_job_is_done(request, which, load):
+    job = request.getfixturevalue(which)
+    assert job.state == DONE and not job.reason
+    assert [event.state for event in job.events][:5] == ["coupled", "uncouple", "sidestep", "deploy", "line up"]
+    assert job.position_errors.max() <= 5e-3
+    assert job.box_error <= 0.02
+    robot = job.world.robot
+    assert (job.tensions[1:] >= robot.tension_min).all() and (job.tensions <= robot.tension_max).all()
+    assert np.abs(job.torques).max() < robot.winch.torque and np.abs(job.motor_speeds).max() < robot.winch.speed
+    assert job.feasible.all() and edge_loads(job).min() > 0
+    assert job.carried.max() == load
 
 
-def test_the_platform_keeps_its_pose_while_the_base_deploys(flown):
+@pytest.mark.parametrize("which", ["flown", "wound"])
+def test_the_platform_keeps_its_pose_while_the_base_deploys(request, which):
     """The base ends in the world file's place to a centimeter, within its speed; nobody else moved."""
-    deploying = [k for k, event in enumerate(flown.events) if event.state in ("sidestep", "deploy", "line up")]
-    during = np.isin(flown.states, deploying)
-    assert np.linalg.norm(flown.poses.position[during] - flown.task.start.position, axis=1).max() <= 5e-3
-    np.testing.assert_allclose(flown.base_poses[-1], [[-3.2, 0, 0], [3.2, 0, 0]], atol=0.01)
-    speed = np.linalg.norm(np.diff(flown.base_poses[:, 0, :2], axis=0), axis=1) / 4e-3
+    job = request.getfixturevalue(which)
+    deploying = [k for k, event in enumerate(job.events) if event.state in ("sidestep", "deploy", "line up")]
+    during = np.isin(job.states, deploying)
+    assert np.ptp(job.base_poses[during, 0, 0]) > 4  # m
+    assert np.linalg.norm(job.poses.position[during] - job.task.start.position, axis=1).max() <= 5e-3
+    np.testing.assert_allclose(job.base_poses[-1], [[-3.2, 0, 0], [3.2, 0, 0]], atol=0.01)
+    np.testing.assert_allclose(job.base_poses[:, 1], np.tile([3.2, 0, 0], (len(job.time), 1)), atol=0.01)
+    speed = np.linalg.norm(np.diff(job.base_poses[:, 0, :2], axis=0), axis=1) / 4e-3
     assert speed.max() <= 0.2 * 1.01
 
 
@@ -80,25 +97,46 @@ def test_the_tilt_is_made_by_cables_alone(flown):
     np.testing.assert_allclose(flown.poses.rpy[flown.states == tilted[0]][-1], [-0.2, 0, 0], atol=2e-3)
 
 
-def test_velocity_control_does_the_job_too():
+def test_velocity_control_carries_seven_kilograms_too():
     job = pick_and_place(near("fastkit_suspended"), control="velocity")
-    assert job.state == DONE and job.box_error <= 0.02
+    assert job.state == DONE and job.box_error <= 0.02 and job.carried.max() == 7.0
     robot = job.world.robot
     assert (job.tensions[1:] >= robot.tension_min).all() and (job.tensions <= robot.tension_max).all()
     assert edge_loads(job).min() > 0
 
 
-def test_the_whole_deployment_is_feasible():
-    """The way from where the bases are coupled, every 5 cm: tensions hold the platform where it starts."""
-    world = cl.load_world("fastkit_suspended")
+@pytest.mark.parametrize(("name", "margin"), [("fastkit_suspended", 2.0), ("fastkit_constrained", 5.5)])
+def test_the_whole_deployment_is_feasible(name, margin):
+    """Every 5 cm of the way: tensions off their limits hold the platform where it starts, and no base tips."""
+    world = cl.load_world(name)
     task, robot = world.task("pick_and_place"), world.robot
-    stops = [(1.6, 0.0), (1.6, -0.4), (-3.2, -0.4), (-3.2, 0.0)]
-    assert task.coupled == {"active": (*stops[0], 0.0)} and task.aside == -0.4
+    low, high = robot.tension_min + margin, robot.tension_max - margin
+    x, y, heading = task.coupled["active"]
+    assert heading == 0.0 and list(task.coupled) == ["active"]
+    stops = [(x, y), (x, y + task.aside), (-3.2, task.aside), (-3.2, 0.0)]
     for (x0, y0), (x1, y1) in pairwise(stops):
         for s in np.linspace(0, 1, 1 + round(20 * max(abs(x1 - x0), abs(y1 - y0)))):
             there = robot.with_bases({"active": (x0 + s * (x1 - x0), y0 + s * (y1 - y0), 0.0)})
             W, w_e = cl.wrench_matrix(there, task.start), cl.gravity_wrench(there, task.start)
-            assert cl.distribute_tensions(W, w_e, robot.tension_min, robot.tension_max).feasible
+            found = cl.distribute_tensions(W, w_e, low, high)
+            assert found.feasible
+            assert all((rows < 0).all() for rows in cl.tipping_moments(there, task.start, found.tensions).values())
+
+
+@pytest.mark.parametrize("name", ["fastkit_suspended", "fastkit_constrained"])
+def test_bases_keep_clear_of_the_shelf(name):
+    """On the way of the deployment no wheel comes nearer than 10 cm to the shelf."""
+    world = cl.load_world(name)
+    task, shelf = world.task("pick_and_place"), np.concatenate([
+        box.position[:2] + 0.5 * np.array([[-1, -1], [1, 1]]) * np.abs(rotation(box.yaw) @ box.size[:2])
+        for box in world.scene.boxes])
+    low, high = shelf.min(axis=0), shelf.max(axis=0)
+    x, y, _ = task.coupled["active"]
+    for (x0, y0), (x1, y1) in pairwise([(x, y), (x, y + task.aside), (-3.2, task.aside), (-3.2, 0.0)]):
+        for s in np.linspace(0, 1, 100):
+            wheels = world.robot.base("active").footprint + [x0 + s * (x1 - x0), y0 + s * (y1 - y0)]
+            apart = np.maximum(low - wheels.max(axis=0), wheels.min(axis=0) - high).max()
+            assert apart >= 0.1 - 1e-9
 
 
 def test_a_base_that_drives_does_not_pull_at_ropes():
@@ -136,30 +174,37 @@ def test_a_job_is_pictured(flown, tmp_path):
     assert early.shape == late.shape and (early != late).any()
 
 
-def test_two_jobs_are_identical():
-    def fly():
-        watch = (lambda sensors: "enough" if sensors.time > 1.5 else "",)
-        return pick_and_place(near("fastkit_suspended"), faults=watch)
-
-    first, second = fly(), fly()
+@pytest.mark.parametrize(("control", "until"), [("torque", 12.0), ("velocity", 6.0)])
+def test_two_jobs_are_identical(request, control, until):
+    """The same again, up to some time: bases coupled, released and driving."""
+    first = request.getfixturevalue({"torque": "flown", "velocity": "wound"}[control])
+    again = pick_and_place(first.world, control=control,
+                           faults=(lambda sensors: "enough" if sensors.time > until else "",))
+    same = first.time < until
+    assert same.sum() > 1000
     for name in ("tensions", "torques", "wheels", "errors", "base_poses"):
-        np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
+        np.testing.assert_array_equal(getattr(first, name)[same], getattr(again, name)[:same.sum()])
 
 
 # --- tipping ----------------------------------------------------------------------------------------------
 STIFF = 45.0  # N: a distribution that prestresses the constrained robot for stiffness
 
 
+def light():
+    """The constrained robot's job on bases of 38 kg, which stand in their places already."""
+    return job_world("fastkit_constrained", 38.0, coupled={}, start=cl.Pose([0.8, 0, 0.6]))
+
+
 def test_without_tipping_rows_the_base_tips():
-    """Bases of 38 kg, cables as tight as they may be: detected by the wheels before it can be seen."""
-    job = pick_and_place(job_world("fastkit_constrained", 38.0), control=TorqueControl(toward=STIFF, standing=False))
+    """Cables as tight as they may be: detected by the wheels before it can be seen."""
+    job = pick_and_place(light(), control=TorqueControl(toward=STIFF, standing=False))
     assert job.state == STOPPED and "lifts its wheels" in job.reason
     lifted = next(event.time for event in job.events if event.state == STOPPED)
     assert job.tilts[job.time <= lifted].max() < np.radians(0.5)
 
 
 def test_with_tipping_rows_the_same_job_is_done_standing():
-    job = pick_and_place(job_world("fastkit_constrained", 38.0), control=TorqueControl(toward=STIFF))
+    job = pick_and_place(light(), control=TorqueControl(toward=STIFF))
     assert job.state == DONE and job.box_error <= 0.02 and job.position_errors.max() <= 5e-3
     # The reserve of 5 N m over a track of 0.9 m.
     assert edge_loads(job).min() > 4.0 and job.tilts.max() < 1e-3
