@@ -25,7 +25,7 @@ GROUPS = {
     "Sets": ("sets",),
     "Workspace": ("workspace", "base_placement"),
     "Configurations": ("configurations",),
-    "Control and simulation": ("trajectory", "control", "simulate", "run", "compare", "picking"),
+    "Control and simulation": ("trajectory", "state", "control", "simulate", "run", "compare", "picking"),
     "View": ("view",),
 }
 """A world becomes a robot, a robot geometry, geometry kinematics and statics, …: page → rooms, in the house's order."""

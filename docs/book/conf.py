@@ -19,13 +19,11 @@ release = cdprlab.__version__
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
 exclude_patterns = ["README.md", "lessons/student/*"]
-suppress_warnings: list[str] = []
 
 # --- Markdown and notebooks: executed before (lesson_page.py), so that solutions can be left out
 nb_execution_mode = "off"
 nb_code_prompt_show, nb_code_prompt_hide = "Show the check", "Hide the check"
 nb_merge_streams = True
-nb_mime_priority_overrides = [("html", "text/markdown", 0)]
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
 myst_update_mathjax = False  # it would write settings of MathJax 3
@@ -42,7 +40,6 @@ html_static_path = ["static"]
 html_css_files = ["book.css"]
 html_copy_source = False
 html_show_sphinx = False
-templates_path = ["templates"]
 pygments_style, pygments_dark_style = "friendly", "monokai"
 mathjax_path = "mathjax/MathJax.js"
 mathjax2_config = {

@@ -138,7 +138,10 @@ def _output(name: str, output: Any, place: Path) -> Any:
                          "teach docs/book/still_pictures.py the new kind")
     place.write_bytes(b64decode(data["image/png"]))
     about = output.metadata.get("explorer")
-    shown = f"![{_safe(about['alt'] if about else data['text/plain'])}]({place.parent.name}/{place.name})"
+    words = about["alt"] if about else data["text/plain"]
+    if words.startswith("<"):
+        raise ValueError(f"{name} shows a picture that says no more of itself than {words}")
+    shown = f"![{_safe(words)}]({place.parent.name}/{place.name})"
     if about:
         set_to = f"\n\n*Set to* {_safe(', '.join(about['set_to']))}" if about["set_to"] else ""
         title = f"**{_safe(about['title'])}**\n\n" if about["title"] else ""

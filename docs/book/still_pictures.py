@@ -13,10 +13,10 @@ from cdprlab.view.widgets import Explorer
 
 def install(shell):
     """Change what a kernel's outputs are made of."""
-    display = shell.display_formatter
     for kind in (Explorer, RobotDesigner):
-        display.mimebundle_formatter.for_type(kind, still)
-    display.formatters["text/plain"].for_type(Figure, lambda figure, printer, _: printer.text(describe(figure)))
+        shell.display_formatter.mimebundle_formatter.for_type(kind, still)
+    # As a method: what is said to IPython about figures, matplotlib's inline backend makes it forget.
+    Figure._repr_pretty_ = lambda figure, printer, _: printer.text(describe(figure))
 
 
 def still(shown, **_):
