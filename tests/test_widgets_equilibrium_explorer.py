@@ -8,8 +8,9 @@ from scipy.optimize import linprog
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
+from cdprlab.point_load import EXIT_POINTS, MASS, equilibrium, null_vector, point_load
 from cdprlab.view import widgets
-from cdprlab.view.equilibrium import EXIT_POINTS, MASS, draw_equilibrium, equilibrium, null_vector, point_load
+from cdprlab.view.equilibrium import draw_equilibrium
 
 # Sums of a few products of doubles of size 1e3: some 1e-13 of rounding each, far above nothing, far below a newton.
 ROUNDING = 1e-9
@@ -99,11 +100,42 @@ def test_a_figure_tells_its_numbers_and_takes_a_students_own():
 def test_every_control_answers_at_both_ends_of_its_range():
     explorer = widgets.equilibrium_explorer(2)
     ends = {name: (control.low, control.high) for name, control in explorer.controls.items() if name != "cables"}
-    corners = itertools.product(EXIT_POINTS, *(ends[name] for name in ("x", "y", "internal")))
-    for m, x, y, internal in corners:
-        explorer.set(cables=m, x=x, y=y, internal=internal, push_x=ends["push_x"][0], push_y=ends["push_y"][1])
+    corners = itertools.product(EXIT_POINTS, *(ends[name] for name in ("x", "y", "internal", "time")))
+    for m, x, y, internal, seconds in corners:
+        explorer.set(cables=m, x=x, y=y, internal=internal, push_x=ends["push_x"][0], push_y=ends["push_y"][1],
+                     extra=ends["extra"][seconds > 0], time=seconds)
         assert explorer.picture.startswith(b"\x89PNG")
         assert "W τ + w_e" in explorer.text and "τ = (" in explorer.alt_text
+    explorer.close()
+
+
+def test_a_closed_polygon_stays_when_let_go_and_an_open_one_moves_along_what_is_left_over():
+    explorer = widgets.equilibrium_explorer(3)
+    explorer.set(y=1.5, internal=100, time=0.5)
+    assert "moved 0.0 mm" in explorer.text
+    explorer.set(extra=40, time=0.1)
+    state, motion = explorer.state(explorer.values), explorer.motion(explorer.values)
+    moved = motion.positions[-1] - motion.positions[0]
+    # A tenth of a second is short: the cables have turned by a degree.
+    assert moved @ state.left_over > 0.99 * np.linalg.norm(moved) * np.linalg.norm(state.left_over)
+    np.testing.assert_allclose(motion.acceleration * MASS, state.left_over, atol=ROUNDING * 1e3)  # speed / 1 ms
+    assert "OPEN" in explorer._axes[1].get_title(loc="left")
+    explorer.close()
+
+
+def test_a_cable_told_to_push_carries_nothing():
+    state = equilibrium(point_load(3), [0.0, 1.5], internal=-100)
+    np.testing.assert_allclose(state.left_over, [0, -MASS * 9.81])  # all three are slack: it falls
+    explorer = widgets.equilibrium_explorer(3)
+    explorer.set(y=1.5, internal=-100, time=0.2)
+    assert "pymunk     a = (0.000, -9.810)" in explorer.text
+    assert explorer._axes[1].get_title(loc="left") == "Force polygon: slack!"
+    explorer.close()
+
+
+def test_a_load_that_is_held_tells_nothing_yet():
+    explorer = widgets.equilibrium_explorer(2)
+    assert explorer.motion(explorer.values) is None and "which way" in explorer.text
     explorer.close()
 
 

@@ -5,13 +5,9 @@ import pytest
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
+from cdprlab.pose_search import gauss_newton_path, six_cables, without_cable
 from cdprlab.view import pose_estimates, widgets
 from cdprlab.view.widgets.explorer import Slider
-from cdprlab.view.widgets.forward_kinematics import (
-    gauss_newton_path,
-    six_cables,
-    without_cable,
-)
 
 # Lengths of a few meters are rounded to 1e-15 m; J⁺ multiplies that by less than 10 for these poses.
 ROUNDING = 1e-13
@@ -101,6 +97,27 @@ def test_an_error_of_a_cable_that_is_not_measured_is_said_to_do_nothing(explorer
     assert "cable 5 is not measured" in explorer.text and "0.0 mm, 0.0°" in explorer.text
 
 
+@pytest.mark.parametrize(("cables", "slack"), [(3, "none"), (4, "cable 4 by 113 mm"), (6, "cable 2 by 100 mm")])
+def test_hung_on_ropes_one_too_long_another_gives(explorer, cables, slack):
+    reset(explorer, cables=cables, cable=2, error=100.0, hang="yes, in pymunk")
+    assert f"slack: {slack}" in explorer.text and slack in explorer.alt_text
+
+
+def test_exact_lengths_of_a_pose_that_would_need_a_push_hang_elsewhere(explorer):
+    reset(explorer, cables=3, x=-0.8, y=2.0, guess_angle=0.0, hang="yes, in pymunk")
+    assert "exactly these lengths" in explorer.text and "slack: cable 3" in explorer.text
+
+
+def test_a_rope_too_short_hangs_nothing_and_says_so(explorer):
+    reset(explorer, cables=4, error=-50.0, hang="yes, in pymunk")
+    assert "Something would tear" in explorer.text and not explorer._hung.get_visible()
+
+
+def test_it_is_hung_only_when_asked(explorer):
+    reset(explorer, cables=4)
+    assert "pymunk" not in explorer.text and not explorer._hung.get_visible()
+
+
 def test_a_wrong_count_is_named():
     with pytest.raises(InvalidInput, match="3, 4, 5 or 6 cables, got 7"):
         six_cables(7)
@@ -112,8 +129,7 @@ def test_figures_say_in_words_what_they_show():
     covariance = 1e-6 * np.linalg.inv(cl.jacobian(robot, truth).T @ cl.jacobian(robot, truth))
     rng = np.random.default_rng(0)
     errors = rng.multivariate_normal(np.zeros(3), covariance, 400)
-    figures = [pose_estimates.two_circles([[0, 3], [5, 3]], [3, 4], [1.8, 0.6], [1.8, 5.4]),
-               pose_estimates.convergence(robot, path.poses, truth),
+    figures = [pose_estimates.convergence(robot, path.poses, truth),
                pose_estimates.assembly_modes(robot, [truth, path.poses[0]], ["true", "guess"]),
                pose_estimates.cloud(errors, covariance),
                pose_estimates.residual_bars([0.001, -0.02, 0.003], [0.02, 0.001, 0.015]),
@@ -121,7 +137,7 @@ def test_figures_say_in_words_what_they_show():
     for figure in figures:
         assert len(figure.alt_text) > 20
         figure.draw_without_rendering()
-    assert "Largest residual in the fit to all: cable 2; least remains without cable 2" in figures[4].alt_text
+    assert "Largest residual in the fit to all: cable 2; least remains without cable 2" in figures[3].alt_text
 
 
 def test_the_ellipse_holds_ninety_five_percent():

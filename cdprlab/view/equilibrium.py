@@ -1,8 +1,8 @@
-"""Forces that balance a point load: the robot, its closed force polygon, and the tensions as bars."""
+"""Forces on a point load: the robot, its force polygon, the tensions as bars, and where the load goes if let go."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import matplotlib
 import matplotlib.figure
@@ -10,30 +10,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number
-from ..errors import InvalidInput
-from ..pose import Pose
-from ..robot import MOTION_PATTERNS, Cable, Platform, Robot
-from ..statics import gravity_wrench, wrench_matrix
-from ..tensions import distribute_tensions
+from ..arrays import Array
+from ..point_load import MASS, Equilibrium, decimal, equilibrium
+from ..robot import Robot
+from ..simulate.letting_go import Motion
 from .plots import Figure
-from .style import INK, ORANGE, cable_style, house_style
-
-EXIT_POINTS = {
-    2: ((-2.0, 3.0), (2.0, 3.0)),
-    3: ((-2.0, 3.0), (2.0, 3.0), (0.0, 0.0)),
-    4: ((-2.0, 3.0), (2.0, 3.0), (2.0, 0.0), (-2.0, 0.0)),
-}
-"""Number of cables → exit points of the vertical plane's robots [m]."""
-
-MASS = 10.0
-"""Of the point load [kg]."""
+from .style import GREY, INK, ORANGE, SKY, cable_style, house_style
 
 SLACK = "#A50F15"
 """A cable that would have to push; always dashed and said in words as well."""
-
-_CLOSED = 1e-6
-"""Forces that add up to less than this share of the load are called balanced: rounding is far below."""
 
 SIZE = (11.5, 4.3)
 """Of the figure [inch]."""
@@ -41,110 +26,17 @@ SIZE = (11.5, 4.3)
 _ARROW = 1.1 / (MASS * 9.81)
 """Length of a force arrow beside the robot [m/N]: the weight is 1.1 m long."""
 
+_LONGEST = 1.6
+"""Of the arrow of the force left over, whose number says the rest [m]."""
 
-class Equilibrium(NamedTuple):
-    """A point load's balance of forces, cables taken as rods that may push.
+_NOTHING = 1e-6
+"""A force too small to be drawn [N]."""
 
-    W : (2, m); w_e : (2,) weight and push [N]
-    tensions : (m,) −W⁺ w_e + λ h, negative where a cable would have to push [N]
-    null_vector : (m,) h with W h = 0, its largest entry 1 in size; zeros where there is none
-    residual : (2,) W τ + w_e, what the cables leave unbalanced [N]
-    """
+_KEY = np.array([-2.6, -1.0])
+"""Where it is said what the diamond means [m]."""
 
-    W: Array
-    w_e: Array
-    tensions: Array
-    null_vector: Array
-    residual: Array
-
-    @property
-    def closed(self) -> bool:
-        """Whether the forces add up to zero."""
-        return bool(np.linalg.norm(self.residual) <= _CLOSED * (1 + np.linalg.norm(self.w_e)))
-
-    @property
-    def slack(self) -> Array:
-        """(m,) True where a cable would have to push; rounding aside."""
-        return np.asarray(self.tensions < -_CLOSED * (1 + np.abs(self.tensions).max()))
-
-    def words(self) -> str:
-        """The numbers as text."""
-        text = f"τ = ({', '.join(_number(value) for value in self.tensions)}) N. "
-        if not self.closed:
-            return text + (f"The forces do not balance: {np.linalg.norm(self.residual):.1f} N are left over, "
-                           "the polygon stays open.")
-        if not self.slack.any():
-            return text + "The polygon is closed and every cable pulls."
-        pushes = " and ".join(f"cable {i + 1} would have to push {-self.tensions[i]:.1f} N"
-                              for i in np.flatnonzero(self.slack))
-        return text + f"The polygon closes on paper only: {pushes}, and cables only pull (slack!)."
-
-
-def point_load(n_cables: int) -> Robot:
-    """A 10 kg load in a vertical plane, hung on two, three or four cables.
-
-    n_cables : 2 (both from above), 3 (one from below) or 4 (a rectangle of exit points)
-    Raises InvalidInput for another number.
-
-    >>> point_load(3)
-    Robot(2T, 3 cables, 10 kg)
-    """
-    if n_cables not in EXIT_POINTS:
-        raise InvalidInput(f"the point load hangs on 2, 3 or 4 cables, got {n_cables!r}")
-    here = np.zeros(2)
-    cables = tuple(Cable(np.array(exit_point), here, 0.0, 1e4) for exit_point in EXIT_POINTS[n_cables])
-    load = Platform(MASS, np.array(0.1), here, np.array([0.2, 0.2]), here)
-    return Robot(MOTION_PATTERNS["2T"], load, cables)
-
-
-def equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 0.0), internal: float = 0.0) -> Equilibrium:
-    """τ = −W⁺ w_e + λ h: the least tensions, and an internal tension that no one sees from outside.
-
-    robot : of pattern 2T
-    position : (2,) of the load [m]
-    push : (2,) external force beside the weight [N]
-    internal : λ, the internal tension of the most stretched cable [N]
-    Raises InvalidInput where a cable has no length.
-
-    >>> equilibrium(point_load(2), [0, 1]).tensions.round(2)
-    array([69.37, 69.37])
-    """
-    pose = Pose(as_array(position, "position", (2,), "m"), angle=0.0)
-    W = wrench_matrix(robot, pose)
-    w_e = gravity_wrench(robot, pose) + as_array(push, "push", (2,), "N")
-    least = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max, "pseudo_inverse").tensions
-    h = null_vector(W)
-    tensions = least + as_number(internal, "internal tension", "N") * h
-    return Equilibrium(W, w_e, tensions, h, W @ tensions + w_e)
-
-
-def null_vector(W: Array) -> Array:
-    """h with W h = 0 whose smallest entry is as large as can be, max |h_i| = 1; zeros where W has no null space.
-
-    W : (n, m)
-    Returns (m,); all entries positive exactly where a positive null vector exists.
-
-    >>> null_vector(np.array([[1.0, -2.0]]))
-    array([1. , 0.5])
-    """
-    from scipy.linalg import null_space
-    from scipy.optimize import linprog
-
-    kernel = null_space(W)
-    m, r = kernel.shape
-    if r == 0:
-        return np.zeros(m)
-    if r == 1:
-        h = kernel[:, 0] * (1.0 if kernel.sum() >= 0 else -1.0)
-    else:
-        # h = N z with |h| ≤ 1 and t ≤ h_i, t as large as possible.
-        rows = np.block([[-kernel, np.ones((m, 1))], [kernel, np.zeros((m, 1))], [-kernel, np.zeros((m, 1))]])
-        bounds = np.concatenate([np.zeros(m), np.ones(2 * m)])
-        best = linprog(np.append(np.zeros(r), -1.0), A_ub=rows, b_ub=bounds, bounds=(None, None))
-        h = kernel @ best.x[:r]
-        if np.abs(h).max() < 1e-9:  # no h ≥ 0 but zero: any direction will do
-            h = kernel[:, 0]
-    return np.asarray(h / np.abs(h).max())
+_GHOSTS = 0.1
+"""Between two outlines of a load on its way [s]."""
 
 
 def draw_equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 0.0), internal: float = 0.0,
@@ -156,8 +48,7 @@ def draw_equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 
     """
     state = equilibrium(robot, position, push, internal)
     if tensions is not None:
-        own = as_array(tensions, "tensions", (robot.n_cables,), "N")
-        state = state._replace(tensions=own, residual=state.W @ own + state.w_e)
+        state = state.held(tensions)
     with house_style():
         figure = Figure(figsize=SIZE, layout="constrained")
         draw_panels(panels(figure), robot, position, push, state)
@@ -177,8 +68,12 @@ def panels(figure: matplotlib.figure.Figure, stacked: bool = False) -> list[Axes
     return [figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])]
 
 
-def draw_panels(axes: list[Axes], robot: Robot, position: ArrayLike, push: ArrayLike, state: Equilibrium) -> None:
-    """Fill the three panels anew, under house style."""
+def draw_panels(axes: list[Axes], robot: Robot, position: ArrayLike, push: ArrayLike, state: Equilibrium,
+                motion: Motion | None = None) -> None:
+    """Fill the three panels anew, under house style.
+
+    motion : of the load since it was let go; without one it is held
+    """
     style = matplotlib.rcParams
     for panel in axes:
         # Not clear(): ticks made anew would take longer than all the rest.
@@ -188,53 +83,81 @@ def draw_panels(axes: list[Axes], robot: Robot, position: ArrayLike, push: Array
         # Grid lines are made when first drawn, which may be after house style has gone.
         panel.tick_params(grid_color=style["grid.color"], grid_linewidth=style["grid.linewidth"])
     force = np.asarray(push, dtype=float)
-    _draw_robot(axes[0], robot, np.asarray(position, dtype=float), force, state)
+    place = np.asarray(position, dtype=float)
+    _draw_robot(axes[0], robot, place, force, state, motion)
+    if motion is not None:
+        _draw_motion(axes[0], place, state, motion)
     _draw_polygon(axes[1], force, state)
     _draw_bars(axes[2], state)
 
 
 # --- panels -----------------------------------------------------------------------------------------------
-def _draw_robot(panel: Axes, robot: Robot, position: Array, push: Array, state: Equilibrium) -> None:
+def _draw_robot(panel: Axes, robot: Robot, position: Array, push: Array, state: Equilibrium,
+                motion: Motion | None) -> None:
+    load = position if motion is None else motion.positions[-1]
     for i, exit_point in enumerate(robot.exit_points):
         color, dashes, width = _look(i, state)
-        panel.plot(*np.transpose([exit_point, position]), color=color, linestyle=dashes, linewidth=width)
+        panel.plot(*np.transpose([exit_point, load]), color=color, linestyle=dashes, linewidth=width)
         panel.plot(*exit_point, marker="s", markersize=8, color=INK)
         panel.annotate(str(i + 1), exit_point, (0, 9 if exit_point[1] > 1 else -9), textcoords="offset points",
                        ha="center", va="bottom" if exit_point[1] > 1 else "top", color=INK)
         if state.slack[i]:
-            x, y = (exit_point - position) / np.linalg.norm(exit_point - position)
-            _label(panel, "slack!", (exit_point + position) / 2, np.array([abs(y), x if y < 0 else -x]), SLACK)
-    for force, name, color in _loads(push, state):
+            x, y = (exit_point - load) / np.linalg.norm(exit_point - load)
+            _label(panel, "slack!", (exit_point + load) / 2, np.array([abs(y), x if y < 0 else -x]), SLACK)
+    for force, name, color in _loads(push, state) if motion is None else []:
         tip = position + _ARROW * force
         _arrow(panel, position, tip, color)
         _label(panel, name, tip, force / np.linalg.norm(force), color)
-    panel.plot(*position, marker="o", markersize=12, color=INK)
+    panel.plot(*load, marker="o", markersize=12 if motion is None else 9, color=INK)
     panel.set(xlim=(-2.9, 2.9), ylim=(-1.3, 4.4), aspect="equal", xlabel="x [m]", ylabel="y [m]")
-    panel.set_title("Robot", y=1.02)
+    panel.set_title("Robot" if motion is None else f"Robot, {motion.time[-1]:.2f} s after letting go", y=1.02)
+
+
+def _draw_left_over(panel: Axes, position: Array, state: Equilibrium) -> None:
+    """What ropes, which only pull, leave of the forces: the way the load will go."""
+    size = float(np.linalg.norm(state.left_over))
+    if size > _NOTHING * (1 + np.abs(state.w_e).max()):
+        way = state.left_over / size
+        tip = position + min(_ARROW * size, _LONGEST) * way
+        _arrow(panel, position, tip, SLACK, (0, (1, 1)))
+        _label(panel, f"left over {decimal(size)} N", tip, way, SLACK)
+
+
+def _draw_motion(panel: Axes, position: Array, state: Equilibrium, motion: Motion) -> None:
+    """The load's way through the engine, an outline every tenth of a second, and where a constant a = F/m ends."""
+    _draw_left_over(panel, position, state)
+    panel.plot(*motion.positions.T, color=INK, linewidth=1.0)
+    every = max(round(_GHOSTS / (motion.time[1] - motion.time[0])), 1)
+    panel.plot(*motion.positions[:-1:every].T, marker="o", markersize=9, linestyle="none", markerfacecolor="none",
+               markeredgecolor=GREY)
+    expected = position + state.left_over / MASS * motion.time[-1] ** 2 / 2
+    for place in (expected, _KEY):
+        panel.plot(*place, marker="D", markersize=6, linestyle="none", color=SKY, markeredgecolor=INK, zorder=5)
+    _label(panel, "formula: p + ½ a t²", _KEY, np.array([1.0, 0.0]), INK)
 
 
 def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
     """Head to tail, by direction from straight down counter-clockwise: a polygon that never crosses itself."""
     arrows = [(force, name, color, "solid") for force, name, color in _loads(push, state)]
     for i, force in enumerate((state.W * state.tensions).T):
-        if np.linalg.norm(force) > _CLOSED:
+        if np.linalg.norm(force) > _NOTHING:
             color, dashes, _ = _look(i, state)
             arrows.append((force, f"cable {i + 1}", color, dashes))
     arrows.sort(key=lambda arrow: (np.arctan2(arrow[0][0], -arrow[0][1]) + 1e-9) % (2 * np.pi))
     corners = np.cumsum([np.zeros(2)] + [arrow[0] for arrow in arrows], axis=0)
     for start, end, (force, name, color, dashes) in zip(corners, corners[1:], arrows):
         _arrow(panel, start, end, color, dashes)
-        outwards = np.array([force[1], -force[0]]) / np.linalg.norm(force)
-        _label(panel, name, (start + end) / 2, outwards, color)
+        _label(panel, name, (start + end) / 2, _outwards(force), color)
     if not state.closed:
         panel.plot(*np.transpose([corners[-1], corners[0]]), color=SLACK, linestyle=(0, (1, 2)))
-        _label(panel, "open!", (corners[0] + corners[-1]) / 2, np.array([1.0, 0.0]), SLACK)
+        _label(panel, "open!", (corners[0] + corners[-1]) / 2, _outwards(corners[0] - corners[-1]), SLACK)
     low, high = corners.min(axis=0), corners.max(axis=0)
     reach = 0.95 * max(float((high - low).max()), 1.0)
     middle = (low + high) / 2
     panel.set(xlim=middle[0] + reach * np.array([-1, 1]), ylim=middle[1] + reach * np.array([-1, 1]),
               aspect="equal", xlabel="f_x [N]", ylabel="f_y [N]")
-    panel.set_title(f"Force polygon: {'closed' if state.closed else 'OPEN'}", y=1.02)
+    closed = "slack!" if state.slack.any() else "closed"
+    panel.set_title(f"Force polygon: {closed if state.closed else 'OPEN'}", y=1.02)
 
 
 def _draw_bars(panel: Axes, state: Equilibrium) -> None:
@@ -245,7 +168,7 @@ def _draw_bars(panel: Axes, state: Equilibrium) -> None:
         slack = bool(state.slack[i])
         panel.bar(i + 1, tension, color="white" if slack else color, edgecolor=color, width=0.6,
                   linestyle="dashed" if slack else "solid", hatch="//" if slack else None, linewidth=1.6)
-        panel.annotate(f"{_number(tension)} N" + ("\nslack!" if slack else ""), (i + 1, tension),
+        panel.annotate(f"{decimal(tension)} N" + ("\nslack!" if slack else ""), (i + 1, tension),
                        (0, -3 if slack else 3), textcoords="offset points", ha="center",
                        va="top" if slack else "bottom", color=color if slack else INK, fontsize=11 if m < 4 else 9)
     panel.axhline(0, color=INK, linewidth=1)
@@ -266,9 +189,9 @@ def _label(panel: Axes, text: str, place: Any, side: Array, color: str) -> None:
                    va="bottom" if y > 0.3 else "top" if y < -0.3 else "center")
 
 
-def _number(value: float) -> str:
-    """One decimal, with a true minus and no negative zero."""
-    return f"{round(value, 1) + 0.0:.1f}".replace("-", "−")
+def _outwards(side: Array) -> Array:
+    """Unit vector away from a polygon that runs counter-clockwise along this side."""
+    return np.array([side[1], -side[0]]) / np.linalg.norm(side)
 
 
 def _look(i: int, state: Equilibrium) -> tuple[str, Any, float]:
@@ -281,7 +204,7 @@ def _look(i: int, state: Equilibrium) -> tuple[str, Any, float]:
 def _loads(push: Array, state: Equilibrium) -> list[tuple[Array, str, str]]:
     """Weight and push, whichever are there."""
     loads = [(state.w_e - push, "weight", INK), (push, "push", ORANGE)]
-    return [load for load in loads if np.linalg.norm(load[0]) > _CLOSED]
+    return [load for load in loads if np.linalg.norm(load[0]) > _NOTHING]
 
 
 def _arrow(panel: Axes, start: Array, end: Array, color: str, dashes: Any = "solid") -> None:

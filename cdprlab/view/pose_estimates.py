@@ -1,4 +1,4 @@
-"""Figures of pose estimates: circles of equal length, steps towards a pose, how sure it is, errors of a flight."""
+"""Figures of pose estimates: steps towards a pose, how sure it is, errors of a flight."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
@@ -29,7 +28,7 @@ def outline(robot: Robot, pose: Pose) -> Array:
     Returns (…, 5, 2) [m].
 
     >>> import cdprlab as cl
-    >>> from cdprlab.view.widgets.forward_kinematics import six_cables
+    >>> from cdprlab.pose_search import six_cables
     >>> outline(six_cables(), cl.Pose([0, 1])).shape
     (5, 2)
     """
@@ -60,38 +59,6 @@ def draw_exit_points(panel: Axes, points: ArrayLike, names: Sequence[str] = ()) 
         side = np.where(np.abs(place - middle) < 1e-9, 0.0, np.sign(place - middle))
         panel.annotate(names[i] if len(names) else str(i + 1), place, (11 * side[0], 11 * side[1]),
                        textcoords="offset points", ha="center", va="center", color=INK)
-
-
-def two_circles(exit_points: ArrayLike, lengths: ArrayLike, found: ArrayLike, other: ArrayLike | None = None) -> Figure:
-    """A point on two cables: each length is a circle around its exit point, and the circles cross twice.
-
-    exit_points : (2, 2) [m]
-    lengths : (2,) [m]
-    found : (2,) somebody's answer [m]
-    other : (2,) the other crossing [m], drawn as an open ring
-    """
-    exits, radii, point = (np.asarray(values, dtype=float) for values in (exit_points, lengths, found))
-    with house_style():
-        figure = Figure(figsize=(7.2, 3.9), layout="constrained")
-        panel = figure.subplots()
-        for i, (center, radius) in enumerate(zip(exits, radii)):
-            color = cable_style(i).color
-            panel.add_patch(Circle(tuple(center), radius, fill=False, color=color, linewidth=1.4,
-                                   linestyle="solid" if i == 0 else (0, (5, 2))))
-            panel.plot(*np.transpose([center, point]), color=color, linewidth=2.4,
-                       linestyle="solid" if i == 0 else (0, (5, 2)), label=f"cable {i + 1}, {radius:.3g} m")
-        draw_exit_points(panel, exits, ("A₁", "A₂"))
-        panel.plot(*point, marker="o", markersize=10, linestyle="none", color=INK, label="your point")
-        if other is not None:
-            panel.plot(*np.asarray(other, dtype=float), marker="o", markersize=10, linestyle="none", color=INK,
-                       markerfacecolor="white", label="the other crossing")
-        low, high = (exits - radii[:, None]).min(axis=0) - 0.3, (exits + radii[:, None]).max(axis=0) + 0.3
-        panel.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [m]", ylabel="y [m]",
-                  title="Two lengths, two circles, two places")
-        panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-        figure.alt_text = (f"Two circles of radius {radii[0]:.3g} and {radii[1]:.3g} m around the exit points; "
-                           f"the point lies at ({point[0]:.3g}, {point[1]:.3g}) m.")
-    return figure
 
 
 def convergence(robot: Robot, poses: Sequence[Pose], truth: Pose) -> Figure:

@@ -14,6 +14,7 @@ _HOMES = {
     "hanging_explorer": "hanging",
     "equilibrium_explorer": "equilibrium",
     "forward_kinematics_explorer": "forward_kinematics",
+    "two_circles_explorer": "two_circles",
     "tension_explorer": "tension",
     "base_explorer": "bases",
     "twist_set_explorer": "twist_set",

@@ -1,4 +1,4 @@
-"""Move a point load, push it, tighten its cables: does the force polygon close, does every cable pull?"""
+"""Move a point load, push it, tighten its cables: does the force polygon close? Then let it go in the engine."""
 
 from __future__ import annotations
 
@@ -7,7 +7,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..equilibrium import EXIT_POINTS, Equilibrium, draw_panels, equilibrium, panels, point_load
+from ...arrays import Array
+from ...point_load import EXIT_POINTS, MASS, Equilibrium, equilibrium, point_load
+from ...pose import Pose
+from ...simulate.letting_go import Motion, let_go
+from ..equilibrium import draw_panels, panels
 from ..style import house_style
 from .explorer import Choice, Explorer, Slider, Values
 
@@ -31,11 +35,22 @@ class EquilibriumExplorer(Explorer):
         ]
         if internal:
             controls.append(Slider("internal", "internal tension λ", "N", -200.0, 200.0, 0.0, 5.0))
+        controls += [Slider("extra", "cable 1 pulls more by", "N", -100.0, 100.0, 0.0, 5.0),
+                     Slider("time", "let go for", "s", 0.0, 0.6, 0.0, 0.02)]
         super().__init__(controls, title="Forces on a point load", size=(7.8, 5.2))
 
     def state(self, values: Values) -> Equilibrium:
         """The balance of forces at the controls' values."""
-        return equilibrium(self._robots[values["cables"]], *_load(values), values.get("internal", 0.0))
+        state = equilibrium(self._robots[values["cables"]], *_load(values), values.get("internal", 0.0))
+        return state.held(state.tensions + values["extra"] * (np.arange(state.tensions.size) == 0))
+
+    def motion(self, values: Values) -> Motion | None:
+        """What the engine does with the load, tensions and push held; None as long as the load is."""
+        position, push = _load(values)
+        if values["time"] == 0:
+            return None
+        return let_go(self._robots[values["cables"]], Pose(position, angle=0.0), self.state(values).tensions, push,
+                      values["time"])
 
     def build(self, figure: Figure) -> None:
         self._axes = panels(figure, stacked=True)
@@ -44,28 +59,32 @@ class EquilibriumExplorer(Explorer):
 
     def draw(self, values: Values) -> None:
         with house_style():
-            draw_panels(self._axes, self._robots[values["cables"]], *_load(values), self.state(values))
+            draw_panels(self._axes, self._robots[values["cables"]], *_load(values), self._state, self._motion)
 
     def numbers(self, values: Values) -> dict[str, Any]:
-        state = self.state(values)
+        state, motion = self._state, self._motion = self.state(values), self.motion(values)
         columns = zip(state.tensions + 0.0, state.null_vector + 0.0, state.slack)
         rows = [f"{i:>5}  {tension:>10.1f}  {h:>6.2f}" + ("  slack!" if slack else "")
                 for i, (tension, h, slack) in enumerate(columns, start=1)]
         return {
             "redundancy r = m − n": state.tensions.size - 2,
-            "w_e [N]": "({:.1f}, {:.1f})".format(*state.w_e),
+            "w_e [N]": _pair(state.w_e),
             "‖W τ + w_e‖ [N]": f"{np.linalg.norm(state.residual):.1e}",
             "cable       τ [N]       h": "\n".join(rows),
             "In words": _wrapped(state.words()),
+            "Let go: M a = W max(τ, 0) + w_e": _told(state, motion),
         }
 
     def describe(self, values: Values) -> str:
+        moved = "" if self._motion is None else \
+            f" Let go, it moves {1e3 * _way(self._motion):.0f} mm in {values['time']:g} s."
         return f"{self.title} on {values['cables']} cables at ({values['x']:g}, {values['y']:g}) m: " \
-               + self.state(values).words()
+               + self._state.words() + moved
 
 
 def equilibrium_explorer(n_cables: int = 2, internal: bool = True) -> EquilibriumExplorer:
-    """Sliders for load, push and internal tension; robot, force polygon and tensions, W τ + w_e = 0 in pictures.
+    """Sliders for load, push and tensions; robot, force polygon and tensions, W τ + w_e = 0 in pictures; and a last
+    slider that lets the load go in the engine, tensions held.
 
     n_cables : 2, 3 or 4, at the start
     internal : whether the internal tension λ of τ = −W⁺ w_e + λ h can be moved
@@ -82,6 +101,26 @@ def equilibrium_explorer(n_cables: int = 2, internal: bool = True) -> Equilibriu
 def _load(values: Values) -> tuple[list[float], list[float]]:
     """Position [m] and push [N]."""
     return [values["x"], values["y"]], [values["push_x"], values["push_y"]]
+
+
+def _told(state: Equilibrium, motion: Motion | None) -> str:
+    """Acceleration and way, by the formula and by the engine."""
+    if motion is None:
+        return "held: which way will it go? Then move the last slider"
+    a, t = state.left_over / MASS, motion.time[-1]
+    return (f"left over  {_pair(state.left_over)} N, ropes only pull\n"
+            f"formula    a = {_pair(a, 3)} m/s², ½ a t² = {500 * np.linalg.norm(a) * t**2:.1f} mm\n"
+            f"pymunk     a = {_pair(motion.acceleration, 3)} m/s², moved {1e3 * _way(motion):.1f} mm")
+
+
+def _way(motion: Motion) -> float:
+    """From where it was let go [m]."""
+    return float(np.linalg.norm(motion.positions[-1] - motion.positions[0]))
+
+
+def _pair(vector: Array, digits: int = 1) -> str:
+    # + 0.0 after rounding turns −0.0 into 0.0
+    return "({:.{d}f}, {:.{d}f})".format(*(np.round(vector, digits) + 0.0), d=digits)
 
 
 def _wrapped(text: str) -> str:

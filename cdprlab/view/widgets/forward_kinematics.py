@@ -1,104 +1,35 @@
-"""Forward kinematics at one's fingertips: lengths from a true pose, one of them wrong, and a guess to start from."""
+"""Forward kinematics at one's fingertips: lengths from a true pose, one of them wrong, and a guess to start from.
+
+Beside it the engine: where would a platform hang on ropes of exactly these lengths?
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from ...arrays import Array, as_array
+from ...arrays import Array
 from ...errors import InvalidInput, NoConvergence
 from ...geometry import anchor_offsets, cable_lengths
-from ...kinematics import forward_kinematics, jacobian
+from ...kinematics import forward_kinematics
 from ...pose import Pose
-from ...robot import MOTION_PATTERNS, Cable, Platform, Robot
+from ...pose_search import gauss_newton_path, six_cables, without_cable
+from ...robot import Robot
+from ...simulate.camera import hanging
+from ...simulate.settling import Settled, hang
 from ..pose_estimates import draw_exit_points, outline
-from ..style import GREY, INK, VERMILION, cable_style
+from ..style import BLUE, GREY, INK, SKY, VERMILION, cable_style
 from .explorer import Choice, Explorer, Slider, Values
-
-EXIT_POINTS = ((-2.0, 3.0), (2.0, 3.0), (2.0, 0.0), (-2.0, 0.0), (-2.0, 1.5), (2.0, 1.5))
-"""Of the planar robot, cables 1 to 6 [m]."""
-
-ANCHOR_POINTS = ((-0.4, -0.25), (0.4, -0.25), (0.4, 0.25), (-0.4, 0.25), (0.4, 0.25), (-0.4, -0.25))
-"""Cables from above hold the lower corners and those from below the upper ones, which fixes the angle well [m]."""
-
-_STEPS = 60
-"""Where the residuals do not vanish the steps shrink only by a factor each; this many reach 1e-9 m."""
-
-_DONE, _LOST = 1e-10, 20.0
-"""A step this small ends the iteration; a position this far out is lost [m]."""
 
 _SHOWN = 6
 """Iterates drawn."""
 
-
-class Path(NamedTuple):
-    """What Gauss–Newton did.
-
-    poses : guess first
-    residuals : (m,) measured − fitted length at the last pose [m]
-    converged : whether the last step was small
-    """
-
-    poses: list[Pose]
-    residuals: Array
-    converged: bool
-
-
-def six_cables(count: int = 6) -> Robot:
-    """A planar platform of 0.8 m × 0.5 m in a frame of 4 m × 3 m, held by the first ``count`` of six cables.
-
-    count : 3 (as many as unknowns) to 6
-    Raises InvalidInput for another number.
-
-    >>> six_cables(4)
-    Robot(1R2T, 4 cables, 10 kg)
-    """
-    if count not in (3, 4, 5, 6):
-        raise InvalidInput(f"this robot has 3, 4, 5 or 6 cables, got {count!r}")
-    cables = tuple(Cable(np.array(a), np.array(b), 10.0, 1000.0) for a, b in zip(EXIT_POINTS, ANCHOR_POINTS))
-    platform = Platform(10.0, np.array(0.75), np.zeros(2), np.array([0.8, 0.5]), np.zeros(2))
-    return Robot(MOTION_PATTERNS["1R2T"], platform, cables[:count])
-
-
-def gauss_newton_path(robot: Robot, lengths: Any, guess: Pose) -> Path:
-    """Pure Gauss–Newton, x ← x + J⁺ (l − l(x)), with nothing that keeps it from running away.
-
-    robot : planar, pattern 1R2T
-    lengths : (m,) measured [m]
-    guess : where to start
-
-    >>> robot = six_cables()
-    >>> path = gauss_newton_path(robot, cable_lengths(robot, Pose([0.4, 1.3], angle=0.2)), Pose([0, 1.5], angle=0))
-    >>> path.converged, path.poses[-1]
-    (True, Pose([0.4, 1.3], angle=0.2))
-    """
-    measured = as_array(lengths, "lengths", (robot.n_cables,), "m")
-    x, poses, converged = np.append(guess.position, guess.angle), [guess], False
-    for _ in range(_STEPS):
-        pose = poses[-1]
-        step = np.linalg.pinv(jacobian(robot, pose)) @ (measured - cable_lengths(robot, pose))
-        x = x + step
-        poses.append(Pose(x[:2], angle=x[2]))
-        converged = bool(np.linalg.norm(step) < _DONE)
-        if converged or np.abs(x[:2]).max() > _LOST:
-            break
-    return Path(poses, measured - cable_lengths(robot, poses[-1]), converged)
-
-
-def without_cable(robot: Robot, index: int) -> Robot:
-    """The same robot with one cable less.
-
-    index : from 0
-
-    >>> without_cable(six_cables(), 0).n_cables
-    5
-    """
-    return replace(robot, cables=robot.cables[:index] + robot.cables[index + 1:])
+_HELD, _HUNG = "no", "yes, in pymunk"
 
 
 def forward_kinematics_explorer(cables: int = 4, cable: int = 2, error: float = 0.0) -> ForwardKinematicsExplorer:
@@ -128,7 +59,8 @@ class ForwardKinematicsExplorer(Explorer):
             Slider("error", "its length error", "mm", -200.0, 200.0, error, 5.0),
             Slider("guess_x", "guess x", "m", -1.4, 1.4, -0.4, 0.02),
             Slider("guess_y", "guess y", "m", 0.6, 2.4, 1.8, 0.02),
-            Slider("guess_angle", "guess φ", "°", -180.0, 180.0, -30.0, 1.0)]
+            Slider("guess_angle", "guess φ", "°", -180.0, 180.0, -30.0, 1.0),
+            Choice("hang", "hang it on these ropes", (_HELD, _HUNG), _HELD)]
         super().__init__(controls, title="Forward kinematics of a planar robot", size=(7.2, 5.6))
 
     def build(self, figure: Figure) -> None:
@@ -147,6 +79,8 @@ class ForwardKinematicsExplorer(Explorer):
                                     for i in range(robot.n_cables)]
         self._cables = [panel.plot([], [], color=GREY, linewidth=0.9, **moving)[0] for _ in range(robot.n_cables)]
         self._true, = panel.fill([0], [0], color=GREY, alpha=0.35, linewidth=0, **moving)
+        self._hung, = panel.fill([0], [0], facecolor=to_rgba(SKY, 0.5), edgecolor=BLUE, linewidth=1.2, **moving)
+        self._ropes = [panel.plot([], [], color=SKY, linewidth=2.2, **moving)[0] for _ in range(robot.n_cables)]
         self._iterates = [panel.plot([], [], color=INK, linewidth=1.0, linestyle=(0, (2, 2)), **moving)[0]
                           for _ in range(_SHOWN)]
         self._trail, = panel.plot([], [], color=INK, marker="o", markersize=3, linewidth=0.8, **moving)
@@ -156,6 +90,7 @@ class ForwardKinematicsExplorer(Explorer):
         self._point, = panel.plot([], [], color=VERMILION, marker="o", markersize=7, linestyle="none", **moving)
         figure.legend(loc="outside lower center", ncols=2, fontsize=9, handles=[
             Line2D([], [], color=GREY, alpha=0.5, linewidth=7, label="true pose"),
+            Line2D([], [], color=SKY, linewidth=7, alpha=0.7, label="hung on ropes (pymunk)"),
             Line2D([], [], color=INK, linewidth=1, linestyle=(0, (2, 2)), label="guess 0, steps 1, 2, …"),
             Line2D([], [], color=VERMILION, linewidth=2.4, marker="^", label="pose found, its top edge"),
             Line2D([], [], color=cable_style(0).color, linewidth=1.2,
@@ -164,16 +99,17 @@ class ForwardKinematicsExplorer(Explorer):
     def numbers(self, values: Values) -> dict[str, Any]:
         """The pose found, its error, the residuals, and what remains without each cable."""
         self._solve(values)
-        end, truth, path = self._path.poses[-1], self._truth, self._path
-        turn = float(np.rad2deg((Pose([0, 0], matrix=truth.rotation.T @ end.rotation)).angle))
+        end, path = self._path.poses[-1], self._path
         text = {"Gauss–Newton": f"{'settled' if path.converged else 'NOT settled'} after {len(path.poses) - 1} steps",
                 "pose found": _pose_text(end),
-                "off the truth by": f"{1e3 * np.linalg.norm(end.position - truth.position):.1f} mm, {turn:.1f}°",
+                "off the truth by": _apart_text(end, self._truth),
                 "largest residual": f"{1e3 * np.abs(path.residuals).max():.1f} mm",
                 "verdict": self._verdict(),
                 "residuals, measured − fitted [mm]": _per_cable(1e3 * path.residuals)}
         if self._robot.n_cables > 4:
             text["largest residual without cable … [mm]"] = _per_cable(1e3 * self._left_out())
+        if self._settled is not None:
+            text["hung on ropes of these lengths (pymunk)"] = self._hung_text(self._settled)
         if values["cable"] > values["cables"] and values["error"]:
             text["note"] = f"cable {values['cable']} is not measured: its error does nothing"
         return text
@@ -183,6 +119,7 @@ class ForwardKinematicsExplorer(Explorer):
         path, robot = self._path, self._robot
         end = path.poses[-1]
         self._true.set_xy(outline(robot, self._truth))
+        self._draw_hung()
         self._draw_cables(robot, end)
         self._draw_iterates()
         self._trail.set_data(*np.array([pose.position for pose in path.poses]).T)
@@ -193,8 +130,9 @@ class ForwardKinematicsExplorer(Explorer):
 
     def describe(self, values: Values) -> str:
         """One sentence for those who do not see the picture."""
+        hung = "" if self._settled is None else "; hung on ropes: " + self._hung_text(self._settled).replace("\n", "; ")
         return (f"Planar robot, {values['cables']} cables measured: {_pose_text(self._path.poses[-1])} found, "
-                f"{_pose_text(self._truth)} true; {self._verdict()}")
+                f"{_pose_text(self._truth)} true; {self._verdict()}{hung}")
 
     # --- inside ---------------------------------------------------------------------------------------
     def _solve(self, values: Values) -> None:
@@ -205,6 +143,26 @@ class ForwardKinematicsExplorer(Explorer):
             self._lengths[values["cable"] - 1] += 1e-3 * values["error"]
         guess = Pose([values["guess_x"], values["guess_y"]], angle=np.deg2rad(values["guess_angle"]))
         self._path = gauss_newton_path(self._robot, self._lengths, guess)
+        self._settled = hang(self._robot, self._lengths, self._truth) if values["hang"] == _HUNG else None
+
+    def _draw_hung(self) -> None:
+        """The platform at rest on its ropes; what is slack hangs through."""
+        settled = self._settled
+        shown = settled is not None and settled.fits
+        for i, artist in enumerate((*self._ropes, self._hung)):
+            artist.set_visible(shown and (artist is self._hung or i < self._robot.n_cables))
+        if settled is not None and shown:
+            anchors = settled.pose.position + anchor_offsets(self._robot, settled.pose)
+            self._hung.set_xy(outline(self._robot, settled.pose))
+            for rope, *ends in zip(self._ropes, anchors, self._robot.exit_points, self._lengths):
+                rope.set_data(*hanging(*ends).T)
+
+    def _hung_text(self, settled: Settled) -> str:
+        if not settled.fits:
+            return "nowhere: no pose is within reach of all ropes.\nSomething would tear."
+        loose = ", ".join(f"cable {i + 1} by {1e3 * settled.spare[i]:.0f} mm" for i in np.flatnonzero(settled.slack))
+        return (f"at {_pose_text(settled.pose)}\nslack: {loose or 'none'}\n"
+                f"off the pose found by {_apart_text(settled.pose, self._path.poses[-1])}")
 
     def _draw_cables(self, robot: Robot, end: Pose) -> None:
         offsets = anchor_offsets(robot, end)
@@ -256,6 +214,12 @@ class ForwardKinematicsExplorer(Explorer):
 def _pose_text(pose: Pose) -> str:
     x, y = pose.position + 0.0
     return f"x {x:.3f} m, y {y:.3f} m, φ {np.rad2deg(pose.angle) + 0.0:.1f}°"
+
+
+def _apart_text(pose: Pose, other: Pose) -> str:
+    turn = float(np.rad2deg(Pose([0, 0], matrix=other.rotation.T @ pose.rotation).angle))
+    # + 0.0 after rounding turns −0.0 into 0.0
+    return f"{1e3 * np.linalg.norm(pose.position - other.position):.1f} mm, {round(turn, 1) + 0.0:.1f}°"
 
 
 def _per_cable(values: Array) -> str:
