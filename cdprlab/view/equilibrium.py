@@ -8,6 +8,7 @@ import matplotlib
 import matplotlib.figure
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
@@ -32,8 +33,8 @@ _LONGEST = 1.6
 _NOTHING = 1e-6
 """A force too small to be drawn [N]."""
 
-_KEY = np.array([-2.6, -1.0])
-"""Where it is said what the diamond means [m]."""
+_KEY = np.array([-2.6, 3.75])
+"""Where it is said what arrow and diamond mean [m]."""
 
 _GHOSTS = 0.1
 """Between two outlines of a load on its way [s]."""
@@ -62,10 +63,15 @@ def panels(figure: matplotlib.figure.Figure, stacked: bool = False) -> list[Axes
 
     stacked : the last two above each other, which leaves room beside the figure
     """
-    if not stacked:
-        return list(figure.subplots(1, 3, gridspec_kw={"width_ratios": [1.25, 1.15, 0.8]}))
-    grid = figure.add_gridspec(2, 2, width_ratios=[1.3, 1.0], height_ratios=[1.35, 1.0])
-    return [figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])]
+    if stacked:
+        grid = figure.add_gridspec(2, 2, width_ratios=[1.3, 1.0], height_ratios=[1.35, 1.0])
+        axes = [figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])]
+    else:
+        axes = list(figure.subplots(1, 3, gridspec_kw={"width_ratios": [1.25, 1.15, 0.8]}))
+    # Few numbers are easier to read, and most of the time to draw.
+    for axis in (axes[1].xaxis, axes[1].yaxis, axes[2].yaxis):
+        axis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
+    return axes
 
 
 def draw_panels(axes: list[Axes], robot: Robot, position: ArrayLike, push: ArrayLike, state: Equilibrium,
@@ -110,7 +116,7 @@ def _draw_robot(panel: Axes, robot: Robot, position: Array, push: Array, state: 
         _label(panel, name, tip, force / np.linalg.norm(force), color)
     panel.plot(*load, marker="o", markersize=12 if motion is None else 9, color=INK)
     panel.set(xlim=(-2.9, 2.9), ylim=(-1.3, 4.4), aspect="equal", xlabel="x [m]", ylabel="y [m]")
-    panel.set_title("Robot" if motion is None else f"Robot, {motion.time[-1]:.2f} s after letting go", y=1.02)
+    panel.set_title("Robot" if motion is None else "Robot, let go", y=1.02)
 
 
 def _draw_left_over(panel: Axes, position: Array, state: Equilibrium) -> None:
@@ -120,7 +126,7 @@ def _draw_left_over(panel: Axes, position: Array, state: Equilibrium) -> None:
         way = state.left_over / size
         tip = position + min(_ARROW * size, _LONGEST) * way
         _arrow(panel, position, tip, SLACK, (0, (1, 1)))
-        _label(panel, f"left over {decimal(size)} N", tip, way, SLACK)
+        _label(panel, f"→ left over {decimal(size)} N", _KEY + [-0.2, 0.45], np.array([1.0, 0.0]), SLACK)
 
 
 def _draw_motion(panel: Axes, position: Array, state: Equilibrium, motion: Motion) -> None:
@@ -133,7 +139,7 @@ def _draw_motion(panel: Axes, position: Array, state: Equilibrium, motion: Motio
     expected = position + state.left_over / MASS * motion.time[-1] ** 2 / 2
     for place in (expected, _KEY):
         panel.plot(*place, marker="D", markersize=6, linestyle="none", color=SKY, markeredgecolor=INK, zorder=5)
-    _label(panel, "formula: p + ½ a t²", _KEY, np.array([1.0, 0.0]), INK)
+    _label(panel, f"p + ½ a t², t = {motion.time[-1]:.2f} s", _KEY, np.array([1.0, 0.0]), INK)
 
 
 def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
@@ -152,8 +158,10 @@ def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
         panel.plot(*np.transpose([corners[-1], corners[0]]), color=SLACK, linestyle=(0, (1, 2)))
         _label(panel, "open!", (corners[0] + corners[-1]) / 2, _outwards(corners[0] - corners[-1]), SLACK)
     low, high = corners.min(axis=0), corners.max(axis=0)
-    reach = 0.95 * max(float((high - low).max()), 1.0)
-    middle = (low + high) / 2
+    reach, middle = 0.85 * max(float((high - low).max()), 1.0), (low + high) / 2
+    # In coarse steps, a third for the middle: limits that stay need not be drawn again.
+    reach = _round_up(1.15 * reach)
+    middle = np.round(3 * middle / reach) * reach / 3
     panel.set(xlim=middle[0] + reach * np.array([-1, 1]), ylim=middle[1] + reach * np.array([-1, 1]),
               aspect="equal", xlabel="f_x [N]", ylabel="f_y [N]")
     closed = "slack!" if state.slack.any() else "closed"
@@ -175,8 +183,9 @@ def _draw_bars(panel: Axes, state: Equilibrium) -> None:
     panel.grid(axis="x", visible=False)
     low, high = min(0.0, float(state.tensions.min())), max(0.3 * top, float(state.tensions.max()))
     room = high - low  # for two lines of text below a bar, for one above
+    low, high = -_round_up((0.4 if state.slack.any() else 0.1) * room - low), _round_up(high + 0.2 * room)
     panel.set(xlim=(0.4, m + 0.6), xticks=range(1, m + 1), xlabel="cable", ylabel="tension [N]",
-              ylim=(low - (0.4 if state.slack.any() else 0.1) * room, high + 0.2 * room))
+              ylim=(low, high))
     panel.set_title("Tensions", y=1.02)
 
 
@@ -187,6 +196,12 @@ def _label(panel: Axes, text: str, place: Any, side: Array, color: str) -> None:
                    bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.5},
                    ha="left" if x > 0.3 else "right" if x < -0.3 else "center",
                    va="bottom" if y > 0.3 else "top" if y < -0.3 else "center")
+
+
+def _round_up(size: float) -> float:
+    """The next of a few round numbers."""
+    unit = 10.0 ** np.floor(np.log10(size))
+    return float(unit * min(digit for digit in (1, 1.5, 2, 3, 5, 7, 10) if digit * unit >= size))
 
 
 def _outwards(side: Array) -> Array:

@@ -26,7 +26,7 @@ class EquilibriumExplorer(Explorer):
     def __init__(self, n_cables: int = 2, internal: bool = True) -> None:
         self._robots = {m: point_load(m) for m in EXIT_POINTS}
         controls: list[Slider | Choice] = [
-            Choice("cables", "number of cables m", tuple(EXIT_POINTS), start=point_load(n_cables).n_cables),
+            Choice("cables", "cables m", tuple(EXIT_POINTS), start=point_load(n_cables).n_cables),
             # Ends short of the exit points at x = ±2 m, where a cable would have no length.
             Slider("x", "load x", "m", -1.8, 1.8, 0.0, 0.1),
             Slider("y", "load y", "m", 0.2, 3.4, 1.0, 0.1),
@@ -34,8 +34,8 @@ class EquilibriumExplorer(Explorer):
             Slider("push_y", "push f_y", "N", -150.0, 150.0, 0.0, 5.0),
         ]
         if internal:
-            controls.append(Slider("internal", "internal tension λ", "N", -200.0, 200.0, 0.0, 5.0))
-        controls += [Slider("extra", "cable 1 pulls more by", "N", -100.0, 100.0, 0.0, 5.0),
+            controls.append(Slider("internal", "internal λ", "N", -200.0, 200.0, 0.0, 5.0))
+        controls += [Slider("extra", "cable 1, extra", "N", -100.0, 100.0, 0.0, 5.0),
                      Slider("time", "let go for", "s", 0.0, 0.6, 0.0, 0.02)]
         super().__init__(controls, title="Forces on a point load", size=(7.8, 5.2))
 
@@ -58,8 +58,17 @@ class EquilibriumExplorer(Explorer):
         draw_panels(self._axes, self._robots[3], [0, 1], [0, 0], equilibrium(self._robots[3], [0, 1], internal=100.0))
 
     def draw(self, values: Values) -> None:
+        still = self._still()
         with house_style():
             draw_panels(self._axes, self._robots[values["cables"]], *_load(values), self._state, self._motion)
+        for artist in (artist for axes in self._axes for artist in (*axes.lines, *axes.texts, *axes.patches)):
+            artist.set_animated(True)
+        if self._still() == still:  # axes call themselves stale for any new artist, though this one is drawn anyway
+            self._axes[0].figure.stale = False
+
+    def _still(self) -> list[Any]:
+        """What an artist that moves does not change: limits and titles."""
+        return [(axes.get_xlim(), axes.get_ylim(), axes.get_title(loc="left")) for axes in self._axes]
 
     def numbers(self, values: Values) -> dict[str, Any]:
         state, motion = self._state, self._motion = self.state(values), self.motion(values)
@@ -71,8 +80,8 @@ class EquilibriumExplorer(Explorer):
             "w_e [N]": _pair(state.w_e),
             "‖W τ + w_e‖ [N]": f"{np.linalg.norm(state.residual):.1e}",
             "cable       τ [N]       h": "\n".join(rows),
-            "In words": _wrapped(state.words()),
             "Let go: M a = W max(τ, 0) + w_e": _told(state, motion),
+            "In words": _wrapped(state.words()),
         }
 
     def describe(self, values: Values) -> str:

@@ -41,7 +41,7 @@ class TwoCirclesExplorer(Explorer):
         self._formula, self._robot = formula or _lower_crossing, two_ropes()
         controls: list[Slider | Choice] = [Slider("l1", "length l₁", "m", 1.0, 7.0, 3.0, 0.05),
                                            Slider("l2", "length l₂", "m", 1.0, 7.0, 4.0, 0.05),
-                                           Choice("hang", "hang a load on them", (_HELD, _HUNG), _HELD)]
+                                           Choice("hang", "hang a load", (_HELD, _HUNG), _HELD)]
         super().__init__(controls, title="Two lengths, two circles, two places", size=(6.0, 6.0))
 
     def build(self, figure: Figure) -> None:
