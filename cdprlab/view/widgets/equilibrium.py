@@ -26,7 +26,7 @@ class EquilibriumExplorer(Explorer):
     def __init__(self, n_cables: int = 2, internal: bool = True) -> None:
         self._robots = {m: point_load(m) for m in EXIT_POINTS}
         controls: list[Slider | Choice] = [
-            Choice("cables", "cables m", tuple(EXIT_POINTS), start=point_load(n_cables).n_cables),
+            Choice("cables", "number of cables m", tuple(EXIT_POINTS), start=point_load(n_cables).n_cables),
             # Ends short of the exit points at x = ±2 m, where a cable would have no length.
             Slider("x", "load x", "m", -1.8, 1.8, 0.0, 0.1),
             Slider("y", "load y", "m", 0.2, 3.4, 1.0, 0.1),
@@ -34,8 +34,8 @@ class EquilibriumExplorer(Explorer):
             Slider("push_y", "push f_y", "N", -150.0, 150.0, 0.0, 5.0),
         ]
         if internal:
-            controls.append(Slider("internal", "internal λ", "N", -200.0, 200.0, 0.0, 5.0))
-        controls += [Slider("extra", "cable 1, extra", "N", -100.0, 100.0, 0.0, 5.0),
+            controls.append(Slider("internal", "internal tension λ", "N", -200.0, 200.0, 0.0, 5.0))
+        controls += [Slider("extra", "cable 1 pulls extra", "N", -100.0, 100.0, 0.0, 5.0),
                      Slider("time", "let go for", "s", 0.0, 0.6, 0.0, 0.02)]
         super().__init__(controls, title="Forces on a point load", size=(7.8, 5.2))
 

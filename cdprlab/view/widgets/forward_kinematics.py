@@ -56,11 +56,11 @@ class ForwardKinematicsExplorer(Explorer):
             Slider("x", "true x", "m", -0.8, 0.8, 0.4, 0.02), Slider("y", "true y", "m", 0.8, 2.2, 1.3, 0.02),
             Slider("angle", "true φ", "°", -30.0, 30.0, 9.0, 1.0),
             Choice("cable", "cable in error", (1, 2, 3, 4, 5, 6), cable),
-            Slider("error", "its error", "mm", -200.0, 200.0, error, 5.0),
+            Slider("error", "its length error", "mm", -200.0, 200.0, error, 5.0),
             Slider("guess_x", "guess x", "m", -1.4, 1.4, -0.4, 0.02),
             Slider("guess_y", "guess y", "m", 0.6, 2.4, 1.8, 0.02),
             Slider("guess_angle", "guess φ", "°", -180.0, 180.0, -30.0, 1.0),
-            Choice("hang", "hang it", (_HELD, _HUNG), _HELD)]
+            Choice("hang", "hang it on these ropes", (_HELD, _HUNG), _HELD)]
         super().__init__(controls, title="Forward kinematics of a planar robot", size=(7.2, 5.6))
 
     def build(self, figure: Figure) -> None:
