@@ -1,0 +1,147 @@
+"""What happened in a run: one row a control step, summed up and saved."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..pose import Pose
+from ..robot import Robot
+from ..trajectory import Reference
+from ..world import World
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What happened: N control steps of a run, one row each.
+
+    time : (N,) start of each control step [s]
+    poses : Pose of batch (N,); twists (N, 3 or 6) [m/s, rad/s]
+    reference : Reference of batch (N,)
+    commanded_tensions : (N, m) held during the step, NaN where lengths are commanded [N]
+    measured_tensions : (N, m) what the engine's cables carried at its end [N]
+    lengths : (N, m) cable lengths [m]
+    errors : (N, n) reference minus pose in the motion pattern's rows: position, rotation vector [m, rad]
+    feasible : (N,) the method balanced the wanted wrench within the limits, or the winches reached their lengths
+    real_time_factor : simulated over elapsed time of the loop
+    settings : how the run was made
+    commanded_lengths : (N, m) the winches were to reach by the step's end, None where tensions are commanded [m]
+    base_poses : (N, p, 3) x, y, heading of each mobile base, None where none was driven [m, m, rad]
+    """
+
+    world: World
+    task: str
+    method: str
+    cables: str
+    time: Array
+    poses: Pose
+    twists: Array
+    reference: Reference
+    commanded_tensions: Array
+    measured_tensions: Array
+    lengths: Array
+    errors: Array
+    feasible: Any
+    real_time_factor: float
+    dt: float
+    control_period: float
+    settings: dict[str, Any] = field(repr=False)
+    commanded_lengths: Array | None = None
+    base_poses: Array | None = None
+
+    def robot_at(self, index: int) -> Robot:
+        """The robot with its bases where they stood at one control step."""
+        robot = self.world.robot
+        if self.base_poses is None:
+            return robot
+        return robot.with_bases({base.name: pose for base, pose in zip(robot.bases, self.base_poses[index])})
+
+    @property
+    def position_errors(self) -> Array:
+        """(N,) distance from the reference [m]."""
+        d = min(self.world.robot.dimension, self.errors.shape[1])
+        return np.linalg.norm(self.errors[:, :d], axis=1)
+
+    def table(self) -> dict[str, str]:
+        """The run in eight lines: quantity → value with unit."""
+        wound, steps = self.commanded_lengths is not None, self.time.size
+        off, measured = self.position_errors, self.measured_tensions
+        shown = measured if wound else self.commanded_tensions
+        missed = f"{int((~self.feasible).sum())} of {steps}"
+        if wound:
+            kept = {"steps with a slack cable": f"{int((measured == 0).any(axis=1).sum())} of {steps}",
+                    "steps at a winch's speed limit": missed}
+        else:
+            kept = {"measured − commanded tension, RMS": f"{np.sqrt(np.mean((measured - shown)**2)):.2g} N",
+                    "infeasible steps": missed}
+        return {
+            "tracking error, largest": f"{off.max() * 1e3:.3f} mm",
+            "tracking error, final": f"{off[-1] * 1e3:.3f} mm",
+            "tension, smallest": f"{shown.min():.1f} N (limit {self.world.robot.tension_min.min():g} N)",
+            "tension, largest": f"{shown.max():.1f} N (limit {self.world.robot.tension_max.max():g} N)",
+            **kept,
+            "simulated time": f"{self.time[-1] + self.control_period:g} s",
+            "real-time factor": f"{self.real_time_factor:.1f}",
+        }
+
+    def save(self, folder: str | Path) -> Path:
+        """Write log.npz (named arrays and their units), log.csv, the world used and the settings.
+
+        folder : made if missing
+        """
+        target = Path(folder)
+        target.mkdir(parents=True, exist_ok=True)
+        columns = self._columns()
+        units = {name: unit for name, (_, unit) in columns.items()}
+        arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}
+        np.savez_compressed(target / "log.npz", units=np.array(json.dumps(units)), **arrays)
+        write_csv(target / "log.csv", columns)
+        self.world.save(target / "world.yaml")
+        settings = {"task": self.task, "method": self.method, "cables": self.cables, **self.settings}
+        (target / "settings.json").write_text(json.dumps(settings, indent=1) + "\n", encoding="utf-8")
+        return target
+
+    def _columns(self) -> dict[str, tuple[Array, str]]:
+        """Name → array, unit of each log column group."""
+        spatial = self.world.robot.dimension == 3
+
+        def turn(pose: Pose) -> Array:
+            return pose.rpy if spatial else np.asarray(pose.angle)[:, None]
+
+        return {
+            "time": (self.time, "s"),
+            "position": (self.poses.position, "m"),
+            "rotation": (turn(self.poses), "rad"),
+            "twist": (self.twists, "m/s, rad/s"),
+            "reference_position": (self.reference.pose.position, "m"),
+            "reference_rotation": (turn(self.reference.pose), "rad"),
+            "reference_twist": (self.reference.twist, "m/s, rad/s"),
+            "error": (self.errors, "m, rad"),
+            "commanded_tension": (self.commanded_tensions, "N"),
+            "measured_tension": (self.measured_tensions, "N"),
+            "length": (self.lengths, "m"),
+            **({} if self.commanded_lengths is None else {"commanded_length": (self.commanded_lengths, "m")}),
+            **({} if self.base_poses is None else {"base_pose": (self.base_poses, "m, m, rad")}),
+            "feasible": (np.asarray(self.feasible), ""),
+        }
+
+
+def write_csv(path: Path, columns: dict[str, tuple[Array, str]]) -> None:
+    """One row a step; column groups of several values get numbers, counted from 1, and their unit."""
+    blocks = {name: (values.reshape(values.shape[0], -1), unit) for name, (values, unit) in columns.items()}
+    header = []
+    for name, (values, unit) in blocks.items():
+        suffix = f" [{unit}]" if unit else ""
+        numbers = [""] if values.shape[1] == 1 else [f"_{i + 1}" for i in range(values.shape[1])]
+        header += [f"{name}{number}{suffix}" for number in numbers]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        table = np.concatenate([values.astype(float) for values, _ in blocks.values()], axis=1)
+        writer.writerows([f"{value:.9g}" for value in row] for row in table.tolist())

@@ -1,0 +1,124 @@
+"""A run from its request: checked, given an engine, flown or wound, and logged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_number
+from ..control import ComputedTorque, Controller
+from ..errors import InvalidInput
+from ..simulate import Simulator, open_simulator
+from ..world import World
+from .distributor import Distributor
+from .drive import Drive
+from .loop import Loop, Progress
+from .record import Run
+
+WOUND = ("length", "elastic")
+"""Cable models that take lengths, not tensions: winches wind by inverse kinematics of the reference."""
+
+Cuts = Mapping[float, ArrayLike]
+"""Time [s] → the cables cut then, by index from 0."""
+
+
+def run(world: World, task: str = "default", method: str | Callable[..., Any] = "quadratic_program",
+        cables: str = "tension", controller: Controller | None = None, dt: float = 1e-3,
+        control_period: float | None = None, infeasible: str = "relax", external_wrench: Any = None,
+        duration: float | None = None, seed: int = 0, *, base_speeds: Any = None, cut: Cuts | None = None,
+        progress: Progress | None = None, simulator: Simulator | None = None, **engine_options: Any) -> Run:
+    """Move a world's robot along a task in its engine and log every control step.
+
+    world, task : what moves, and one of its tasks' names
+    method : a tension method's name, or a callable (W, w_e, tension_min, tension_max) → tensions or TensionDistribution
+    cables : "tension" (constraint cables under torque), "force" (ideal massless baseline) or "length" (winches pay
+        ropes in and out by inverse kinematics of the reference; method, controller and infeasible then have no say)
+    controller : (t, state, reference) → wrench the cables shall exert; default ComputedTorque(100, 100)
+    dt, control_period : engine step and control step [s], the second a multiple of the first; default equal
+    infeasible : "relax" (least wrench error inside the limits), "stop" (raise), "hold" (last tensions)
+    external_wrench : (n,) at P or t → (n,), felt by the platform and not told to the controller [N, N m]
+    duration : of the run; default the task's motion and hold [s]
+    seed : kept with the log for whatever draws random numbers; the loop itself draws none
+    base_speeds : (3p,) θ̇, ρ̇₁, ρ̇₂ of each mobile base or t → (3p,), driven while the cables work, clipped to the bases'
+        limits; winches and tensions follow the bases; planar worlds [rad/s, m/s]
+    cut : time [s] → cables cut then, by index from 0; methods know at once: limits 0 to 0, and a zero column of W
+    progress : called as (steps done, steps in all), about a hundred times
+    simulator : an open Simulator to use (and leave open) instead of a new one
+    engine_options : passed to ``open_simulator``
+    Raises InvalidInput; InfeasibleTensions with infeasible="stop"; SimulationDiverged.
+
+    >>> import cdprlab as cl
+    >>> cl.run(cl.load_world("nowhere"))
+    Traceback (most recent call last):
+    ...
+    cdprlab.errors.WorldError: unknown world 'nowhere'; there are ...
+    """
+    job = world.task(task)
+    distributor = Distributor(world.robot, method, infeasible)
+    substeps, period = _control_steps(dt, control_period)
+    length = job.duration + job.hold if duration is None else as_number(duration, "duration", "s", positive=True)
+    times: Array = np.arange(max(1, round(length / period)), dtype=float) * period
+    if cables in WOUND and controller is not None:
+        raise InvalidInput(f"cables={cables!r} winds by inverse kinematics and takes no controller")
+    law = ComputedTorque() if controller is None else controller
+    loop = Loop(world.robot, law, distributor, external_wrench, times.size,
+                _cut_steps(cut or {}, world.robot.n_cables, times.size, period),
+                None if base_speeds is None else Drive(base_speeds, period))
+    engine = simulator or open_simulator(world, cables, dt, **engine_options)
+    try:
+        engine.reset(job.start)
+        path = job.trajectory()
+        if cables in WOUND:
+            elapsed = loop.wind(engine, path(times), path(times + period), substeps, progress)
+        else:
+            elapsed = loop.fly(engine, path(times), substeps, progress)
+    finally:
+        if simulator is None:
+            engine.close()
+    name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
+    name, ruler = ("inverse_kinematics",) * 2 if cables in WOUND else (name, _describe(law))
+    settings = {"dt": dt, "control_period": period, "controller": ruler, "infeasible": infeasible,
+                "external_wrench": None if external_wrench is None else str(external_wrench),
+                "duration": float(times.size * period), "seed": seed, **engine_options}
+    if base_speeds is not None:
+        settings["base_speeds"] = str(base_speeds)
+    if cut:
+        settings["cut"] = {float(at): np.ravel(indices).tolist() for at, indices in cut.items()}
+    return loop.log(world, task, name, cables, times, times.size * period / elapsed, dt, period, settings)
+
+
+def _control_steps(dt: float, control_period: float | None) -> tuple[int, float]:
+    step = as_number(dt, "dt", "s", positive=True)
+    period = step if control_period is None else as_number(control_period, "control_period", "s", positive=True)
+    substeps = round(period / step)
+    if substeps < 1 or abs(substeps * step - period) > 1e-9 * period:
+        raise InvalidInput(f"control_period must be a whole multiple of dt, got {period:g} s and {step:g} s")
+    return substeps, substeps * step
+
+
+def _cut_steps(cut: Cuts, m: int, steps: int, period: float) -> dict[int, list[int]]:
+    """Control step → the cables cut as it begins."""
+    due: dict[int, list[int]] = {}
+    for moment, cables in cut.items():
+        at = as_number(moment, "the time of a cut", "s")
+        step = int(np.ceil(at / period - 1e-9))
+        if not 0 <= step < steps:
+            raise InvalidInput(f"a cut must fall within the run, 0 to {steps * period:g} s, got {at:g} s")
+        due.setdefault(step, []).extend(_indices(cables, m))
+    return due
+
+
+def _indices(cables: ArrayLike, m: int) -> list[int]:
+    given = np.atleast_1d(np.asarray(cables)).ravel().tolist()
+    if any(isinstance(i, bool) or not isinstance(i, int) or not 0 <= i < m for i in given):
+        raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {given}")
+    return given
+
+
+def _describe(controller: Any) -> str:
+    if isinstance(controller, ComputedTorque):
+        return f"ComputedTorque(kp={np.asarray(controller.kp).tolist()}, kd={np.asarray(controller.kd).tolist()})"
+    return getattr(controller, "__name__", type(controller).__name__)
