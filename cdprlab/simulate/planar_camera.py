@@ -19,17 +19,15 @@ from .camera import (
     FLOOR,
     INK,
     OBSTACLE,
-    PAPER,
     PLATFORM,
     SLACK_COLOR,
     STEEL,
     TRAIL,
-    Color,
-    Picture,
     default_limits,
     hanging,
     tension_colors,
 )
+from .canvas import PAPER, Color, Picture
 
 BASE_HEIGHT = 0.25
 """[m] A mobile base's deck, which is drawn and collides."""
