@@ -68,7 +68,8 @@ def edge_loads(job):
 def test_the_whole_job_is_done(request, which, load):
     job = request.getfixturevalue(which)
     assert job.state == DONE and not job.reason
-    assert [event.state for event in job.events][:5] == ["coupled", "uncouple", "sidestep", "deploy", "line up"]
+    assert [event.state for event in job.events][:6] == [
+        "coupled", "uncouple", "sidestep", "deploy", "line up", "stabilize"]
     assert job.position_errors.max() <= 5e-3
     assert job.box_error <= 0.02
     robot = job.world.robot

@@ -132,12 +132,12 @@ def test_folding_is_the_deployment_turned_round(monkeypatch):
     task = replace(world.task("pick_and_place"), coupled={"active": (-2.6, 0.0, 0.0)}, aside=-0.1)
     world = replace(world, tasks={"pick_and_place": task})
     phases = job_phases(world, task, fold=True)
-    out, back = (([phase for phase in part if phase.drives]) for part in (phases[:5], phases[-4:-1]))
+    out, back = (([phase for phase in part if phase.drives]) for part in (phases[:6], phases[-5:-1]))
     assert [phase.name for phase in back] == ["step out", "fold", "close up"]
     stops = [task.coupled, *(phase.drives for phase in out)]
     assert [phase.drives for phase in back] == stops[-2::-1]
     np.testing.assert_allclose([phase.duration for phase in back], [phase.duration for phase in out[::-1]])
-    only = (*phases[:5], *phases[-4:])
+    only = (*phases[:6], *phases[-5:])
     monkeypatch.setattr("cdprlab.picking.job.job_phases", lambda *_, **__: only)
     job = pick_and_place(world, fold=True)
     assert job.state == DONE and job.events[-2].state == "link"
@@ -149,6 +149,8 @@ def test_folding_is_the_deployment_turned_round(monkeypatch):
 
 def test_who_has_nothing_to_fold_is_told():
     world = cl.load_world("fastkit_constrained")
+    task = replace(world.task("pick_and_place"), coupled={})
+    world = replace(world, tasks={"pick_and_place": task})
     with pytest.raises(InvalidInput, match="names no `coupled:` base"):
         pick_and_place(world, fold=True)
 

@@ -111,6 +111,20 @@ def test_ropes_hold_the_platform_while_a_base_drives(world):
     assert off <= 2e-3 and (simulator.tensions >= 0).all()
 
 
+def test_bases_on_stabilizers_do_not_drive(simulator):
+    simulator.lower_stabilizers()
+    before = simulator.base_poses
+    assert simulator.is_stabilized and not simulator.drive([0.1, 0.2, 0, 0, 0, 0]).any()
+    for _ in range(200):
+        simulator.step(holding(simulator))
+    np.testing.assert_allclose(simulator.base_poses, before, atol=1e-4)
+    simulator.raise_stabilizers()
+    assert simulator.drive([0.1, 0.2, 0, 0, 0, 0]).any()
+    simulator.lower_stabilizers()
+    simulator.reset()
+    assert not simulator.is_stabilized
+
+
 def test_coupled_bases_drive_together(simulator):
     simulator.couple()
     assert simulator.is_coupled

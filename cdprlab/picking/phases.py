@@ -55,12 +55,16 @@ def _deployment(world: World, task: PickAndPlace, acceleration: float) -> Iterat
         for (state, what), here, there in zip(words, stops, stops[1:]):
             yield Phase(state, what, _driving_time(base, here, there, acceleration), drives={name: there},
                         guard=_arrived)
+    yield Phase("stabilize", "the stabilizers go down, no base can drive", 0.5,
+                begin=MobileSimulator.lower_stabilizers)
 
 
 def _folding(world: World, task: PickAndPlace, acceleration: float) -> Iterator[Phase]:
     """The deployment's way, back."""
     if not task.coupled:
         raise InvalidInput("bases are to fold back, but the task names no `coupled:` base and its pose")
+    yield Phase("lift feet", "the stabilizers go up, the bases stand on wheels", 0.5,
+                begin=MobileSimulator.raise_stabilizers)
     aside = task.aside
     for name, goal in task.coupled.items():
         base = world.robot.base(name)

@@ -48,6 +48,7 @@ class MobileSimulator(BoxSimulator):
     # --- the interface ----------------------------------------------------------------------------
     def reset(self, pose: Pose | None = None) -> State:
         self._link, self._speeds = -1, np.zeros(3 * len(self.world.robot.bases))
+        self.is_stabilized = False
         self._bodies, self._targets = [], _places(self.world.robot)
         self._present: Robot | None = None
         self._standing: Array | None = None
@@ -106,7 +107,8 @@ class MobileSimulator(BoxSimulator):
 
     def drive(self, speeds: ArrayLike) -> Array:
         wanted = as_array(speeds, "base speeds", (self._speeds.size,), "rad/s, m/s")
-        self._speeds = np.minimum(np.maximum(wanted, -self._fastest), self._fastest)
+        fastest = np.zeros_like(wanted) if self.is_stabilized else self._fastest
+        self._speeds = np.minimum(np.maximum(wanted, -fastest), fastest)
         return self._speeds
 
     def carry(self, robot: Robot) -> None:
@@ -134,6 +136,16 @@ class MobileSimulator(BoxSimulator):
             self._bullet.removeConstraint(self._link, physicsClientId=self._client)
             self._targets[1] = self.base_poses[1].tolist()
             self._link = -1
+
+    def lower_stabilizers(self) -> None:
+        """Stand on feet, which are where the wheels are: every base stays as it is, and does not drive."""
+        self.is_stabilized = True
+        self._speeds = np.zeros_like(self._speeds)
+        self._targets = self.base_poses.tolist()
+
+    def raise_stabilizers(self) -> None:
+        """Stand on wheels again."""
+        self.is_stabilized = False
 
     @property
     def is_coupled(self) -> bool:

@@ -17,6 +17,8 @@ from .film import _ECONOMIES, LARGEST_FILE, _checked_path, _draw_scale, _font, _
 from .plots import Figure, _label_ends, _spread
 from .style import AXIS_COLORS, AXIS_DASHES, BLUE, GREY, INK, VERMILION, cable_style, house_style
 
+_STILL = 0.02    # m: a base that moves less across the floor stands as far as a picture can tell
+
 
 def plot_job(job: Job) -> Figure:
     """Platform, tracking error, tensions, bases and wheel loads over time, phases named above [m, mm, N].
@@ -133,11 +135,18 @@ def _tension_panel(panel: Axes, job: Job) -> None:
 
 
 def _base_panel(panel: Axes, job: Job) -> None:
-    lines = list(job.base_poses[:, :, 0].T)
-    for line, color in zip(lines, (BLUE, VERMILION)):
-        panel.plot(job.time, line, color=color)
-    panel.set_ylabel("base x [m]")
-    _label_ends(panel, lines, [base.name for base in job.world.robot.bases], (BLUE, VERMILION))
+    """Along the floor, x solid and y dashed; a base whose y stays 0 shows x alone."""
+    lines, names, colors = [], [], []
+    for k, (base, color) in enumerate(zip(job.world.robot.bases, (BLUE, VERMILION))):
+        for axis, name, dashes in ((0, "x", "-"), (1, "y", "--")):
+            line = job.base_poses[:, k, axis]
+            if axis == 0 or np.ptp(line) > _STILL:
+                panel.plot(job.time, line, color=color, linestyle=dashes)
+                lines.append(line)
+                names.append(f"{base.name} {name}")
+                colors.append(color)
+    panel.set_ylabel("bases [m]")
+    _label_ends(panel, lines, names, colors)
 
 
 def _wheel_panel(panel: Axes, job: Job) -> None:
