@@ -22,6 +22,7 @@ _HOMES = {
     "configuration_explorer": "configurations",
     "gain_explorer": "gains",
     "robot_designer": ".designer.panel",
+    "planning_explorer": "planning",
     "workspace_explorer": "workspaces",
 }
 """Public name → the file of this folder it lives in; one line each. No file is named as what it exports: once
