@@ -72,8 +72,10 @@ class PlanningExplorer(Explorer):
                                bbox={"facecolor": "white", "edgecolor": VERMILION}, **still)
         for color, words in ((_NEVER, "the middle may never be here"), (_TURNED, "only at some headings")):
             axes.plot([], [], "s", color=color, markeredgecolor=GREY, markersize=9, label=words)
+        axes.plot([], [], color=BLUE, linewidth=1.2, label="the pair, its front end thick")
         axes.plot([], [], "--", color=VERMILION, label="goal")
-        axes.text(float(_START[0]), float(_START[1]), "start", color=INK, ha="center", va="center", zorder=6)
+        axes.text(float(_START[0]), float(_START[1]), "start", color=INK, ha="center", va="center", zorder=6,
+                  **still)
         axes.set(xlim=(0, _SIZE[0]), ylim=(0, _SIZE[1]), aspect="equal", xlabel="x [m]", ylabel="y [m]")
         axes.grid(False)
         figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=9)
