@@ -88,7 +88,7 @@ WRONG_ANSWERS: dict[str, list[tuple[str, str]]] = {
         ("one deviation", wrong(GUARD, RIGHT_GUARD,
                                 test="if (off + deviations <= allowed).all():\n        return ''")),
         ("place and doubt each for itself", wrong(
-            GUARD, RIGHT_GUARD, test="if (off <= allowed).all() and (2 * deviations <= allowed).all():\n        return ''")),
+            GUARD, RIGHT_GUARD, test="if (np.maximum(off, 2 * deviations) <= allowed).all():\n        return ''")),
         ("the long way round", wrong(GUARD, RIGHT_GUARD, turn="off[2]")),
         ("heading forgotten", wrong(GUARD, RIGHT_GUARD,
                                     test="if (off + 2 * deviations <= allowed)[:2].all():\n        return ''")),
