@@ -35,9 +35,11 @@ def strip(job):
 
 
 def light(world):
-    """The same world on bases of 38 kg."""
+    """The same world on bases of 38 kg, deployed already, the platform near the shelf."""
     bases = tuple(dataclasses.replace(base, mass=LIGHT) for base in world.robot.bases)
-    return dataclasses.replace(world, robot=dataclasses.replace(world.robot, bases=bases))
+    task = dataclasses.replace(world.task("pick_and_place"), coupled={}, start=cl.Pose([0.8, 0, 0.6]))
+    return dataclasses.replace(world, robot=dataclasses.replace(world.robot, bases=bases),
+                               tasks={"pick_and_place": task})
 
 
 def results(jobs):
