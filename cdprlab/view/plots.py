@@ -14,6 +14,20 @@ from matplotlib.patches import Patch
 
 from ..arrays import Array
 from ..errors import InvalidInput
+from .run_words import (
+    axis_names,
+    differences,
+    infeasible_spans,
+    lengths_commanded,
+    position_errors,
+    rotation_errors,
+    run_subject,
+    run_title,
+    shown_tensions,
+    tension_text,
+    tracking_text,
+    turn_names,
+)
 from .style import AXIS_COLORS, AXIS_DASHES, GREY, INK, WARNING, cable_style, house_style
 
 _MARKERS = 40
@@ -56,10 +70,10 @@ def plot_tracking(run: Any) -> Figure:
     run : Run
     """
     with house_style():
-        turns = _rotation_errors(run).shape[1] > 0
+        turns = rotation_errors(run).shape[1] > 0
         figure, axes = _figure(run, (8.0, 7.6 if turns else 5.6), rows=3 if turns else 2)
         _tracking_panels(axes, run)
-        figure.alt_text = f"Tracking of {_subject(run)}. {_tracking_text(run)}"
+        figure.alt_text = f"Tracking of {run_subject(run)}. {tracking_text(run)}"
         return figure
 
 
@@ -71,7 +85,7 @@ def plot_tensions(run: Any) -> Figure:
     with house_style():
         figure, axes = _figure(run, (8.0, 6.4), rows=2, height_ratios=[2, 1])
         _tension_panels(axes, run)
-        figure.alt_text = f"Cable tensions of {_subject(run)}. {_tension_text(run)}"
+        figure.alt_text = f"Cable tensions of {run_subject(run)}. {tension_text(run)}"
         return figure
 
 
@@ -95,7 +109,7 @@ def save_figure(figure: matplotlib.figure.Figure, path: str | Path) -> Path:
 def _plot_run(run: Any) -> Figure:
     with house_style():
         figure = Figure(figsize=(13.0, 7.8), layout="constrained")
-        turns = _rotation_errors(run).shape[1] > 0
+        turns = rotation_errors(run).shape[1] > 0
         rows = 3 if turns else 2
         grid = figure.add_gridspec(rows, 2, wspace=0.06)
         left = [figure.add_subplot(grid[row, 0]) for row in range(rows)]
@@ -104,7 +118,7 @@ def _plot_run(run: Any) -> Figure:
         _finish(figure, right, run)
         _tracking_panels(left, run)
         _tension_panels(right, run)
-        figure.alt_text = f"Overview of {_subject(run)}. {_tracking_text(run)} {_tension_text(run)}"
+        figure.alt_text = f"Overview of {run_subject(run)}. {tracking_text(run)} {tension_text(run)}"
         return figure
 
 
@@ -117,7 +131,7 @@ def _figure(run: Any, size: tuple[float, float], rows: int, **options: Any) -> t
 
 def _finish(figure: Figure, axes: Sequence[Axes], run: Any) -> None:
     """Title, one time axis for panels above each other."""
-    title = _title(run)
+    title = run_title(run)
     # About 10 characters of 13 pt text fit an inch; a longer title is set smaller rather than cut off.
     size = 13 * min(1.0, 10 * figure.get_figwidth() / len(title))
     figure.suptitle(title, x=0.01, ha="left", fontsize=size, color=INK)
@@ -130,16 +144,16 @@ def _finish(figure: Figure, axes: Sequence[Axes], run: Any) -> None:
 
 def _tracking_panels(axes: Sequence[Axes], run: Any) -> None:
     _position_panel(axes[0], run)
-    position, names = 1e3 * _position_errors(run), _axis_names(run)
+    position, names = 1e3 * position_errors(run), axis_names(run)
     _error_panel(axes[1], run.time, position, names, "position error [mm]", "Position error, reference − actual")
     if len(axes) > 2:
-        rotation = 1e3 * _rotation_errors(run)
-        _error_panel(axes[2], run.time, rotation, _turn_names(run), "rotation error [mrad]",
+        rotation = 1e3 * rotation_errors(run)
+        _error_panel(axes[2], run.time, rotation, turn_names(run), "rotation error [mrad]",
                      "Rotation error (rotation vector)")
 
 
 def _position_panel(panel: Axes, run: Any) -> None:
-    actual, wanted, names = run.poses.position, run.reference.pose.position, _axis_names(run)
+    actual, wanted, names = run.poses.position, run.reference.pose.position, axis_names(run)
     for axis, color, dashes in zip(range(actual.shape[1]), AXIS_COLORS, AXIS_DASHES):
         panel.plot(run.time, wanted[:, axis], color=color, linewidth=6, alpha=0.28, solid_capstyle="butt",
                    label=f"_reference {names[axis]}")
@@ -170,7 +184,7 @@ def _error_panel(panel: Axes, time: Array, errors: Array, names: Sequence[str], 
 
 def _tension_panels(axes: Sequence[Axes], run: Any) -> None:
     above, below = axes
-    if _wound(run):
+    if lengths_commanded(run):
         return _rope_panels(above, below, run)
     every = max(1, len(run.time) // _MARKERS)
     for cable in range(run.commanded_tensions.shape[1]):
@@ -180,7 +194,7 @@ def _tension_panels(axes: Sequence[Axes], run: Any) -> None:
         above.plot(run.time, run.measured_tensions[:, cable], color=color, linestyle="none", marker="o",
                    markersize=4.2, markeredgecolor="white", markeredgewidth=0.5,
                    markevery=(every * cable // 8, every), label=f"_measured {cable + 1}")
-        below.plot(run.time, _differences(run)[:, cable], color=color, linestyle=dashes, linewidth=1.2,
+        below.plot(run.time, differences(run)[:, cable], color=color, linestyle=dashes, linewidth=1.2,
                    label=f"cable {cable + 1}")
     _describe_tensions(above, below, run)
 
@@ -208,25 +222,25 @@ def _describe_tensions(above: Axes, below: Axes, run: Any) -> None:
     _around_zero(below)
     handles: list[Any] = [Line2D([], [], color=INK, label="commanded"),
                           Line2D([], [], color=INK, linestyle="none", marker="o", markersize=4.2, label="measured")]
-    if _wound(run):
+    if lengths_commanded(run):
         handles = [Line2D([], [], color=INK, label="measured")]
     if not np.all(run.feasible):
-        handles.append(Patch(color=WARNING, label="winch too slow" if _wound(run) else "infeasible"))
+        handles.append(Patch(color=WARNING, label="winch too slow" if lengths_commanded(run) else "infeasible"))
     for panel in (above, below):
-        for start, end in _infeasible_spans(run):
+        for start, end in infeasible_spans(run):
             panel.axvspan(start, end, color=WARNING, zorder=0, linewidth=0)
     _draw_limits(above, run)
     _legend_above(above, handles)
     names = [f"{cable + 1}" for cable in range(run.commanded_tensions.shape[1])]
     colors = [cable_style(cable).color for cable in range(len(names))]
     # The differences all but coincide: names pushed apart would point nowhere, so the panel above names the lines.
-    _label_ends(above, list(np.transpose(_shown_tensions(run))), names, colors)
+    _label_ends(above, list(np.transpose(shown_tensions(run))), names, colors)
 
 
 def _draw_limits(panel: Axes, run: Any) -> None:
     """Limits as lines where they are in range, else in words: a far limit must not squeeze the tensions."""
     robot = run.world.robot
-    shown = float(np.nanmax([np.nanmax(_shown_tensions(run)), np.nanmax(run.measured_tensions), 1e-9]))
+    shown = float(np.nanmax([np.nanmax(shown_tensions(run)), np.nanmax(run.measured_tensions), 1e-9]))
     words = []
     for name, limits in ((r"$\tau_\mathrm{min}$", robot.tension_min),
                          (r"$\tau_\mathrm{max}$", robot.tension_max)):
@@ -300,81 +314,3 @@ def _height_points(panel: Axes) -> float:
     ratios = np.asarray(grid.get_height_ratios(), dtype=float)
     share = ratios[spec.rowspan.start:spec.rowspan.stop].sum() / ratios.sum()
     return float(figure.get_figheight() * 72 * 0.92 * share - 40)
-
-
-# --- what is shown, and what it says in words ---------------------------------------------------------------
-def _title(run: Any) -> str:
-    return f"{run.world.title} · task {run.task} · {_method(run)}"
-
-
-def _subject(run: Any) -> str:
-    return f"{run.world.title}, task {run.task}, {_method(run)}, cables as {run.cables}, {run.time[-1]:.3g} s"
-
-
-def _method(run: Any) -> str:
-    name = run.method if isinstance(run.method, str) else getattr(run.method, "__name__", "own method")
-    return name.replace("_", " ")
-
-
-def _wound(run: Any) -> bool:
-    """Whether lengths were commanded, not tensions."""
-    return getattr(run, "commanded_lengths", None) is not None
-
-
-def _shown_tensions(run: Any) -> Array:
-    return np.asarray(run.measured_tensions if _wound(run) else run.commanded_tensions)
-
-
-def _differences(run: Any) -> Array:
-    return np.asarray(run.measured_tensions - run.commanded_tensions)
-
-
-def _position_errors(run: Any) -> Array:
-    return np.asarray(run.errors[:, :run.world.robot.dimension])
-
-
-def _rotation_errors(run: Any) -> Array:
-    return np.asarray(run.errors[:, run.world.robot.dimension:])
-
-
-def _axis_names(run: Any) -> list[str]:
-    return list("xyz")[:run.world.robot.dimension]
-
-
-def _turn_names(run: Any) -> list[str]:
-    count = _rotation_errors(run).shape[1]
-    return {1: ["φ"], 2: ["about y′", "about z′"]}.get(count, ["about x", "about y", "about z"])
-
-
-def _infeasible_spans(run: Any) -> list[tuple[float, float]]:
-    """Times at which no feasible tensions were found [s]; single steps stay visible."""
-    bad = np.concatenate([[False], ~np.asarray(run.feasible), [False]])
-    edges = np.flatnonzero(bad[1:] != bad[:-1])
-    last = len(run.time) - 1
-    least = 0.003 * float(run.time[-1])
-    return [(float(run.time[first]), max(float(run.time[min(after, last)]), float(run.time[first]) + least))
-            for first, after in zip(edges[::2], edges[1::2])]
-
-
-def _tracking_text(run: Any) -> str:
-    names = ", ".join(_axis_names(run))
-    largest = 1e3 * np.linalg.norm(_position_errors(run), axis=1)
-    text = (f"Reference and actual {names} over time [m]; the position error [mm] is largest, "
-            f"{np.nanmax(largest):.3g} mm, at {run.time[int(np.nanargmax(largest))]:.3g} s.")
-    rotation = _rotation_errors(run)
-    if rotation.shape[1]:
-        text += f" The largest rotation error is {1e3 * np.nanmax(np.linalg.norm(rotation, axis=1)):.3g} mrad."
-    return text
-
-
-def _tension_text(run: Any) -> str:
-    tau, wound = _shown_tensions(run), _wound(run)
-    kind = "Measured" if wound else "Commanded"
-    text = (f"{kind} tensions of {tau.shape[1]} cables lie between {np.nanmin(tau):.4g} "
-            f"and {np.nanmax(tau):.4g} N; limits {np.min(run.world.robot.tension_min):g} to "
-            f"{np.max(run.world.robot.tension_max):g} N")
-    share = float(np.mean(~np.asarray(run.feasible)))
-    if wound:
-        return text + "." + (f" A winch was too slow in {100 * share:.3g} % of the steps (shaded)." if share else "")
-    text += f"; measured differ from commanded by at most {np.nanmax(np.abs(_differences(run))):.3g} N."
-    return text + (f" No feasible tensions in {100 * share:.3g} % of the steps (shaded)." if share else "")
