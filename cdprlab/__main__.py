@@ -135,7 +135,7 @@ def _mission(options: argparse.Namespace, world: World) -> int:
     from .command_mission import fly_mission
 
     _say_no(options, (*_NO_SAY, "method", "control"), "has no say in a mission")
-    print(f"{world.title or world.name}: mission, from the hall to the shelf, pick and place, return")
+    print(f"{world.title or world.name}: mission: to the shelf, pick and place, home again")
     folder = options.out or Path("out") / world.name
     fly_mission(world, folder, not options.no_pictures)
     print(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir()))}")

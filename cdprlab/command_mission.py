@@ -1,4 +1,4 @@
-"""``python -m cdprlab run WORLD --task mission``: a hall around the shelf, the way there, the work, pictures."""
+"""``python -m cdprlab run WORLD --task mission``: a hall around the shelf, there, work, back, pictures, a film."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 from .mission import DONE, Mission, run_mission
 from .mission_drive import in_hall
 from .navigation import Walker
+from .picking import Job
 from .world import World
 
 BOUNDS = ((-5.0, -6.0), (7.0, 2.0))
@@ -19,21 +20,60 @@ PEOPLE = (Walker([[2.5, -1.0], [6.0, -1.0]]),)  # type: ignore[arg-type]
 
 def fly_mission(world: World, folder: Path, pictures: bool, work: Any = None) -> Mission:
     """Run the mission in the hall above, print what happened, write it to a folder."""
-    chosen = {} if work is None else {"work": work}
-    mission = run_mission(in_hall(world, BOUNDS, PALLETS), BOUNDS, START, walkers=PEOPLE, **chosen)
+    bar = _Clock()
+    mission = run_mission(in_hall(world, BOUNDS, PALLETS), BOUNDS, START, walkers=PEOPLE, work=work, progress=bar)
+    bar.close()
     for quantity, value in mission.table().items():
-        print(f"  {quantity:36} {value}")
+        print(f"  {quantity:42} {value}")
     folder.mkdir(parents=True, exist_ok=True)
-    if mission.job is not None:
+    if isinstance(mission.job, Job):
         mission.job.save(folder)
     if pictures:
-        from .view import plot_job, save_figure
-        from .view.navigation import plot_journey
-
-        if mission.journey is not None:
-            save_figure(plot_journey(mission.journey), folder / "journey.png")
-        if mission.job is not None:
-            save_figure(plot_job(mission.job), folder / "job.png")
+        _pictures(mission, folder)
     if mission.state != DONE:
         print(f"  stopped safely: {mission.reason}")
     return mission
+
+
+def _pictures(mission: Mission, folder: Path) -> None:
+    from .view import plot_job, save_figure
+    from .view.mission import plot_drives, plot_scans
+    from .view.mission_film import save_mission_film
+    from .view.navigation import plot_journey
+
+    for name, way in (("journey", mission.journey), ("way_home", mission.way_home)):
+        if way is not None:
+            save_figure(plot_journey(way), folder / f"{name}.png")
+    if mission.journey is not None:
+        save_figure(plot_scans(mission.journey), folder / "scans.png")
+        save_figure(plot_drives(mission), folder / "drives.png")
+        bar = _Clock("drawing", " pictures")
+        save_mission_film(mission, folder / "mission.gif", progress=bar.of)
+        bar.close()
+    if mission.job is not None:
+        save_figure(plot_job(mission.job), folder / "job.png")
+
+
+class _Clock:
+    """A progress bar that appears with the first report: of simulated seconds, the state beside them."""
+
+    def __init__(self, name: str = "", unit: str = " s simulated") -> None:
+        self.name, self.unit = name, unit
+        self.bar: Any = None
+
+    def __call__(self, name: str, time: float, total: int | None = None) -> None:
+        if self.bar is None:
+            from tqdm import tqdm
+
+            self.bar = tqdm(total=total, unit=self.unit, leave=False)
+        if name != self.bar.desc:
+            self.bar.set_description_str(name)
+        self.bar.update(round(time) - self.bar.n)
+
+    def of(self, done: int, total: int) -> None:
+        """The same where it is known how much there is to do."""
+        self(self.name, done, total)
+
+    def close(self) -> None:
+        if self.bar is not None:
+            self.bar.close()

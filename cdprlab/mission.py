@@ -38,6 +38,9 @@ AT_HOME = np.array([0.1, 0.1, np.radians(5.0)])
 COUPLED = 0.01
 """As far as the bases may be off their places to each other as the link closes: its magnets pull no farther [m]."""
 
+LEANS = np.radians(0.5)
+"""A base whose mast is tilted more than this leans [rad]."""
+
 Work = Callable[[World, str], Job]
 """What is done once the pair stands at the shelf: deploys, picks, places, returns, folds."""
 
@@ -203,7 +206,7 @@ def stands_still(mission: Mission) -> str:
         return ""
     if drive.wheels[-1].min() < 1.0:
         return "a wheel carries nothing"
-    return "a base leans" if drive.tilts[-1] > np.radians(0.5) else ""
+    return "a base leans" if drive.tilts[-1] > LEANS else ""
 
 
 def base_in_place(mission: Mission) -> str:

@@ -21,6 +21,7 @@ from .world import World
 
 _BODY = 6         # the link of a base that is the base
 _AT_ONCE = 5      # engine steps in one call
+_WALLS, _PALLET = ("north wall", "south wall", "west wall", "east wall"), "pallet"
 
 
 class Drive(NamedTuple):
@@ -148,12 +149,19 @@ def in_hall(world: World, bounds: ArrayLike, pallets: ArrayLike = (), height: fl
     x, y, length, depth, thick = (west + east) / 2, (south + north) / 2, east - west, north - south, 0.1
     walls = [(x, north + thick / 2, length, thick, 0.0), (x, south - thick / 2, length, thick, 0.0),
              (west - thick / 2, y, thick, depth, 0.0), (east + thick / 2, y, thick, depth, 0.0)]
-    names = ["north wall", "south wall", "west wall", "east wall"]
+    names = list(_WALLS)
     rows = [*walls, *np.asarray(pallets, dtype=float).reshape(-1, 5).tolist()]
-    names += [f"pallet {k}" for k in range(1, len(rows) - 3)]
+    names += [f"{_PALLET} {k}" for k in range(1, len(rows) - 3)]
     document = world.to_dict()
     scene = document.setdefault("scene", {})
     scene["boxes"] = [*scene.get("boxes", []), *(
         {"name": name, "position": [px, py, height / 2], "size": [along, across, height], "yaw": yaw}
         for name, (px, py, along, across, yaw) in zip(names, rows))]
     return World.from_dict(document)
+
+
+def without_hall(world: World) -> World:
+    """The world without what `in_hall` put there: in pictures it would stand between the eye and the work."""
+    boxes = tuple(box for box in world.scene.boxes
+                  if box.name not in _WALLS and not box.name.startswith(f"{_PALLET} "))
+    return replace(world, scene=replace(world.scene, boxes=boxes))

@@ -233,9 +233,39 @@ def test_wrong_requests_are_named(world):
         run_mission(world, BOUNDS, [0, 0])
 
 
+def test_the_film_shows_each_state_at_its_time(mission):
+    """From above where the pair truly is; the job here has no pictures of its own, so only the drives are drawn."""
+    from cdprlab.view.mission_film import MissionFilm
+    from cdprlab.view.style import SKY
+
+    film = MissionFilm(replace(mission, job=None, events=[event for event in mission.events if event.time < 1.0]))
+    blue, places = np.array([int(SKY[i:i + 2], 16) for i in (1, 3, 5)]), []
+    for t in (2.0, mission.journey.time[-1] - 2.0):
+        seen = (np.asarray(film.frame_at(t)) == blue).all(axis=-1)[:450]        # without the key
+        rows, columns = np.nonzero(seen)
+        places.append([columns.mean(), -rows.mean()])
+    k = [int(np.searchsorted(mission.journey.time, t - 1e-9)) for t in (2.0, mission.journey.time[-1] - 2.0)]
+    moved = np.diff(mission.journey.vehicle.bases(mission.journey.poses[k])[:, 0, :2], axis=0)[0]
+    drawn = np.diff(places, axis=0)[0]
+    assert np.abs(drawn / np.linalg.norm(drawn) - moved / np.linalg.norm(moved)).max() < 0.05
+
+
+def test_the_drives_are_drawn(mission):
+    from cdprlab.view.mission import plot_drives, plot_scans
+
+    figure = plot_drives(mission)
+    assert [panel.get_title(loc="left") or panel.get_title() for panel in figure.axes[:2]] == ["way there", "way home"]
+    np.testing.assert_array_equal(figure.axes[0].lines[0].get_ydata(), mission.journey.clearance)
+    assert f"{mission.way_home.clearance.min():.2f} m of room" in figure.alt_text
+    scans = plot_scans(mission.journey, 4)
+    points = [line for line in scans.axes[0].lines if line.get_label() == "scanned points"]
+    assert len(points[0].get_xdata()) == len(mission.journey.scans[0])
+
+
 def test_the_command_line_writes_the_journey(tmp_path, capsys):
     from cdprlab.command_mission import fly_mission
 
     mission = fly_mission(cl.load_world("fastkit_suspended"), tmp_path, pictures=True, work=lambda *_: None)
     assert mission.state == STOPPED and "stopped safely: in deployed" in capsys.readouterr().out
-    assert [path.name for path in tmp_path.iterdir()] == ["journey.png"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["drives.png", "journey.png", "mission.gif", "scans.png"]
+    assert (tmp_path / "mission.gif").stat().st_size < 3_000_000

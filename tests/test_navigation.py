@@ -14,6 +14,7 @@ from cdprlab.navigation import (
     Localization,
     OccupancyGrid,
     Odometry,
+    Plan,
     Scanner,
     Vehicle,
     Walker,
@@ -24,6 +25,7 @@ from cdprlab.navigation import (
     practice_hall,
 )
 from cdprlab.navigation.driving import clearance, step_between
+from cdprlab.navigation.journey import undocking
 from cdprlab.navigation.plan_view import carried, outline_distance, rectangle
 from cdprlab.navigation.planner import MARGIN, between
 from cdprlab.navigation.vehicle import difference, moved
@@ -259,15 +261,19 @@ def test_the_follower_never_drives_into_what_it_sees(pair):
 def drive(pair, place, seed, **options):
     told = place.start + np.random.default_rng(seed).standard_normal(3) * [0.05, 0.05, 0.03]
     driver = KinematicPair(pair, options.pop("truly", place.hall), place.start, place.walkers, seed=seed)
-    return navigate(driver, place.hall, told, place.goal, period=0.2, **options)
+    return navigate(driver, place.hall, told, place.goal, **{"period": 0.2, **options})
 
 
 @pytest.fixture(scope="module")
 def journeys(pair):
+    """At 0.2 s, for half the price; the test below takes some at the default, hall 3, whose only passage the person
+    walks in, among them."""
     return [drive(pair, practice_hall(pair, seed), seed) for seed in range(20)]
 
 
 def test_twenty_halls_goal_reached_without_contact_or_no_way(pair, journeys):
+    often = [drive(pair, practice_hall(pair, seed), seed, period=0.1) for seed in (3, 8, 13, 18)]
+    assert all(journey.state == ARRIVED and journey.clearance.min() > 0.05 for journey in often)
     reached = [journey.state == ARRIVED for journey in journeys]
     assert sum(reached) >= 18
     for seed, journey in enumerate(journeys):
@@ -286,6 +292,51 @@ def test_at_the_shelf_the_pair_knows_where_it_is(journeys):
             assert np.linalg.norm(end[:2]) <= 0.05 and abs(end[2]) <= np.radians(2)
             # Errors are as large as the filter says: within five deviations, but at the begin told ones.
             assert (np.abs(journey.errors[1:]) <= 5 * journey.deviations[1:]).all()
+
+
+MOUTH = Hall.of([[0, 2.5, 0.2, 3.2, 0], [0, -2.5, 0.2, 3.2, 0]], [[-5, -4], [5, 4]])     # a door of 1.8 m
+
+
+@pytest.mark.parametrize("period", [0.1, 0.2])
+def test_the_pair_gives_way_to_somebody_it_has_cornered(pair, period):
+    """A person in the door wants out, the pair in; a person who never steps back leaves it to the pair."""
+    stubborn = Walker([[0.5, 0.0], [-0.5, 1.6]], patience=np.inf)
+    driver = KinematicPair(pair, MOUTH, [-3, 0, 0], (stubborn,), seed=1)
+    journey = navigate(driver, MOUTH, [-3, 0, 0], [3, 0, 0], period=period)
+    assert journey.backing.any() and journey.state == ARRIVED and journey.clearance.min() > 0.05
+
+
+def test_a_cornered_person_steps_back_and_not_into_anything():
+    wall = Hall.of([[-1.0, 0, 0.2, 4, 0]], [[-5, -4], [5, 4]])
+    person = Walker([[-0.3, 0.0], [3.0, 0.0]], hall=wall)
+    machine = rectangle(1.25, 0, 2, 1)                            # its front 30 cm before the person
+    for _ in range(200):
+        before = np.array(person.place)
+        person.walk(0.1, machine)
+        assert np.linalg.norm(person.place - before) <= 0.6 * 0.1 + 1e-12
+    assert person.place[0] < -0.35                                # it was care, 0.4 m, that was missing
+    assert wall.distance(person.place) > person.radius
+    free = np.array([0.25, 0.0]) - person.place
+    assert np.linalg.norm(free) - person.radius >= 0.4 - 0.6 * 0.1
+
+
+def test_somebody_walking_along_the_pair_walks_on():
+    person = Walker([[-1.4, 0.99], [2.0, 0.99]])                  # 24 cm from its side: nearer than they would come
+    for _ in range(60):
+        person.walk(0.1, rectangle(0, 0, 3, 1, -0.001))
+    assert person.place[0] > 1.0
+
+
+def test_out_of_a_berth_the_first_way_is_straight(pair):
+    hall = Hall.of([[0, 0.8, 4, 0.4, 0], [-2.2, 0, 0.4, 2, 0]], [[-4, -5], [6, 2]])
+    berth, gate, home = np.array([0.0, 0.0, 0.0]), np.array([0.3, -0.6, 0.0]), np.array([3.0, -3.0, 1.0])
+    journey = navigate(KinematicPair(pair, hall, berth, seed=2), hall, berth, home, leaving=gate, period=0.2,
+                       uncertainty=(0.02, 0.02, 0.02))
+    assert journey.state == ARRIVED and journey.clearance.min() > 0.05
+    np.testing.assert_allclose(journey.plans[0][1].poses[:2], [journey.estimates[0], gate], atol=1e-12)
+    # 10 cm are left where it stands, and nothing on the way to a gate in the shelf.
+    plan = Plan(np.array([[0.0, 0.1, 0.0], home]))
+    assert undocking(hall, pair, berth, plan, 0.05).reason.startswith("no room to leave: 0.00 m are left")
 
 
 def test_people_made_it_wait(journeys):
