@@ -301,6 +301,28 @@ def test_a_push_that_overturns_bases_wherever_they_stand_is_impossible_and_said_
         place_bases(robot, pose, load)
 
 
+def test_two_cables_on_a_line_pull_to_one_side_together_at_most():
+    """1T: bases may both stand to the left, 100 N each; 300 N are half as much again."""
+    bases = tuple(Base(name, [x, 0.0], 0.0, 30.0, [0.0, 0.4], [[0.3, 0.0], [-0.3, 0.0]], [0.0, 1.0, 0.0])
+                  for name, x in (("a", -2.0), ("b", 2.0)))
+    robot = build("1T", [[0, 1.0], [0, 1.2]], [[0, 0]] * 2, limits=(1, 100), bases=bases, carriers=["a", "b"])
+    with pytest.raises(NoPlacement, match=r"can serve .*limits allow at most 66\.67 %"):
+        place_bases(robot, cl.Pose([4.0, 1.0]), [300.0])
+    assert serves(place_bases(robot, cl.Pose([4.0, 1.0]), [50.0]), [cl.Pose([4.0, 1.0])], [50.0])
+
+
+def test_a_base_that_drives_but_carries_nothing_changes_nothing():
+    world = cl.load_world("planar_mcdpr")
+    held = [replace(base, speed_max=np.zeros(3)) for base in world.robot.bases]
+    idle = replace(held[0], name="idle", position=[6.0, 0.0], speed_max=[0.0, 1.0, 0.0])
+    robot = replace(world.robot, bases=(*held, idle))
+    load = np.array([150.0, -100.0])
+    with pytest.raises(NoPlacement, match=r"while left and right may not drive .*at most ") as caught:
+        place_bases(robot, world.pose, load, tipping=False)
+    told = float(str(caught.value).split("at most ")[1].split(" %")[0])
+    assert told == pytest.approx(100 * share(robot, world.pose, load, standing=False)[0], rel=1e-3)
+
+
 def test_a_search_that_ends_says_so_and_which_cable_is_short():
     robot, poses, wrenches = wanted("fastkit_suspended", [[-1.0, 0.0, 1.8], [1.0, 0.0, 1.8]])
     with pytest.raises(NoPlacement, match=r"none among \d+ placements tried \(a search, no proof\): .*pose \d of 2 .*"
