@@ -37,7 +37,7 @@ class PlanningExplorer(Explorer):
                           Slider("x", "goal x", "m", 5.6, 7.8, 6.8, 0.1),
                           Slider("y", "goal y", "m", 0.6, 5.0, 2.8, 0.1),
                           Slider("heading", "goal heading", "deg", -180.0, 180.0, 90.0, 5.0)],
-                         "A way for the pair", size=(6.4, 5.4))
+                         "A way for the pair", size=(6.4, 5.1))
 
     @staticmethod
     def hall(values: Values) -> Hall:
@@ -74,7 +74,7 @@ class PlanningExplorer(Explorer):
             axes.plot([], [], "s", color=color, markeredgecolor=GREY, markersize=9, label=words)
         axes.plot([], [], color=BLUE, linewidth=1.2, label="the pair, its front end thick")
         axes.plot([], [], "--", color=VERMILION, label="goal")
-        axes.text(float(_START[0]), float(_START[1]), "start", color=INK, ha="center", va="center", zorder=6,
+        axes.text(float(_START[0]), 1.5, "start", color=INK, ha="center", va="top", zorder=6,
                   **still)
         axes.set(xlim=(0, _SIZE[0]), ylim=(0, _SIZE[1]), aspect="equal", xlabel="x [m]", ylabel="y [m]")
         axes.grid(False)
