@@ -166,6 +166,16 @@ def test_a_job_is_saved(flown, tmp_path):
     assert cl.load_world(str(tmp_path / "world.yaml")).task("pick_and_place").box_mass == 7.0
 
 
+def test_the_film_shows_every_phase(flown):
+    from cdprlab.view.job import film_moments
+
+    moments = np.array(film_moments(flown, 128))
+    assert moments[0] == 0 and moments[-1] == flown.time[-1] and (np.diff(moments) > 0).all()
+    shown = [int((flown.states[np.searchsorted(flown.time, moments - 1e-9)] == k).sum())
+             for k in range(len(flown.events))]
+    assert min(shown) >= 4  # of 128 in 16 s: half a second
+
+
 def test_a_job_is_pictured(flown, tmp_path):
     from cdprlab.view.job import frame_at, plot_job
 

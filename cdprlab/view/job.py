@@ -47,17 +47,27 @@ def plot_job(job: Job) -> Figure:
 def save_job_film(job: Job, path: str | Path, seconds: float = 16.0, fps: int = 8, width: int = 640) -> Path:
     """An animated GIF of a job, below ``LARGEST_FILE``, each picture with what is being done in words.
 
+    Phases are shown as long as they take, short ones more slowly, or their captions could not be read.
+
     path : ends in .gif
     seconds : length of the film [s]; fps : pictures per second; width : [pixels]
     """
     target = _checked_path(path, ".gif")
     camera = Camera(job.world)
-    frames = [frame_at(job, float(t), width, camera) for t in np.linspace(0.0, job.time[-1], round(seconds * fps))]
+    frames = [frame_at(job, t, width, camera) for t in film_moments(job, round(seconds * fps))]
     for every, colors in _ECONOMIES:
         _write_gif(frames[::every], target, colors, 1000 / fps * every, _caption(job))
         if target.stat().st_size < LARGEST_FILE:
             break
     return target
+
+
+def film_moments(job: Job, frames: int, share: float = 0.06) -> list[float]:
+    """Times of a film's pictures: each phase takes what it takes, but at least this share of the job's time [s]."""
+    bounds = np.array([start for start, _, _ in _spans(job)] + [float(job.time[-1])])
+    shown = np.maximum(np.diff(bounds), share * bounds[-1])
+    moments: list[float] = np.interp(np.linspace(0.0, shown.sum(), frames), [0.0, *np.cumsum(shown)], bounds).tolist()
+    return moments
 
 
 def frame_at(job: Job, t: float, width: int = 640, camera: Camera | None = None) -> Image.Image:
