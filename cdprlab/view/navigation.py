@@ -59,10 +59,10 @@ def draw_hall(axes: Axes, hall: Hall, vehicle: Vehicle | None = None) -> None:
 
 def draw_way(axes: Axes, journey: Journey) -> None:
     """Plans dashed, the way driven solid, the pair every ten seconds or so, people's ways dotted."""
-    for number, (_, plan) in enumerate(journey.plans):
-        if plan.found:
-            axes.plot(*plan.poses[:, :2].T, "--", color=ORANGE, linewidth=1.6, zorder=4,
-                      label="planned way" if number == 0 else None)
+    # Over the way driven, which is the same but for corners.
+    for number, plan in enumerate(plan for _, plan in journey.plans if plan.found):
+        axes.plot(*plan.poses[:, :2].T, "--", color=ORANGE, linewidth=1.6, zorder=6,
+                  label="planned way" if number == 0 else None)
     axes.plot(*journey.poses[:, :2].T, color=BLUE, linewidth=2.0, zorder=5, label="way driven (middle)")
     period = journey.time[1] if len(journey.time) > 1 else 1.0
     for k in range(0, len(journey.poses), max(1, round(10 / period))):

@@ -1,0 +1,88 @@
+"""Figures and tables of docs/mission.md: FASTKIT's whole mission, its states, and twenty practice halls.
+
+Run: python docs/mission.py
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from generated import save_small, write_tables
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
+import cdprlab as cl
+from cdprlab.command_mission import BOUNDS, PALLETS, PEOPLE, START
+from cdprlab.mission import Trip, mission_states, run_mission
+from cdprlab.mission_drive import in_hall
+from cdprlab.navigation import KinematicPair, Vehicle, navigate, practice_hall
+from cdprlab.view.mission import plot_drives
+from cdprlab.view.mission_film import MissionFilm
+from cdprlab.view.navigation import plot_journey
+
+DOCS = Path(__file__).parent
+HALLS = range(20)
+
+
+def states(world):
+    """The state machine, one line a state, in the words of the code."""
+    trip = Trip(world, world.task("pick_and_place"), np.array(BOUNDS), np.array(START), np.zeros(3), PEOPLE, 271)
+    rows = [f"| `{state.name}` | {state.what} | {state.guard.__doc__.split(': ', 1)[1].strip()} |"
+            for state in mission_states(trip)]
+    return "\n".join(["| state | what is done | the next may begin |", "|---|---|---|", *rows])
+
+
+def results(mission):
+    """The mission's own table."""
+    table = {name: value for name, value in mission.table().items() if name != "real-time factor"}
+    return "\n".join(["| | |", "|---|---|", *(f"| {name} | {value} |" for name, value in table.items())])
+
+
+def halls():
+    """Twenty halls driven by kinematics: one line each."""
+    pair = Vehicle.of(cl.load_world("fastkit_suspended").robot)
+    heads = ("hall", "ends", "time", "way", "plans", "waited, backed off", "smallest clearance",
+             "localization error at the end")
+    lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+    for seed in HALLS:
+        place = practice_hall(pair, seed)
+        told = place.start + np.random.default_rng(seed).standard_normal(3) * [0.05, 0.05, 0.03]
+        bases = KinematicPair(pair, place.hall, place.start, place.walkers, seed=seed)
+        way = navigate(bases, place.hall, told, place.goal)
+        off, period = way.errors[-1], way.time[1]
+        length = np.linalg.norm(np.diff(way.poses[:, :2], axis=0), axis=1).sum()
+        cells = (seed, f"{way.state}: {way.reason}" if way.reason else way.state, f"{way.time[-1]:.0f} s",
+                 f"{length:.1f} m", len(way.plans),
+                 f"{way.waiting.sum() * period:.0f} s, {way.backing.sum() * period:.0f} s",
+                 f"{way.clearance.min():.2f} m", f"{1e3 * np.hypot(*off[:2]):.0f} mm, {np.degrees(abs(off[2])):.2f}°")
+        lines.append(f"| {' | '.join(map(str, cells))} |")
+    return "\n".join(lines)
+
+
+def strip(mission):
+    """Six pictures, each in the middle of its state."""
+    film, starts = MissionFilm(mission), [event.time for event in mission.events]
+    spans = {event.state: (start, end) for event, start, end in zip(mission.events, starts, [*starts[1:], mission.now])}
+    moments = [0.3 * spans["navigation"][1], spans["navigation"][1] - 0.1, np.mean(spans["deployed"]),
+               np.mean(spans["pick and place"]), 0.2 * spans["return"][0] + 0.8 * spans["return"][1],
+               np.mean(spans["home"])]
+    frames = [np.asarray(film.frame_at(float(t))) for t in moments]
+    return Image.fromarray(np.concatenate([np.concatenate(frames[i:i + 2], axis=1) for i in range(0, 6, 2)]))
+
+
+def main():
+    """Everything anew."""
+    world = in_hall(cl.load_world("fastkit_suspended"), BOUNDS, PALLETS)
+    mission = run_mission(world, BOUNDS, START, walkers=PEOPLE)
+    info = PngInfo()
+    info.add_itxt("Description", "Six pictures of FASTKIT's mission: driving from above, at the shelf, deploying, "
+                                 "carrying the box, folding, driving home.")
+    strip(mission).quantize(96).save(DOCS / "mission_frames.png", pnginfo=info, optimize=True)
+    save_small(plot_journey(mission.journey), DOCS / "mission_journey.png")
+    save_small(plot_drives(mission), DOCS / "mission_drives.png")
+    write_tables(DOCS / "mission.md", {"states": states(world), "results": results(mission), "halls": halls()})
+
+
+if __name__ == "__main__":
+    main()
