@@ -1,6 +1,7 @@
 """The house rules of docs and design: who may import whom, and that what is public is documented."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -33,6 +34,17 @@ def test_every_file_has_its_room():
     assert {_room(path) for path in FILES} <= set(ROOMS)
 
 
+def test_the_page_about_the_house_names_every_room_in_order():
+    text = (PACKAGE.parent / "docs" / "house.md").read_text(encoding="utf-8")
+    table = [line.split("|")[1:4] for line in text.splitlines() if line.startswith("| `")]
+    assert [room.strip(" `") for room, _, _ in table] == sorted((room.strip(" `") for room, _, _ in table), key=_floor)
+    named = {word for room, _, beside in table for word in re.findall(r"`(\w+)`", room + beside)}
+    there = {path.relative_to(PACKAGE).parts[0].removesuffix(".py") for path in FILES}
+    assert named == there
+    for room, _, beside in table:
+        assert {CLOSETS[name] for name in re.findall(r"`(\w+)`", beside)} <= {room.strip(" `")}
+
+
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(PACKAGE).as_posix())
 def test_imports_go_down_the_list_only(path: Path):
     here = _room(path)
@@ -62,6 +74,10 @@ def test_what_is_public_is_documented():
 
 def test_public_names_are_unique():
     assert len(set(cdprlab.__all__)) == len(cdprlab.__all__)
+
+
+def _floor(room: str) -> int:
+    return ROOMS.index(room)
 
 
 def _room(path: Path) -> str:
