@@ -81,12 +81,16 @@ class MissionFilm:
         drawing, scale = ImageDraw.Draw(frame), self.scale
         drawing.rectangle([0, 0, self.width, _HEAD * scale - 1], fill="white")
         state = [event for event in self.mission.events if event.time <= t + 1e-9][-1]
-        title = f"mission: {state.state}" if not state.why else f"STOPPED {state.why}"
+        title, words = f"mission: {state.state}", words or _WORDS.get(state.state, "")
+        if state.why:
+            where, _, words = state.why.partition(": ")
+            title = f"mission: STOPPED {where}"
         drawing.text((12 * scale, 7 * scale), title, fill=VERMILION, font=_font(19 * scale))
         drawing.text((self.width - 12 * scale, 9 * scale), f"t = {t:5.1f} s", fill=INK_RGB, anchor="ra",
                      font=_font(15 * scale))
-        drawing.text((12 * scale, 32 * scale), words or _WORDS.get(state.state, ""), fill=INK_RGB,
-                     font=_font(15 * scale))
+        size = next((size for size in (15, 14, 13, 12, 11) if
+                     drawing.textlength(words, font=_font(size * scale)) < self.width - 24 * scale), 10)
+        drawing.text((12 * scale, 32 * scale), words, fill=INK_RGB, font=_font(size * scale))
 
     # --- from above -------------------------------------------------------------------------------
     def _plan(self, way: Journey, t: float) -> Image.Image:
