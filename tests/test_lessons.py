@@ -25,6 +25,12 @@ LINK = re.compile(r"\]\(([\w/.-]+\.ipynb)\)")
 NO_VERDICT = ("NameError", "SyntaxError", "NotImplementedError")
 MARKERS = ("BEGIN SOLUTION", "END SOLUTION", "BEGIN HIDDEN", "END HIDDEN")
 
+ANSI = re.compile(r"\x1b\[[0-9;]*m")
+# Planted mistakes that show on random numbers only.
+ONLY_HIDDEN = {"gravity fixed to the Earth's", "looks at one null vector only, as it comes",
+               "looks at one null vector only, of either sign", "sign of the null vector left to chance",
+               "largest residual instead of the norm"}
+
 every_lesson = pytest.mark.parametrize("name", NAMES)
 
 
@@ -116,6 +122,23 @@ def test_wrong_answers_earn_nothing(flight: Flight):
         (error,) = notebooks.errors(check)
         assert notebooks.root_cause(error) not in NO_VERDICT, f"{answer}, {what}"
         assert error.evalue.strip(), f"{answer}, {what}: the check fails without a message"
+
+
+@flies
+@every_flight
+def test_students_own_checks_notice_wrong_answers(flight: Flight):
+    passed = {what for _, what, _, check in flight.mistakes if _failing_line(check) > _hidden_from(check)}
+    assert passed <= ONLY_HIDDEN, "right, says the student's copy, where only a hidden check knows better"
+
+
+def _failing_line(check: Any) -> int:
+    """Where in its cell a check failed, counted from 1."""
+    (error,) = notebooks.errors(check)
+    return int(re.findall(r"Cell In\[\d+\], line (\d+)", ANSI.sub("", "\n".join(error.traceback)))[0])
+
+
+def _hidden_from(check: Any) -> int:
+    return check.source[:check.source.index("### BEGIN HIDDEN TESTS")].count("\n") + 1
 
 
 @flies
