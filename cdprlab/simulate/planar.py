@@ -73,6 +73,8 @@ class PlanarSimulator(Simulator):
         self._push: tuple[float, float, float] | None = None
         self._pulls = [0.0] * self.world.robot.n_cables
         self._reach = 20 * (1 + float(np.abs(self.world.robot.exit_points).max() + np.abs(start.position).max()))
+        if (last := getattr(self, "_space", None)) is not None:
+            last.clear()
         # A new space: nothing of the last run, such as an impulse kept for the solver's start, stays behind.
         self._space = PlanarSpace(self._pymunk, self.world, start, self._iterations)
         self._body, self._platform = self._space.body, self._space.body._body
@@ -169,6 +171,7 @@ class PlanarSimulator(Simulator):
 
     def close(self) -> None:
         self._camera = None
+        self._space.clear()
 
     # --- the present state as arrays ----------------------------------------------------------------
     @property

@@ -46,6 +46,10 @@ class PlanarSpace:
         self._make_scene(world)
         self._bases = [self._base_body(base) for base in robot.bases]
 
+    def clear(self) -> None:
+        """Take everything out of the space. pymunk aborts where Python frees a body while pymunk frees its space."""
+        self.space.remove(*self.space.constraints, *self.space.shapes, *self.space.bodies)
+
     def place_bases(self, bases: DrivenBases, dt: float) -> None:
         """Put the bases' bodies where the coming step takes them to where they are now, and let them drive."""
         for body, ((x, y), heading, (vx, vy), spin) in zip(self._bases, bases.motions()):
