@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from .mission import DONE, Mission, run_mission
-from .mission_drive import in_hall
+from .mission import DONE, Mission, in_hall, run_mission
 from .navigation import Walker
 from .picking import Job
 from .world import World

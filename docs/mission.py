@@ -14,8 +14,7 @@ from PIL.PngImagePlugin import PngInfo
 
 import cdprlab as cl
 from cdprlab.command_mission import BOUNDS, PALLETS, PEOPLE, START
-from cdprlab.mission import Trip, mission_states, run_mission
-from cdprlab.mission_drive import in_hall
+from cdprlab.mission import Trip, in_hall, mission_states, run_mission
 from cdprlab.navigation import KinematicPair, Vehicle, navigate, practice_hall
 from cdprlab.view.mission import plot_drives
 from cdprlab.view.mission_film import MissionFilm

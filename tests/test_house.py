@@ -17,7 +17,7 @@ ROOMS = (
 )
 CLOSETS = {"compare": "run", "redundancy": "kinematics", "fast_statics": "statics", "base_placement": "workspace",
            "fast_control": "control", "state": "control", "winding": "control", "switching": "run", "winch": "control",
-           "point_load": "tensions", "pose_search": "kinematics", "mission": "picking", "mission_drive": "picking",
+           "point_load": "tensions", "pose_search": "kinematics", "mission": "picking",
            "command_workspace": "__main__",
            "command_mission": "__main__"}
 """Files that belong to a room without being in its folder."""

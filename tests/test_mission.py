@@ -11,8 +11,19 @@ from cdprlab.errors import InvalidInput
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
 
-from cdprlab.mission import DONE, STOPPED, Mission, State, at_the_shelf, run_mission, walk_through
-from cdprlab.mission_drive import EnginePair, in_hall, moved_pair, pair_pose
+from cdprlab.mission import (
+    DONE,
+    STOPPED,
+    EnginePair,
+    Mission,
+    State,
+    at_the_shelf,
+    in_hall,
+    moved_pair,
+    pair_pose,
+    run_mission,
+    walk_through,
+)
 from cdprlab.navigation import ARRIVED, Hall, Vehicle, Walker, cast
 from cdprlab.picking import pick_and_place
 from cdprlab.picking.phases import job_phases

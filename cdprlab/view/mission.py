@@ -8,8 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..arrays import Array
-from ..mission import LEANS, Mission
-from ..mission_drive import Drive
+from ..mission import LEANS, Drive, Mission
 from ..navigation import Journey
 from ..navigation.plan_view import carried
 from .job import least_edge_loads

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from PIL import Image, ImageDraw
 
 from ..arrays import Array
-from ..mission import Mission
-from ..mission_drive import without_hall
+from ..mission import Mission, without_hall
 from ..navigation import Hall, Journey, Vehicle
 from ..navigation.plan_view import carried, rectangle
 from ..picking.record import Job

@@ -15,8 +15,7 @@ from PIL import Image
 
 import cdprlab as cl
 from cdprlab.command_mission import BOUNDS, PALLETS, START
-from cdprlab.mission import Mission, run_mission
-from cdprlab.mission_drive import in_hall
+from cdprlab.mission import Mission, in_hall, run_mission
 from cdprlab.navigation.plan_view import carried
 from cdprlab.simulate.camera import Camera
 from cdprlab.view.job import frame_at

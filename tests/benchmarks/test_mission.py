@@ -32,8 +32,7 @@ def test_navigation_by_kinematics(benchmark, report):
 @pytest.mark.parametrize("whole", [False, True], ids=["navigation", "mission"])
 def test_mission_in_the_engine(benchmark, report, whole):
     pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
-    from cdprlab.mission import run_mission
-    from cdprlab.mission_drive import in_hall
+    from cdprlab.mission import in_hall, run_mission
 
     world = in_hall(cl.load_world("fastkit_suspended"), BOUNDS, PALLETS)
     work = {} if whole else {"work": lambda *_: None}

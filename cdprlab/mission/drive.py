@@ -8,16 +8,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import Array, as_array
-from .errors import InvalidInput
-from .navigation import Hall, Odometry, Vehicle, Walker
-from .navigation.driving import clearance, step_between
-from .navigation.plan_view import carried
-from .pose import Pose
-from .simulate import open_simulator
-from .simulate.mobile import MobileSimulator
-from .simulate.scanner import Bystander, ray_distances
-from .world import World
+from ..arrays import Array, as_array
+from ..errors import InvalidInput
+from ..navigation import Hall, Odometry, Vehicle, Walker
+from ..navigation.driving import clearance, step_between
+from ..navigation.plan_view import carried
+from ..pose import Pose
+from ..simulate import open_simulator
+from ..simulate.mobile import MobileSimulator
+from ..simulate.scanner import Bystander, ray_distances
+from ..world import World
 
 _BODY = 6         # the link of a base that is the base
 _AT_ONCE = 5      # engine steps in one call
