@@ -44,17 +44,11 @@ def _deployment(world: World, task: PickAndPlace, acceleration: float) -> Iterat
         return
     yield Phase("coupled", "both bases stand together, the link closed", 0.5, begin=MobileSimulator.couple)
     yield Phase("uncouple", "the electromagnetic link opens", 0.3, begin=MobileSimulator.uncouple)
-    aside = task.aside
+    words = (("sidestep", "clear of the shelf"), ("deploy", "the active base drives away, the platform stays"),
+             ("line up", "the base takes its place"))
     for name, start in task.coupled.items():
         base = world.robot.base(name)
-        goal = (float(base.position[0]), float(base.position[1]), base.heading)
-        stops = [start, _beside(start, aside), _beside(goal, aside), goal] if aside else [start, goal]
-        words = ([("sidestep", "clear of the shelf"), ("deploy", "the active base drives away, the platform stays"),
-                  ("line up", "the base takes its place")] if aside else
-                 [("deploy", "the active base drives away, the platform stays")])
-        for (state, what), here, there in zip(words, stops, stops[1:]):
-            yield Phase(state, what, _driving_time(base, here, there, acceleration), drives={name: there},
-                        guard=_arrived)
+        yield from _legs(base, start, _place(base), task.aside, words, acceleration)
     yield Phase("stabilize", "the stabilizers go down, no base can drive", 0.5,
                 begin=MobileSimulator.lower_stabilizers)
 
@@ -65,19 +59,29 @@ def _folding(world: World, task: PickAndPlace, acceleration: float) -> Iterator[
         raise InvalidInput("bases are to fold back, but the task names no `coupled:` base and its pose")
     yield Phase("lift feet", "the stabilizers go up, the bases stand on wheels", 0.5,
                 begin=MobileSimulator.raise_stabilizers)
-    aside = task.aside
+    words = (("step out", "clear of the shelf again"), ("fold", "the active base drives back, the platform stays"),
+             ("close up", "beside the other base, as before"))
     for name, goal in task.coupled.items():
         base = world.robot.base(name)
-        start = (float(base.position[0]), float(base.position[1]), base.heading)
-        stops = [start, _beside(start, aside), _beside(goal, aside), goal] if aside else [start, goal]
-        words = ([("step out", "clear of the shelf again"), ("fold", "the active base drives back, the platform stays"),
-                  ("close up", "beside the other base, as before")] if aside else
-                 [("fold", "the active base drives back, the platform stays")])
-        for (state, what), here, there in zip(words, stops, stops[1:]):
-            yield Phase(state, what, _driving_time(base, here, there, acceleration), drives={name: there},
-                        guard=_arrived)
+        yield from _legs(base, _place(base), goal, task.aside, words, acceleration)
     yield Phase("link", "the electromagnetic link closes", 0.5, drives=dict(task.coupled), guard=_arrived,
                 begin=MobileSimulator.couple)
+
+
+def _legs(base: Base, start: Place, goal: Place, aside: float, words: tuple[tuple[str, str], ...],
+          acceleration: float) -> Iterator[Phase]:
+    """A base's way from place to place, a state each: out sideways, along, back in; without ``aside`` only along."""
+    stops, told = [start, _beside(start, aside), _beside(goal, aside), goal], words
+    if not aside:
+        stops, told = [start, goal], words[1:2]
+    for (state, what), here, there in zip(told, stops, stops[1:]):
+        yield Phase(state, what, _driving_time(base, here, there, acceleration), drives={base.name: there},
+                    guard=_arrived)
+
+
+def _place(base: Base) -> Place:
+    """Where the world has a base."""
+    return float(base.position[0]), float(base.position[1]), base.heading
 
 
 def _beside(place: Place, aside: float) -> Place:
