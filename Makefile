@@ -47,7 +47,7 @@ lab: $(VENV)/.students  ## JupyterLab with your own copies of the lessons, in my
 	cd my_lessons && "$(abspath $(BIN))/jupyter" lab $(if $(filter 0,$(shell id -u)),--allow-root)
 
 designer: $(VENV)/.students  ## the robot designer as a page in your browser
-	$(BIN)/voila cdprlab/view/designer/page.ipynb
+	$(BIN)/voila cdprlab/course/designer/page.ipynb
 
 lessons: $(VENV)/.tests  ## for instructors: the lessons without their solutions, from lessons/source/
 	$(BIN)/python lessons/source/release.py

@@ -7,24 +7,23 @@
 """
 
 from . import errors
-from .base_placement import place_bases
-from .compare import TensionComparison, compare_tensions
 from .configurations import ConfigurationSequence, classify_configurations, plan_configurations
-from .control import ComputedTorque
 from .errors import CdprError
-from .geometry import cable_directions, cable_lengths, cable_vectors
-from .kinematics import base_jacobian, forward_kinematics, jacobian
-from .picking import Job, TorqueControl, VelocityControl, pick_and_place
-from .pose import Pose
-from .redundancy import TwistResolution, resolve_twist
+from .mechanics.cables import cable_directions, cable_lengths, cable_vectors
+from .mechanics.kinematics import base_jacobian, forward_kinematics, jacobian
+from .mechanics.redundancy import TwistResolution, resolve_twist
+from .mechanics.statics import gravity_wrench, stiffness, tipping_moments, tipping_rows, wrench_matrix
+from .mechanics.trajectory import Reference, Trajectory, hold, quintic
 from .robot import Base, Cable, Platform, Robot
+from .robot.pose import Pose
 from .run import Run, run
+from .run.compare import TensionComparison, compare_tensions
+from .run.controllers import ComputedTorque
+from .run.winches import TorqueControl, VelocityControl
 from .sets import Polytope, available_twist_set, available_wrench_set
 from .simulate import Simulator, open_simulator
-from .state import State
-from .statics import gravity_wrench, stiffness, tipping_moments, tipping_rows, wrench_matrix
+from .simulate.state import State
 from .tensions import TensionDistribution, distribute_tensions, tension_methods
-from .trajectory import Reference, Trajectory, hold, quintic
 from .view import plot
 from .workspace import (
     DynamicEquilibrium,
@@ -37,18 +36,19 @@ from .workspace import (
     WrenchFeasible,
     workspace,
 )
+from .workspace.placement import place_bases
 from .world import World, load_world, world_names, world_schema
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Base", "Cable", "CdprError", "ComputedTorque", "ConfigurationSequence", "DynamicEquilibrium", "InterferenceFree",
-    "Job", "Platform", "Polytope", "Pose", "Reference", "Robot", "Run", "Simulator", "State", "StaticEquilibrium",
+    "Platform", "Polytope", "Pose", "Reference", "Robot", "Run", "Simulator", "State", "StaticEquilibrium",
     "StaticallyStable", "TensionComparison", "TensionDistribution", "TippingSafe", "TorqueControl", "Trajectory",
     "TwistFeasible", "TwistResolution", "VelocityControl", "World", "WrenchClosure", "WrenchFeasible",
     "available_twist_set", "available_wrench_set", "base_jacobian", "cable_directions", "cable_lengths",
     "cable_vectors", "classify_configurations", "compare_tensions", "distribute_tensions", "errors",
-    "forward_kinematics", "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator", "pick_and_place",
-    "place_bases", "plan_configurations", "plot", "quintic", "resolve_twist", "run", "stiffness", "tension_methods",
+    "forward_kinematics", "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator", "place_bases",
+    "plan_configurations", "plot", "quintic", "resolve_twist", "run", "stiffness", "tension_methods",
     "tipping_moments", "tipping_rows", "workspace", "world_names", "world_schema", "wrench_matrix",
 ]

@@ -14,13 +14,13 @@ from joblib import Parallel, delayed
 import cdprlab as cl
 from cdprlab.configurations import Configuration, plan_configurations, slack_length
 from cdprlab.configurations.accuracy import position_sensitivity
-from cdprlab.configurations.forms import FORMS
 from cdprlab.configurations.region import region
 from cdprlab.configurations.sequence import location_score
+from cdprlab.configurations.sides import FORMS
+from cdprlab.course.pictures.configuration_plan import plot_sequences
 from cdprlab.errors import InvalidInput
-from cdprlab.switching import try_errors
+from cdprlab.run.switching import try_errors
 from cdprlab.view import save_figure
-from cdprlab.view.configuration_plan import plot_sequences
 from cdprlab.view.plots import Figure
 from cdprlab.view.style import GREY, INK, cable_style, house_style
 

@@ -13,12 +13,12 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 import cdprlab as cl
-from cdprlab.command_mission import BOUNDS, PALLETS, PEOPLE, START
-from cdprlab.mission import Trip, in_hall, mission_states, run_mission
-from cdprlab.navigation import KinematicPair, Vehicle, navigate, practice_hall
-from cdprlab.view.mission import plot_drives
-from cdprlab.view.mission_film import MissionFilm
-from cdprlab.view.navigation import plot_journey
+from cdprlab.cli.mission_command import BOUNDS, PALLETS, PEOPLE, START
+from cdprlab.fastkit.mission import Trip, in_hall, mission_states, run_mission
+from cdprlab.fastkit.navigation import KinematicPair, Vehicle, navigate, practice_hall
+from cdprlab.fastkit.pictures.hall_figure import plot_journey
+from cdprlab.fastkit.pictures.mission_figure import plot_drives
+from cdprlab.fastkit.pictures.mission_film import MissionFilm
 
 DOCS = Path(__file__).parent
 HALLS = range(20)

@@ -14,10 +14,11 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 import cdprlab as cl
-from cdprlab.picking import TorqueControl, pick_and_place
-from cdprlab.picking.phases import job_phases
-from cdprlab.view import plot_job, save_figure
-from cdprlab.view.job import frame_at, least_edge_loads
+from cdprlab import TorqueControl
+from cdprlab.fastkit import pick_and_place, plot_job
+from cdprlab.fastkit.job.phases import job_phases
+from cdprlab.fastkit.pictures.job_figure import frame_at, least_edge_loads
+from cdprlab.view import save_figure
 
 DOCS = Path(__file__).parent
 SHOWN = ("coupled", "deploy", "reach", "draw in", "carry", "push out")

@@ -15,9 +15,9 @@ settings.load_profile("laws")
 def numbers_round_to_nearest():
     """Interval libraries change how the processor rounds; none may leave it so."""
     yield
-    from cdprlab.intervals import rounds_to_nearest
+    from cdprlab.mechanics.intervals import rounds_to_nearest
 
-    assert rounds_to_nearest(), "the processor was left rounding otherwise: use cdprlab.intervals.outward()"
+    assert rounds_to_nearest(), "the processor was left rounding otherwise: use cdprlab.mechanics.intervals.outward()"
 
 
 class MissingEngines:

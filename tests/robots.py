@@ -4,9 +4,9 @@ import itertools
 
 import numpy as np
 
-from cdprlab.geometry import cable_directions
-from cdprlab.pose import Pose
+from cdprlab.mechanics.cables import cable_directions
 from cdprlab.robot import MOTION_PATTERNS, Base, Cable, Platform, Robot
+from cdprlab.robot.pose import Pose
 
 
 def platform(d, center_of_mass=None, mass=12.0):

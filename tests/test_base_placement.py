@@ -7,11 +7,11 @@ import pytest
 from scipy.optimize import linprog
 
 import cdprlab as cl
-from cdprlab.base_placement import place_bases
-from cdprlab.base_placement.program import Task, worst_margin
-from cdprlab.base_placement.proof import largest_share, standing_rows
 from cdprlab.errors import InvalidInput, NoPlacement
 from cdprlab.robot import Base
+from cdprlab.workspace.placement import place_bases
+from cdprlab.workspace.placement.program import Task, worst_margin
+from cdprlab.workspace.placement.proof import largest_share, standing_rows
 from robots import BASED, build, case
 
 WORLDS = [

@@ -8,7 +8,7 @@ from scipy.optimize import linprog, minimize
 
 import cdprlab as cl
 from cdprlab.errors import InfeasibleTwist, InvalidInput
-from cdprlab.redundancy import RESOLUTION_METHODS, resolve_twist
+from cdprlab.mechanics.redundancy import RESOLUTION_METHODS, resolve_twist
 from robots import BASED, case, moved
 
 LIMITED = ("weighted", "quadratic_program")

@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import linprog
 
 import cdprlab as cl
-from cdprlab.view import widgets
-from cdprlab.workspace.brief import workshop_brief
+from cdprlab import course
+from cdprlab.course.brief import workshop_brief
 
 BRIEF = workshop_brief()
 ANCHORS = [[0.4, -0.3, -0.2], [-0.4, 0.3, 0.2], [-0.4, -0.3, 0.2], [0.4, 0.3, -0.2],
@@ -127,7 +127,7 @@ def test_fewer_cables_can_be_asked_for():
 
 
 def test_the_designer_judges_the_brief_with_every_edit():
-    designer = widgets.robot_designer(cl.World.from_dict(eight()), BRIEF)
+    designer = course.robot_designer(cl.World.from_dict(eight()), BRIEF)
     assert "The brief is met" in designer.text
     designer.edit(("cables", 0, "exit_point", 0), 5.0)
     assert "The brief is not met" in designer.text and "✗" in designer._brief.value

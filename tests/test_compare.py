@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
-from cdprlab.compare import _shrinks, compare_tensions
 from cdprlab.errors import InvalidInput
+from cdprlab.run.compare import _shrinks, compare_tensions
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+from cdprlab.course.pictures.comparison import plot_comparison
 from cdprlab.errors import InvalidInput
-from cdprlab.view.comparison import plot_comparison
 
 
 @pytest.fixture(autouse=True)

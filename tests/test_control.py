@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import robots
-from cdprlab.control import ComputedTorque, inverse_dynamics, mobility, pose_error
-from cdprlab.pose import Pose, rotation_from_vector
-from cdprlab.state import State
-from cdprlab.trajectory import Reference, quintic
+from cdprlab.mechanics.dynamics import inverse_dynamics, mobility
+from cdprlab.mechanics.trajectory import Reference, quintic
+from cdprlab.robot.pose import Pose, rotation_from_vector
+from cdprlab.run.controllers import ComputedTorque, pose_error
+from cdprlab.simulate.state import State
 
 STEP = 1e-5  # s: central differences of the energy err by its third derivative times STEP²
 

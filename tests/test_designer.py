@@ -7,14 +7,14 @@ import pytest
 from scipy.optimize import linprog
 
 import cdprlab as cl
+from cdprlab import course
+from cdprlab.course.designer.assessment import CLEARANCE, PLANES, assess, workspace_slice
+from cdprlab.course.designer.edits import contents, edited, opened, value_at, with_entry, without_entry
+from cdprlab.course.designer.fields import GROUPS, Place, rows, shown, typed
+from cdprlab.course.designer.history import History
+from cdprlab.course.designer.session import DesignSession
+from cdprlab.course.designer.slice_drawing import round_numbers, slice_svg
 from cdprlab.errors import InvalidInput, WorldError
-from cdprlab.view import widgets
-from cdprlab.view.designer.assessment import CLEARANCE, PLANES, assess, workspace_slice
-from cdprlab.view.designer.edits import contents, edited, opened, value_at, with_entry, without_entry
-from cdprlab.view.designer.fields import GROUPS, Place, rows, shown, typed
-from cdprlab.view.designer.history import History
-from cdprlab.view.designer.session import DesignSession
-from cdprlab.view.designer.slice_drawing import round_numbers, slice_svg
 from cdprlab.workspace.interference import cable_distances
 
 every_world = pytest.mark.parametrize("name", cl.world_names())
@@ -344,7 +344,7 @@ def test_many_redundant_cables_have_a_coarse_slice():
 # --- the page -----------------------------------------------------------------------------------------------
 @pytest.fixture(params=["caroca", "planar_mcdpr", "marionet"])
 def designer(request):
-    designer = widgets.robot_designer(request.param)
+    designer = course.robot_designer(request.param)
     yield designer
     designer.close()
 
@@ -394,7 +394,7 @@ def test_pictures_and_slice_have_words(designer):
 
 
 def test_a_design_is_simulated_and_played():
-    designer = widgets.robot_designer("planar_point")
+    designer = course.robot_designer("planar_point")
     run = designer.simulate(method="barycenter", kp=50.0, kd=20.0)
     assert run.method == "barycenter" and run.world is designer.world
     assert designer.player.run is run and len(designer._below.children) == 2
@@ -406,9 +406,9 @@ def test_a_design_is_simulated_and_played():
 
 def test_a_designer_takes_worlds():
     with pytest.raises(InvalidInput, match="takes a World"):
-        widgets.robot_designer(42)
+        course.robot_designer(42)
     with pytest.raises(WorldError, match="unknown world"):
-        widgets.robot_designer("no_such_world")
+        course.robot_designer("no_such_world")
 
 
 @every_world

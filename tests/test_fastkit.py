@@ -8,13 +8,10 @@ import pytest
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.fast_control import mass_and_bias, turn_between
-from cdprlab.picking import DONE, STOPPED, Machine, Phase, Sensors, TorqueControl, pick_and_place
-from cdprlab.picking.phases import driving_speed, driving_time, job_phases
-from cdprlab.pose import rotation_vector
-from cdprlab.state import State
-from cdprlab.tensions.standing import standing_tensions
-from cdprlab.winch import (
+from cdprlab.fastkit.job import DONE, STOPPED, Machine, Phase, Sensors, pick_and_place
+from cdprlab.fastkit.job.phases import driving_speed, driving_time, job_phases
+from cdprlab.mechanics.fast_control import mass_and_bias, turn_between
+from cdprlab.mechanics.winch import (
     Friction,
     cable_tensions,
     friction_experiment,
@@ -23,6 +20,10 @@ from cdprlab.winch import (
     motor_speed,
     motor_torque,
 )
+from cdprlab.robot.pose import rotation_vector
+from cdprlab.run.winches import TorqueControl
+from cdprlab.simulate.state import State
+from cdprlab.tensions.standing import standing_tensions
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
 
@@ -167,7 +168,7 @@ def test_a_job_is_saved(flown, tmp_path):
 
 
 def test_the_film_shows_every_phase(flown):
-    from cdprlab.view.job import film_moments
+    from cdprlab.fastkit.pictures.job_figure import film_moments
 
     moments = np.array(film_moments(flown, 128))
     assert moments[0] == 0 and moments[-1] == flown.time[-1] and (np.diff(moments) > 0).all()
@@ -177,7 +178,7 @@ def test_the_film_shows_every_phase(flown):
 
 
 def test_a_job_is_pictured(flown, tmp_path):
-    from cdprlab.view.job import frame_at, plot_job
+    from cdprlab.fastkit.pictures.job_figure import frame_at, plot_job
 
     figure = plot_job(flown)
     assert "done" in figure.alt_text and len(figure.axes) == 5
@@ -311,7 +312,7 @@ def test_a_shut_guard_waits_then_stops():
     ({"overloaded": 0.2}, "off their limits"), ({"missing": 0.2}, "no tensions"),
     ({"error": 0.06}, "off its path"), ({"gripped": True, "slipped": 0.05}, "slipped")])
 def test_every_fault_stops(seen, why):
-    from cdprlab.picking.machine import FAULTS
+    from cdprlab.fastkit.job.machine import FAULTS
 
     machine = Machine((Phase("first", "", 1.0),), FAULTS)
     assert machine.step(sensed(0.5, **seen)) and machine.state == STOPPED and why in machine.history[-1].why

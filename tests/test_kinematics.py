@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
-from cdprlab.kinematics import _moved, _twist_per_step
+from cdprlab.mechanics.kinematics import _moved, _twist_per_step
 from robots import BASED, ROBOTS, case, cases, differences, moved, random_pose, random_poses, robot_2r3t, robot_3r3t
 
 # Central differences of step h leave h²/6 of the third derivative (about 1 here) and rounding 1e-16/h.

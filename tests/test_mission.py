@@ -11,7 +11,9 @@ from cdprlab.errors import InvalidInput
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
 
-from cdprlab.mission import (
+from cdprlab.fastkit.job import pick_and_place
+from cdprlab.fastkit.job.phases import job_phases
+from cdprlab.fastkit.mission import (
     DONE,
     STOPPED,
     EnginePair,
@@ -24,9 +26,7 @@ from cdprlab.mission import (
     run_mission,
     walk_through,
 )
-from cdprlab.navigation import ARRIVED, Hall, Vehicle, Walker, cast
-from cdprlab.picking import pick_and_place
-from cdprlab.picking.phases import job_phases
+from cdprlab.fastkit.navigation import ARRIVED, Hall, Vehicle, Walker, cast
 from cdprlab.simulate.scanner import ray_distances
 
 BOUNDS = [[-5, -6], [7, 2]]
@@ -149,7 +149,7 @@ def test_folding_is_the_deployment_turned_round(monkeypatch):
     assert [phase.drives for phase in back] == stops[-2::-1]
     np.testing.assert_allclose([phase.duration for phase in back], [phase.duration for phase in out[::-1]])
     only = (*phases[:6], *phases[-5:])
-    monkeypatch.setattr("cdprlab.picking.job.job_phases", lambda *_, **__: only)
+    monkeypatch.setattr("cdprlab.fastkit.job.job.job_phases", lambda *_, **__: only)
     job = pick_and_place(world, fold=True)
     assert job.state == DONE and job.events[-2].state == "link"
     assert np.linalg.norm(job.poses.position - task.start.position, axis=1).max() <= 1e-3
@@ -186,7 +186,7 @@ def test_the_work_begins_where_the_pair_stands(mission, world):
 
 
 def test_the_journey_is_drawn_with_words_for_those_who_cannot_see_it(mission):
-    from cdprlab.view.navigation import plot_journey
+    from cdprlab.fastkit.pictures.hall_figure import plot_journey
 
     figure = plot_journey(mission.journey)
     assert "reaches its goal" in figure.alt_text and len(figure.axes) == 3
@@ -246,7 +246,7 @@ def test_wrong_requests_are_named(world):
 
 def test_the_film_shows_each_state_at_its_time(mission):
     """From above where the pair truly is; the job here has no pictures of its own, so only the drives are drawn."""
-    from cdprlab.view.mission_film import MissionFilm
+    from cdprlab.fastkit.pictures.mission_film import MissionFilm
     from cdprlab.view.style import SKY
 
     film = MissionFilm(replace(mission, job=None, events=[event for event in mission.events if event.time < 1.0]))
@@ -262,7 +262,7 @@ def test_the_film_shows_each_state_at_its_time(mission):
 
 
 def test_the_drives_are_drawn(mission):
-    from cdprlab.view.mission import plot_drives, plot_scans
+    from cdprlab.fastkit.pictures.mission_figure import plot_drives, plot_scans
 
     figure = plot_drives(mission)
     assert [panel.get_title(loc="left") or panel.get_title() for panel in figure.axes[:2]] == ["way there", "way home"]
@@ -274,7 +274,7 @@ def test_the_drives_are_drawn(mission):
 
 
 def test_the_command_line_writes_the_journey(tmp_path, capsys):
-    from cdprlab.command_mission import fly_mission
+    from cdprlab.cli.mission_command import fly_mission
 
     mission = fly_mission(cl.load_world("fastkit_suspended"), tmp_path, pictures=True, work=lambda *_: None)
     assert mission.state == STOPPED and "stopped safely: in deployed" in capsys.readouterr().out

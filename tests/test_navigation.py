@@ -6,7 +6,7 @@ from scipy.ndimage import label
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.navigation import (
+from cdprlab.fastkit.navigation import (
     ARRIVED,
     Follower,
     Hall,
@@ -24,11 +24,11 @@ from cdprlab.navigation import (
     plan_path,
     practice_hall,
 )
-from cdprlab.navigation.driving import clearance, step_between
-from cdprlab.navigation.journey import undocking
-from cdprlab.navigation.plan_view import carried, outline_distance, rectangle
-from cdprlab.navigation.planner import MARGIN, between
-from cdprlab.navigation.vehicle import difference, moved
+from cdprlab.fastkit.navigation.driving import clearance, step_between
+from cdprlab.fastkit.navigation.journey import undocking
+from cdprlab.fastkit.navigation.plan_view import carried, outline_distance, rectangle
+from cdprlab.fastkit.navigation.planner import MARGIN, between
+from cdprlab.fastkit.navigation.vehicle import difference, moved
 
 
 @pytest.fixture(scope="module")

@@ -9,13 +9,13 @@ from PIL import Image
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput, MissingDependency, SimulationDiverged
-from cdprlab.simulate.camera import SLACK_COLOR, TENSION_COLORS, Camera
+from cdprlab.view.camera import SLACK_COLOR, TENSION_COLORS, Camera
 from robots import robot_1r2t, robot_2t, spatial_twin
 
 try:
     from cdprlab.simulate.planar import import_pymunk
-    from cdprlab.simulate.planar_camera import PlanarCamera
     from cdprlab.simulate.planar_space import solving_order
+    from cdprlab.view.planar_camera import PlanarCamera
 
     import_pymunk()
 except MissingDependency as missing:

@@ -11,8 +11,8 @@ from scipy.spatial import ConvexHull
 import cdprlab as cl
 from cdprlab.errors import InvalidInput, NotListable
 from cdprlab.sets import hyperplane_shifting
-from cdprlab.sets.linear_program import maximize
 from cdprlab.sets.listing import _needed
+from cdprlab.sets.simplex import maximize
 
 KINDS = ["rows", "zonotope", "image", "flat zonotope", "flat image", "point", "segment"]
 

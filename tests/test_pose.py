@@ -11,7 +11,7 @@ from scipy.linalg import expm
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.pose import cross_matrix, rotation_from_vector, rotation_vector, rotation_vector_jacobian
+from cdprlab.robot.pose import cross_matrix, rotation_from_vector, rotation_vector, rotation_vector_jacobian
 from robots import differences
 
 ANGLES = st.floats(-3.0, 3.0)

@@ -6,7 +6,7 @@ from test_widgets import planar_world
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.simulate.camera import SLACK_COLOR, tension_colors
+from cdprlab.view.camera import SLACK_COLOR, tension_colors
 from cdprlab.view.scene import RobotScene, legend_html, scene
 
 SPATIAL = [name for name in cl.world_names() if cl.load_world(name).robot.dimension == 3]

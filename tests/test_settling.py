@@ -5,11 +5,11 @@ import pytest
 from scipy.optimize import minimize
 
 import cdprlab as cl
+from cdprlab.course.props.letting_go import let_go
+from cdprlab.course.props.point_load import circle_crossings, point_load
+from cdprlab.course.props.pose_search import six_cables
+from cdprlab.course.props.settling import hang
 from cdprlab.errors import InvalidInput
-from cdprlab.point_load import circle_crossings, point_load
-from cdprlab.pose_search import six_cables
-from cdprlab.simulate.letting_go import let_go
-from cdprlab.simulate.settling import hang
 
 # The engine is called at rest below 1e-6 m/s, and a hanging load's slowest motion fades at 1/s or quicker: 1e-6 m are
 # left, some of it in each direction.

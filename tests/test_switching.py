@@ -6,9 +6,9 @@ from scipy.optimize import minimize
 
 import cdprlab as cl
 from cdprlab.configurations import hanging_position, plan_configurations
+from cdprlab.configurations.winding import winding_plan
 from cdprlab.errors import InvalidInput
-from cdprlab.switching import follow_sequence, taut_cables, try_errors
-from cdprlab.winding import winding_plan
+from cdprlab.run.switching import follow_sequence, taut_cables, try_errors
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
 START, GOAL = [1.05, 0.90, 0.70], [1.70, 1.05, 0.55]

@@ -5,8 +5,8 @@ import pytest
 from scipy.linalg import expm
 
 import cdprlab as cl
-from cdprlab.pose import cross_matrix, rotation_vector, rotation_vector_jacobian
-from cdprlab.trajectory import _jacobian_rate
+from cdprlab.mechanics.trajectory import _jacobian_rate
+from cdprlab.robot.pose import cross_matrix, rotation_vector, rotation_vector_jacobian
 from robots import case
 
 BOUNDARY = ("start_twist", "end_twist", "start_acceleration", "end_acceleration")

@@ -13,7 +13,7 @@ from PIL import Image
 import cdprlab as cl
 from cdprlab import view
 from cdprlab.errors import InvalidInput
-from cdprlab.simulate.camera import SHADOW, SLACK_COLOR, TENSION_COLORS, Camera, extents, tension_colors
+from cdprlab.view.camera import SHADOW, SLACK_COLOR, TENSION_COLORS, Camera, extents, tension_colors
 
 SIZE = 320, 240
 

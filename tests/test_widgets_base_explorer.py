@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
+from cdprlab import course
 from cdprlab.errors import InvalidInput
-from cdprlab.view import widgets
 from robots import moved
 
 WORLDS = ("planar_mcdpr", "fastkit_planar", "mobile_four_bases")
@@ -17,7 +17,7 @@ STEP, DIFFERENCE = 1e-6, 1e-8
 
 @pytest.fixture(params=WORLDS)
 def explorer(request):
-    explorer = widgets.base_explorer(cl.load_world(request.param))
+    explorer = course.base_explorer(cl.load_world(request.param))
     yield explorer
     explorer.close()
 
@@ -44,7 +44,7 @@ def test_rates_are_the_derivatives_of_the_lengths(explorer, seed):
 
 
 def test_bases_stand_where_the_sliders_put_them():
-    explorer = widgets.base_explorer(cl.load_world("planar_mcdpr"))
+    explorer = course.base_explorer(cl.load_world("planar_mcdpr"))
     explorer.set(left_along=0.4, right_along=-0.2)
     motion = explorer.motion(explorer.values)
     assert [base.position[0] for base in motion.robot.bases] == [0.4, 1.8]
@@ -63,7 +63,7 @@ def test_every_control_answers_at_both_ends_of_its_range(explorer):
 
 
 def test_all_corners_in_the_plane():
-    explorer = widgets.base_explorer(cl.load_world("planar_mcdpr"))
+    explorer = course.base_explorer(cl.load_world("planar_mcdpr"))
     names = ("left_along", "right_along", "x", "y", "speed_along")
     for corner in itertools.product(*((explorer.controls[name].low, explorer.controls[name].high) for name in names)):
         explorer.set(**dict(zip(names, corner)))
@@ -72,7 +72,7 @@ def test_all_corners_in_the_plane():
 
 
 def test_the_picture_follows_the_bases():
-    explorer = widgets.base_explorer(cl.load_world("planar_mcdpr"))
+    explorer = course.base_explorer(cl.load_world("planar_mcdpr"))
     before = explorer.picture
     explorer.set(left_along=0.3)
     driven = explorer.picture
@@ -83,7 +83,7 @@ def test_the_picture_follows_the_bases():
 
 
 def test_only_the_chosen_base_drives_and_its_limits_hold():
-    explorer = widgets.base_explorer(cl.load_world("planar_mcdpr"))
+    explorer = course.base_explorer(cl.load_world("planar_mcdpr"))
     explorer.set(drives="right", speed_along=0.8)
     np.testing.assert_array_equal(explorer.motion(explorer.values).base_speeds, [0, 0, 0, 0, 0.8, 0])
     assert "Cables 3, 4 paid out" in explorer.text
@@ -91,7 +91,7 @@ def test_only_the_chosen_base_drives_and_its_limits_hold():
 
 
 def test_a_winch_too_slow_is_named():
-    explorer = widgets.base_explorer(cl.load_world("planar_mcdpr"))
+    explorer = course.base_explorer(cl.load_world("planar_mcdpr"))
     explorer.set(v_x=1.15, v_y=1.675)   # Rasheed et al. 2018, sec. 4.1: out of reach unless a base drives along
     assert "cable 1 too fast for the winch" in explorer.text
     explorer.set(drives="left", speed_along=0.4)
@@ -102,7 +102,7 @@ def test_a_winch_too_slow_is_named():
 def test_a_cable_without_length_has_no_rate():
     world = cl.load_world("planar_mcdpr").to_dict()
     world["cables"][0]["exit_point"] = [0.4, 1.6]
-    explorer = widgets.base_explorer(cl.World.from_dict(world))
+    explorer = course.base_explorer(cl.World.from_dict(world))
     explorer.set(left_along=0.6, x=1.0, y=1.6)
     assert "Cable 1 has no length" in explorer.text
     explorer.close()
@@ -110,10 +110,10 @@ def test_a_cable_without_length_has_no_rate():
 
 def test_what_cannot_drive_is_named():
     with pytest.raises(InvalidInput, match="'caroca' has no base that can drive"):
-        widgets.base_explorer(cl.load_world("caroca"))
+        course.base_explorer(cl.load_world("caroca"))
     with pytest.raises(InvalidInput, match="takes a World, got str"):
-        widgets.base_explorer("planar_mcdpr")
+        course.base_explorer("planar_mcdpr")
     with pytest.raises(InvalidInput, match="base 'passive' cannot drive"):
-        widgets.base_explorer(cl.load_world("fastkit_planar"), bases=("passive",))
+        course.base_explorer(cl.load_world("fastkit_planar"), bases=("passive",))
     with pytest.raises(InvalidInput, match="at least one base"):
-        widgets.base_explorer(cl.load_world("fastkit_planar"), bases=())
+        course.base_explorer(cl.load_world("fastkit_planar"), bases=())

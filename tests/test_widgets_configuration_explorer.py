@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
+from cdprlab import course
 from cdprlab.configurations import classify_configurations, plan_configurations
+from cdprlab.course.explorers.explorer import Slider
+from cdprlab.course.pictures.configuration_plan import plot_flight, plot_sequences, plot_triplets
 from cdprlab.errors import InvalidInput
-from cdprlab.view import widgets
-from cdprlab.view.configuration_plan import plot_flight, plot_sequences, plot_triplets
-from cdprlab.view.widgets.explorer import Slider
 
 WORLDS = ("marionet", "marionet_five")
 
 
 @pytest.fixture(scope="module")
 def explorer():
-    explorer = widgets.configuration_explorer(cl.load_world("marionet"))
+    explorer = course.configuration_explorer(cl.load_world("marionet"))
     yield explorer
     explorer.close()
 
@@ -42,7 +42,7 @@ def test_it_says_what_the_library_says(explorer):
 
 @pytest.mark.parametrize("name", WORLDS)
 def test_every_slider_answers_at_both_ends(name):
-    explorer = widgets.configuration_explorer(cl.load_world(name))
+    explorer = course.configuration_explorer(cl.load_world(name))
     sliders = [control for control in explorer.controls.values() if isinstance(control, Slider)]
     choices = [control for control in explorer.controls.values() if not isinstance(control, Slider)]
     ends = [itertools.repeat("low"), itertools.repeat("high"), itertools.cycle(["low", "high"]),
@@ -73,7 +73,7 @@ def test_picking_more_than_there_are_takes_the_last(explorer):
 
 
 def test_without_uncertainty_all_is_exact():
-    explorer = widgets.configuration_explorer(cl.load_world("marionet"), uncertain=False)
+    explorer = course.configuration_explorer(cl.load_world("marionet"), uncertain=False)
     assert not {"form", "method", "exit_uncertainty", "position_uncertainty"} & set(explorer.controls)
     explorer.set(share=0.5)
     assert "uncertain" not in explorer.classes(explorer.values).values()
@@ -94,9 +94,9 @@ def test_the_chosen_sequence_flies_and_a_move_takes_the_flight_away(explorer):
 
 def test_other_worlds_are_named():
     with pytest.raises(InvalidInput, match="3R3T"):
-        widgets.configuration_explorer(cl.load_world("caroca"))
+        course.configuration_explorer(cl.load_world("caroca"))
     with pytest.raises(InvalidInput, match="takes a World"):
-        widgets.configuration_explorer(cl.load_world("marionet").robot)
+        course.configuration_explorer(cl.load_world("marionet").robot)
 
 
 # --- figures ------------------------------------------------------------------------------------------------

@@ -7,10 +7,10 @@ import pytest
 from scipy.optimize import linprog
 
 import cdprlab as cl
+from cdprlab import course
+from cdprlab.course.pictures.equilibrium import draw_equilibrium
+from cdprlab.course.props.point_load import EXIT_POINTS, MASS, equilibrium, null_vector, point_load
 from cdprlab.errors import InvalidInput
-from cdprlab.point_load import EXIT_POINTS, MASS, equilibrium, null_vector, point_load
-from cdprlab.view import widgets
-from cdprlab.view.equilibrium import draw_equilibrium
 
 # Sums of a few products of doubles of size 1e3: some 1e-13 of rounding each, far above nothing, far below a newton.
 ROUNDING = 1e-9
@@ -85,7 +85,7 @@ def test_numbers_of_cables_that_do_not_fit_are_named():
     with pytest.raises(InvalidInput, match="2, 3 or 4 cables, got 5"):
         point_load(5)
     with pytest.raises(InvalidInput, match="2, 3 or 4 cables, got 1"):
-        widgets.equilibrium_explorer(1)
+        course.equilibrium_explorer(1)
 
 
 def test_a_figure_tells_its_numbers_and_takes_a_students_own():
@@ -98,7 +98,7 @@ def test_a_figure_tells_its_numbers_and_takes_a_students_own():
 
 
 def test_every_control_answers_at_both_ends_of_its_range():
-    explorer = widgets.equilibrium_explorer(2)
+    explorer = course.equilibrium_explorer(2)
     ends = {name: (control.low, control.high) for name, control in explorer.controls.items() if name != "cables"}
     corners = itertools.product(EXIT_POINTS, *(ends[name] for name in ("x", "y", "internal", "time")))
     for m, x, y, internal, seconds in corners:
@@ -110,7 +110,7 @@ def test_every_control_answers_at_both_ends_of_its_range():
 
 
 def test_a_closed_polygon_stays_when_let_go_and_an_open_one_moves_along_what_is_left_over():
-    explorer = widgets.equilibrium_explorer(3)
+    explorer = course.equilibrium_explorer(3)
     explorer.set(y=1.5, internal=100, time=0.5)
     assert "moved 0.0 mm" in explorer.text
     explorer.set(extra=40, time=0.1)
@@ -126,7 +126,7 @@ def test_a_closed_polygon_stays_when_let_go_and_an_open_one_moves_along_what_is_
 def test_a_cable_told_to_push_carries_nothing():
     state = equilibrium(point_load(3), [0.0, 1.5], internal=-100)
     np.testing.assert_allclose(state.left_over, [0, -MASS * 9.81])  # all three are slack: it falls
-    explorer = widgets.equilibrium_explorer(3)
+    explorer = course.equilibrium_explorer(3)
     explorer.set(y=1.5, internal=-100, time=0.2)
     assert "pymunk     a = (0.000, -9.810)" in explorer.text
     assert explorer._axes[1].get_title(loc="left") == "Force polygon: slack!"
@@ -134,13 +134,13 @@ def test_a_cable_told_to_push_carries_nothing():
 
 
 def test_a_load_that_is_held_tells_nothing_yet():
-    explorer = widgets.equilibrium_explorer(2)
+    explorer = course.equilibrium_explorer(2)
     assert explorer.motion(explorer.values) is None and "which way" in explorer.text
     explorer.close()
 
 
 def test_slack_cables_are_told_in_text():
-    explorer = widgets.equilibrium_explorer(3)
+    explorer = course.equilibrium_explorer(3)
     explorer.set(x=0.0, y=1.5, internal=100)
     assert "slack" not in explorer.text
     explorer.set(internal=-100)
@@ -149,13 +149,13 @@ def test_slack_cables_are_told_in_text():
 
 
 def test_without_internal_tension_there_is_no_such_slider():
-    explorer = widgets.equilibrium_explorer(2, internal=False)
+    explorer = course.equilibrium_explorer(2, internal=False)
     assert "internal" not in explorer.controls
     explorer.close()
 
 
 def test_explorer_shows_what_statics_says():
-    explorer = widgets.equilibrium_explorer(4)
+    explorer = course.equilibrium_explorer(4)
     explorer.set(x=0.4, y=1.2, push_x=30)
     state = explorer.state(explorer.values)
     pose = cl.Pose([0.4, 1.2], angle=0.0)

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
+from cdprlab import course
+from cdprlab.course.explorers.explorer import Slider
+from cdprlab.course.pictures import pose_estimates
+from cdprlab.course.props.pose_search import gauss_newton_path, six_cables, without_cable
 from cdprlab.errors import InvalidInput
-from cdprlab.pose_search import gauss_newton_path, six_cables, without_cable
-from cdprlab.view import pose_estimates, widgets
-from cdprlab.view.widgets.explorer import Slider
 
 # Lengths of a few meters are rounded to 1e-15 m; J⁺ multiplies that by less than 10 for these poses.
 ROUNDING = 1e-13
@@ -15,7 +16,7 @@ ROUNDING = 1e-13
 
 @pytest.fixture(scope="module")
 def explorer():
-    made = widgets.forward_kinematics_explorer()
+    made = course.forward_kinematics_explorer()
     yield made
     made.close()
 

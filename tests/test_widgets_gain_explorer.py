@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
+from cdprlab import course
+from cdprlab.course.explorers.explorer import Slider
+from cdprlab.course.explorers.gains import error_decay, judge, sampled_error, step_matrix
 from cdprlab.errors import InvalidInput, MissingDependency
-from cdprlab.view import widgets
-from cdprlab.view.widgets.explorer import Slider
-from cdprlab.view.widgets.gains import error_decay, judge, sampled_error, step_matrix
 
 try:
     from cdprlab.simulate.spatial import import_pybullet
@@ -25,7 +25,7 @@ flies = pytest.mark.skipif(not ENGINE, reason="PyBullet is not installed")
 
 @pytest.fixture(scope="module")
 def explorer():
-    made = widgets.gain_explorer()
+    made = course.gain_explorer()
     yield made
     made.close()
 
@@ -117,4 +117,4 @@ def test_both_ends_of_every_slider(explorer):
 
 def test_gains_out_of_range_are_named():
     with pytest.raises(InvalidInput, match="kd"):
-        widgets.gain_explorer(kd=5000)
+        course.gain_explorer(kd=5000)

@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
+from cdprlab import course
 from cdprlab.errors import InvalidInput
-from cdprlab.view import widgets
 
 SPATIAL = ["caroca", "okoli_cube", "cogiro", "point_mass"]
 
 
 @pytest.fixture(scope="module")
 def caroca():
-    return widgets.hanging_explorer(cl.load_world("caroca"))
+    return course.hanging_explorer(cl.load_world("caroca"))
 
 
 @pytest.mark.parametrize("name", SPATIAL)
 def test_both_ends_of_every_slider(name):
-    explorer = widgets.hanging_explorer(cl.load_world(name))
+    explorer = course.hanging_explorer(cl.load_world(name))
     first = explorer.picture
     for ends in itertools.product(*((control.low, control.high) for control in explorer.controls.values())):
         explorer.set(**dict(zip(explorer.controls, ends)))
@@ -46,7 +46,7 @@ def test_tensions_grow_without_bound_toward_the_exit_points(caroca):
 
 
 def test_what_cannot_be_held_is_said_in_words():
-    explorer = widgets.hanging_explorer(cl.load_world("point_mass"))
+    explorer = course.hanging_explorer(cl.load_world("point_mass"))
     heavy = explorer.robot.with_payload(1e6, [0, 0, 0])
     explorer.robot = heavy
     explorer.set(z=explorer.controls["z"].high)
@@ -57,4 +57,4 @@ def test_what_cannot_be_held_is_said_in_words():
 @pytest.mark.parametrize("subject", ["caroca", None])
 def test_only_spatial_worlds_hang(subject):
     with pytest.raises(InvalidInput, match="spatial World"):
-        widgets.hanging_explorer(subject)
+        course.hanging_explorer(subject)

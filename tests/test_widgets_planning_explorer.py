@@ -4,19 +4,19 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
+from cdprlab import course
 from cdprlab.errors import InvalidInput
-from cdprlab.navigation import Vehicle, inflated_width
-from cdprlab.navigation.driving import clearance
-from cdprlab.navigation.grid import OccupancyGrid
-from cdprlab.navigation.planner import between
-from cdprlab.view import widgets
+from cdprlab.fastkit.navigation import Vehicle, inflated_width
+from cdprlab.fastkit.navigation.driving import clearance
+from cdprlab.fastkit.navigation.grid import OccupancyGrid
+from cdprlab.fastkit.navigation.planner import between
 
 PAIR = Vehicle.of(cl.load_world("fastkit_suspended").robot, 1.6)
 
 
 @pytest.fixture(scope="module")
 def explorer():
-    explorer = widgets.planning_explorer(PAIR)
+    explorer = course.planning_explorer(PAIR)
     yield explorer
     explorer.close()
 
@@ -84,4 +84,4 @@ def test_the_picture_comes_back(explorer):
 
 def test_anything_else_than_a_vehicle_is_refused():
     with pytest.raises(InvalidInput, match="takes a Vehicle, got World"):
-        widgets.planning_explorer(cl.load_world("fastkit_suspended"))
+        course.planning_explorer(cl.load_world("fastkit_suspended"))

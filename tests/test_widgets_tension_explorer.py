@@ -7,12 +7,12 @@ import pytest
 from scipy.optimize import linprog
 
 import cdprlab as cl
+from cdprlab import course
+from cdprlab.course.explorers.tension import BORDER
+from cdprlab.course.pictures.tension_panels import plot_tension_set
+from cdprlab.course.pictures.tension_polygon import set_in_words, tension_set
+from cdprlab.course.pictures.tension_runs import plot_tension_runs
 from cdprlab.errors import InvalidInput
-from cdprlab.view import widgets
-from cdprlab.view.tension_panels import plot_tension_set
-from cdprlab.view.tension_polygon import set_in_words, tension_set
-from cdprlab.view.tension_runs import plot_tension_runs
-from cdprlab.view.widgets.tension import BORDER
 from robots import robot_1r2t, robot_2t, robot_3r3t
 
 # Products of numbers of size 1e3 and bases from an SVD leave some 1e-12 of 1e3; the list of corners is exact to 1e-9.
@@ -118,7 +118,7 @@ def test_figures_tell_their_numbers():
 
 @pytest.mark.parametrize("subject", [CAROCA, cl.load_world("planar_suspended")], ids=["r = 2", "r = 1"])
 def test_every_control_answers_at_both_ends_of_its_range(subject):
-    explorer = widgets.tension_explorer(subject)
+    explorer = course.tension_explorer(subject)
     start = explorer.values
     for name, control in explorer.controls.items():
         ends = control.options if name == "method" else (control.low, control.high)
@@ -131,14 +131,14 @@ def test_every_control_answers_at_both_ends_of_its_range(subject):
 
 def test_limits_of_the_sliders_never_cross():
     for name in ("caroca", "caroca_light", "planar_suspended", "ipanema3"):
-        explorer = widgets.tension_explorer(cl.load_world(name))
+        explorer = course.tension_explorer(cl.load_world(name))
         assert explorer.controls["tension_min"].high <= explorer.controls["tension_max"].low
         explorer.close()
 
 
 @pytest.mark.parametrize("robot", [robot_2t(), robot_1r2t(), robot_3r3t()], ids=["2T", "1R2T", "3R3T"])
 def test_robots_without_a_world_are_explored_too(robot):
-    explorer = widgets.tension_explorer(robot)
+    explorer = course.tension_explorer(robot)
     for name, walk in itertools.product((BORDER, "relaxed"), (0.0, 50.0)):
         explorer.set(method=name, walk=walk)
     state = explorer.state(explorer.values)
@@ -148,7 +148,7 @@ def test_robots_without_a_world_are_explored_too(robot):
 
 def test_explorer_shows_what_the_library_finds():
     pose = cl.Pose([-1.5, -0.6, 1.6], rpy=[0.02, 0.15, -0.15])
-    explorer = widgets.tension_explorer(CAROCA, pose)
+    explorer = course.tension_explorer(CAROCA, pose)
     explorer.set(method="puncture", tension_min=250, tension_max=1500)
     W, w_e = cl.wrench_matrix(CAROCA.robot, pose), cl.gravity_wrench(CAROCA.robot, pose)
     found = cl.distribute_tensions(W, w_e, 250, 1500, "puncture")
@@ -163,9 +163,9 @@ def test_explorer_shows_what_the_library_finds():
 
 def test_other_redundancies_are_named():
     with pytest.raises(InvalidInput, match="6 cables hold 6 freedoms, r = 0"):
-        widgets.tension_explorer(cl.load_world("robocrane"))
+        course.tension_explorer(cl.load_world("robocrane"))
     with pytest.raises(InvalidInput, match="World or a Robot, got str"):
-        widgets.tension_explorer("caroca")
+        course.tension_explorer("caroca")
 
 
 def test_runs_side_by_side_tell_their_numbers():

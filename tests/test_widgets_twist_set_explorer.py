@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import linprog
 
 import cdprlab as cl
+from cdprlab import course
 from cdprlab.errors import InvalidInput
-from cdprlab.view import widgets
 
 # HiGHS keeps its rows to 1e-7; scales are of size 1.
 LINEAR_PROGRAM = 1e-6
@@ -16,14 +16,14 @@ LINEAR_PROGRAM = 1e-6
 
 @pytest.fixture(scope="module")
 def planar():
-    explorer = widgets.twist_set_explorer(cl.load_world("planar_mcdpr"))
+    explorer = course.twist_set_explorer(cl.load_world("planar_mcdpr"))
     yield explorer
     explorer.close()
 
 
 @pytest.fixture(scope="module")
 def fastkit():
-    explorer = widgets.twist_set_explorer(cl.load_world("fastkit_suspended"), components=(0, 2))
+    explorer = course.twist_set_explorer(cl.load_world("fastkit_suspended"), components=(0, 2))
     yield explorer
     explorer.close()
 
@@ -98,7 +98,7 @@ def test_a_move_changes_the_picture(planar):
 
 
 def test_robots_without_bases_have_one_set():
-    explorer = widgets.twist_set_explorer(cl.load_world("caroca_light"))
+    explorer = course.twist_set_explorer(cl.load_world("caroca_light"))
     found = explorer.reach(explorer.values)
     assert "base" not in "".join(explorer.controls)
     np.testing.assert_allclose(found.fixed.component_range(), found.moving.component_range())
@@ -107,10 +107,10 @@ def test_robots_without_bases_have_one_set():
 
 def test_what_does_not_fit_is_named():
     with pytest.raises(InvalidInput, match="takes a World, got Robot"):
-        widgets.twist_set_explorer(cl.load_world("planar_mcdpr").robot)
+        course.twist_set_explorer(cl.load_world("planar_mcdpr").robot)
     with pytest.raises(InvalidInput, match="two different numbers from 0 to 5 of one unit"):
-        widgets.twist_set_explorer(cl.load_world("fastkit_suspended"), components=(0, 3))
+        course.twist_set_explorer(cl.load_world("fastkit_suspended"), components=(0, 3))
     document = cl.load_world("planar_point").to_dict()
     del document["cable_limits"]["speed"]
     with pytest.raises(InvalidInput, match="without a speed limit"):
-        widgets.twist_set_explorer(cl.World.from_dict(document))
+        course.twist_set_explorer(cl.World.from_dict(document))

@@ -5,15 +5,15 @@ import itertools
 import numpy as np
 import pytest
 
+from cdprlab import course
 from cdprlab.errors import InvalidInput
-from cdprlab.view import widgets
 
 HUNG = "yes, in pymunk"
 
 
 @pytest.fixture(scope="module")
 def explorer():
-    made = widgets.two_circles_explorer()
+    made = course.two_circles_explorer()
     yield made
     made.close()
 
@@ -51,7 +51,7 @@ def test_both_ends_of_every_slider(explorer, hang):
 
 
 def test_somebodys_own_formula_is_drawn_right_or_wrong():
-    upper = widgets.two_circles_explorer(lambda A1, A2, l1, l2: np.array([1.8, 5.4]))
+    upper = course.two_circles_explorer(lambda A1, A2, l1, l2: np.array([1.8, 5.4]))
     upper.set(hang=HUNG)
     assert "your point [m]           (1.800, 5.400)" in upper.text and upper.text.endswith("4800.000")
     upper.close()
@@ -61,8 +61,8 @@ def test_a_formula_that_says_there_is_none_is_believed_and_one_that_answers_nons
     def none(A1, A2, l1, l2):
         raise ValueError("no point has these lengths")
 
-    silent = widgets.two_circles_explorer(none)
+    silent = course.two_circles_explorer(none)
     assert "your point [m]  none" in silent.text
     silent.close()
     with pytest.raises(InvalidInput, match="the point must be"):
-        widgets.two_circles_explorer(lambda A1, A2, l1, l2: np.zeros(3))
+        course.two_circles_explorer(lambda A1, A2, l1, l2: np.zeros(3))

@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import linprog
 
 import cdprlab as cl
+from cdprlab import course
+from cdprlab.course.explorers.workspaces import CRITERIA
 from cdprlab.errors import InvalidInput
-from cdprlab.view import widgets
-from cdprlab.view.widgets.workspaces import CRITERIA
 
 NAMES = ("planar_rigid", "planar_suspended", "planar_point", "planar_point_3", "kntu_planar", "planar_mcdpr")
 
@@ -25,7 +25,7 @@ def holds(robot, pose, pushes, low, high):
 
 @pytest.mark.parametrize("name", ["planar_rigid", "planar_point_3", "kntu_planar"])
 def test_every_control_answers_at_both_ends_of_its_range(name):
-    explorer = widgets.workspace_explorer(cl.load_world(name))
+    explorer = course.workspace_explorer(cl.load_world(name))
     start = explorer.values
     for criterion in CRITERIA:
         for control in explorer.controls.values():
@@ -41,7 +41,7 @@ def test_every_control_answers_at_both_ends_of_its_range(name):
 @pytest.mark.parametrize("name", ["planar_rigid", "planar_suspended", "planar_point_3"])
 def test_feasible_cells_are_those_an_independent_program_finds(name):
     world = cl.load_world(name)
-    explorer = widgets.workspace_explorer(world)
+    explorer = course.workspace_explorer(world)
     angle = {"angle": 10.0} if world.robot.n_dof == 3 else {}
     low, high, push = 6.0, explorer.controls["tension_max"].low, explorer.controls["push"].high / 4
     explorer.set(tension_min=low, tension_max=high, push=push, **angle)
@@ -58,7 +58,7 @@ def test_feasible_cells_are_those_an_independent_program_finds(name):
 
 @explored
 def test_narrower_limits_and_stronger_pushes_never_add_a_cell(name):
-    explorer = widgets.workspace_explorer(cl.load_world(name))
+    explorer = course.workspace_explorer(cl.load_world(name))
     start = explorer.state(explorer.values)
     for slider, value in (("tension_min", "high"), ("tension_max", "low"), ("push", "high")):
         explorer.set(**{slider: getattr(explorer.controls[slider], value)})
@@ -72,7 +72,7 @@ def test_narrower_limits_and_stronger_pushes_never_add_a_cell(name):
 
 @explored
 def test_closure_and_static_equilibrium_know_no_limits(name):
-    explorer = widgets.workspace_explorer(cl.load_world(name))
+    explorer = course.workspace_explorer(cl.load_world(name))
     for criterion in ("wrench_closure", "static_equilibrium"):
         explorer.set(criterion=criterion)
         before = explorer.state(explorer.values).inside
@@ -82,7 +82,7 @@ def test_closure_and_static_equilibrium_know_no_limits(name):
 
 
 def test_closure_of_a_point_is_the_polygon_of_its_exits():
-    explorer = widgets.workspace_explorer(cl.load_world("planar_point_3"))
+    explorer = course.workspace_explorer(cl.load_world("planar_point_3"))
     explorer.set(criterion="wrench_closure")
     x, y = explorer.grid.positions.T
     # Exits at (±2, 3) and (0, 0) m: inside is above both edges.
@@ -93,7 +93,7 @@ def test_closure_of_a_point_is_the_polygon_of_its_exits():
 
 
 def test_borders_lie_between_cells_that_differ():
-    explorer = widgets.workspace_explorer(cl.load_world("planar_rigid"))
+    explorer = course.workspace_explorer(cl.load_world("planar_rigid"))
     state, grid = explorer.state(explorer.values), explorer.grid
     segments = np.array(explorer._border.get_segments())
     middles, along = segments.mean(axis=1), np.diff(segments, axis=1)[:, 0]
@@ -111,7 +111,7 @@ def test_borders_lie_between_cells_that_differ():
 
 def test_the_platform_is_told_with_its_best_tensions():
     world = cl.load_world("planar_rigid")
-    explorer = widgets.workspace_explorer(world)
+    explorer = course.workspace_explorer(world)
     tau, margin = explorer.tensions(explorer.values), explorer.state(explorer.values).here[1]
     robot, pose = world.robot, world.pose
     np.testing.assert_allclose(cl.wrench_matrix(robot, pose) @ tau + cl.gravity_wrench(robot, pose), 0, atol=1e-9)
@@ -127,6 +127,6 @@ def test_the_platform_is_told_with_its_best_tensions():
 
 def test_robots_that_do_not_move_in_a_plane_are_named():
     with pytest.raises(InvalidInput, match="world 'caroca' is 3R3T"):
-        widgets.workspace_explorer(cl.load_world("caroca"))
+        course.workspace_explorer(cl.load_world("caroca"))
     with pytest.raises(InvalidInput, match="takes a World, got Robot"):
-        widgets.workspace_explorer(cl.load_world("planar_rigid").robot)
+        course.workspace_explorer(cl.load_world("planar_rigid").robot)

@@ -7,23 +7,23 @@ import pytest
 from scipy.optimize import linprog
 
 import cdprlab as cl
+from cdprlab import course
 from cdprlab.errors import InvalidInput
-from cdprlab.statics import tipping_rows
-from cdprlab.view import widgets
+from cdprlab.mechanics.statics import tipping_rows
 
 WORLDS = ("planar_mcdpr", "fastkit_planar", "fastkit_suspended", "planar_point")
 
 
 @pytest.fixture(params=WORLDS)
 def explorer(request):
-    explorer = widgets.wrench_set_explorer(cl.load_world(request.param))
+    explorer = course.wrench_set_explorer(cl.load_world(request.param))
     yield explorer
     explorer.close()
 
 
 @pytest.fixture
 def planar():
-    explorer = widgets.wrench_set_explorer(cl.load_world("planar_mcdpr"))
+    explorer = course.wrench_set_explorer(cl.load_world("planar_mcdpr"))
     yield explorer
     explorer.close()
 
@@ -139,9 +139,9 @@ def test_the_picture_follows_the_mass(planar):
 
 def test_what_has_no_set_in_the_plane_is_named():
     with pytest.raises(InvalidInput, match="takes a World, got str"):
-        widgets.wrench_set_explorer("planar_mcdpr")
+        course.wrench_set_explorer("planar_mcdpr")
     with pytest.raises(InvalidInput, match="single degree of freedom"):
-        widgets.wrench_set_explorer(one_cable_direction())
+        course.wrench_set_explorer(one_cable_direction())
 
 
 def one_cable_direction():

@@ -8,7 +8,7 @@ from scipy.optimize import minimize_scalar
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.geometry import anchor_offsets
+from cdprlab.mechanics.cables import anchor_offsets
 from cdprlab.workspace.distances import box_distance, segment_distance
 from cdprlab.workspace.interference import cable_distances, cable_pairs, obstacle_distances, platform_distances
 from cdprlab.workspace.stability import smallest_stiffness, weight_stiffness

@@ -10,7 +10,7 @@ from scipy.optimize import linprog
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.intervals import outward
+from cdprlab.mechanics.intervals import outward
 from cdprlab.workspace import (
     Criterion,
     Judgement,

@@ -12,8 +12,8 @@ from ..arrays import Array, as_array, as_number
 from ..errors import InvalidInput
 from ..robot import Robot
 from .configuration import Configuration, counterclockwise, triplets
-from .forms import FORMS, side_range
 from .region import Region, region
+from .sides import FORMS, side_range
 
 INSIDE, UNCERTAIN, OUTSIDE = "inside", "uncertain", "outside"
 

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, frozen
-from ..control import Controller
-from ..geometry import cable_lengths
-from ..pose import Pose, rotation_vector
+from ..mechanics.cables import cable_lengths
+from ..mechanics.statics import wrench_matrix
+from ..mechanics.trajectory import Reference
 from ..robot import Robot
+from ..robot.pose import Pose, rotation_vector
 from ..simulate import Simulator
-from ..statics import wrench_matrix
-from ..trajectory import Reference
 from ..world import World
+from .controllers import Controller
 from .distributor import Distributor
 from .drive import Drive
 from .record import Run

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..pose import Pose
+from ..mechanics.trajectory import Reference
 from ..robot import Robot
-from ..trajectory import Reference
+from ..robot.pose import Pose
 from ..world import World
 
 

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_number
-from ..control import ComputedTorque, Controller
 from ..errors import InvalidInput
 from ..simulate import Simulator, open_simulator
 from ..world import World
+from .controllers import ComputedTorque, Controller
 from .distributor import Distributor
 from .drive import Drive
 from .loop import Loop, Progress

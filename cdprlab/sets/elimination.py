@@ -8,7 +8,7 @@ from math import comb
 import numpy as np
 
 from ..arrays import Array
-from .linear_program import TOLERANCE
+from .simplex import TOLERANCE
 from .subspace import null_space
 from .zonotope import MOST_COMBINATIONS, PARALLEL
 

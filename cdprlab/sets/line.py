@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Array
-from .linear_program import maximize
+from .simplex import maximize
 from .subspace import solve
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import NotListable
 from .frame import Frame
-from .linear_program import Indices, maximize
+from .simplex import Indices, maximize
 from .zonotope import (
     MOST_COMBINATIONS,
     PARALLEL,

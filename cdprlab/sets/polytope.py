@@ -14,8 +14,8 @@ from ..errors import InvalidInput
 from .elimination import can_eliminate, eliminate
 from .frame import Frame, frame
 from .line import line_ends
-from .linear_program import TOLERANCE, Program, maximize
 from .listing import Planes, corners, facets, planes, volume
+from .simplex import TOLERANCE, Program, maximize
 from .subspace import null_space, solve
 
 

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, frozen
 from ..errors import InvalidInput
-from ..kinematics import Pivot, base_jacobian, jacobian
-from ..pose import Pose
+from ..mechanics.kinematics import Pivot, base_jacobian, jacobian
 from ..robot import Robot
+from ..robot.pose import Pose
 from .polytope import Polytope
 from .subspace import null_space
 from .zonotope import MOST_COMBINATIONS, hyperplane_shifting, n_choices, shifting_normals

@@ -6,10 +6,10 @@ import numpy as np
 
 from ..arrays import Array, as_number, frozen
 from ..errors import InvalidInput
-from ..geometry import cable_directions
-from ..pose import Pose
+from ..mechanics.cables import cable_directions
+from ..mechanics.statics import tipping_rows, wrench_matrix
 from ..robot import Robot
-from ..statics import tipping_rows, wrench_matrix
+from ..robot.pose import Pose
 from .elimination import can_eliminate, eliminate
 from .polytope import Polytope
 from .twist import one_pose

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
-from ..pose import Pose
-from ..state import State
+from ..robot.pose import Pose
 from ..world import World
 from .spatial import DEFAULT_TIP_MASS, SpatialSimulator, quaternion_of
+from .state import State
 
 
 class BoxSimulator(SpatialSimulator):

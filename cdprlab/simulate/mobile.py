@@ -10,15 +10,15 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, frozen
 from ..errors import InvalidInput
-from ..fast_statics import CYCLE, CableStatics, cyclic
-from ..pose import Pose
+from ..mechanics.fast_statics import CYCLE, CableStatics, cyclic
 from ..robot import Robot
-from ..state import State
+from ..robot.pose import Pose
 from ..world import World
 from .base_body import ABOUT, ACROSS, ALONG, BODY, drum_joint, make_base
 from .boxes import BoxSimulator
 from .ropes import RopeLaw, rope_law
 from .spatial import DEFAULT_TIP_MASS, Leg
+from .state import State
 
 _TRACTION = 0.8    # of the weight: the most the drives push with, rubber on concrete
 _GAINS = 0.1, 1.0, 0.0    # of a speed motor, as PyBullet has them; named ones take twice the time of the call
@@ -201,7 +201,7 @@ class MobileSimulator(BoxSimulator):
         super()._read()
 
     def render(self, width: int = 640, height: int = 480) -> Any:
-        from .camera import Camera
+        from ..view.camera import Camera
 
         if self._camera is None:
             self._camera = Camera(self.world)

@@ -22,14 +22,14 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
 from ..errors import InvalidInput, MissingDependency, SimulationDiverged
-from ..pose import Pose
 from ..robot import Robot
-from ..state import State
+from ..robot.pose import Pose
+from ..view.planar_camera import PlanarCamera
 from ..world import World
 from .planar_bases import DrivenBases
-from .planar_camera import PlanarCamera
 from .planar_space import PlanarSpace, solving_order
 from .simulator import Simulator
+from .state import State
 
 
 class PlanarSimulator(Simulator):

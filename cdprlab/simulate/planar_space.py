@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..pose import Pose
+from ..mechanics.statics import wrench_matrix
 from ..robot import Base
-from ..statics import wrench_matrix
+from ..robot.pose import Pose
+from ..view.planar_camera import BASE_HEIGHT, CORNERS
 from ..world import World
 from .planar_bases import DrivenBases
-from .planar_camera import BASE_HEIGHT, CORNERS
 
 _FRICTION = 0.5
 _MOST_ITERATIONS = 1000

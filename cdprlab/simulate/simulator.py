@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from ..pose import Pose
 from ..robot import Robot
-from ..state import State
+from ..robot.pose import Pose
 from ..world import World
+from .state import State
 
 
 class Simulator(ABC):

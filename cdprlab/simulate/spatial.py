@@ -21,15 +21,15 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
 from ..errors import InvalidInput, MissingDependency, SimulationDiverged
-from ..fast_statics import cable_statics, cyclic, cyclic_exits
-from ..pose import Pose
+from ..mechanics.fast_statics import cable_statics, cyclic, cyclic_exits
+from ..mechanics.statics import gravity_wrench
 from ..robot import Robot
-from ..state import State
-from ..statics import gravity_wrench
+from ..robot.pose import Pose
 from ..tensions import distribute_tensions
 from ..world import World
 from .ropes import RopeLaw, rope_law
 from .simulator import Simulator
+from .state import State
 
 DEFAULT_TIP_MASS = 1e-4  # kg
 Leg = tuple[int, int]
@@ -179,7 +179,7 @@ class SpatialSimulator(Simulator):
         return float(sum(contact[9] for contact in contacts))
 
     def render(self, width: int = 640, height: int = 480) -> Any:
-        from .camera import Camera
+        from ..view.camera import Camera
 
         if self._camera is None:
             self._camera = Camera(self.world)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array
+from .feasible_polygon import CENTROID, polygon_points, too_redundant
 from .method import Answers, BatchSolver, vectorized
-from .polygon import CENTROID, polygon_points, too_redundant
 
 
 def batch() -> BatchSolver:

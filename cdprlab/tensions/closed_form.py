@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..arrays import Array
+from .feasible_polygon import closest_tensions
 from .method import Answers, BatchSolver, vectorized
-from .polygon import closest_tensions
 
 
 def batch() -> BatchSolver:

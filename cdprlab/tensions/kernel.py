@@ -6,8 +6,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InvalidInput
+from .feasible_polygon import CENTROID, HIGHEST, LOWEST, polygon_points
 from .method import Answers, BatchSolver, vectorized
-from .polygon import CENTROID, HIGHEST, LOWEST, polygon_points
 
 CHOICES = {"lowest": LOWEST, "middle": CENTROID, "highest": HIGHEST}
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array
+from .feasible_polygon import LOWEST, polygon_points, too_redundant
 from .method import INFEASIBLE, OUT_OF_RANGE, RESIDUAL_TOLERANCE, Answers, BatchSolver, Solution, sharpened, vectorized
-from .polygon import LOWEST, polygon_points, too_redundant
 
 
 def batch() -> BatchSolver:

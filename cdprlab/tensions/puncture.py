@@ -6,8 +6,8 @@ import numpy as np
 
 from ..arrays import Array
 from . import improved_closed_form
+from .feasible_polygon import closest_tensions
 from .method import LIMIT_TOLERANCE, Answers, BatchSolver, vectorized
-from .polygon import closest_tensions
 
 
 def batch() -> BatchSolver:

@@ -5,27 +5,37 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..errors import InvalidInput
+from ..run import Run
+from ..run.compare import TensionComparison
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["plot", "plot_job", "plot_tensions", "plot_tracking", "save_figure", "save_film", "save_job_film", "still"]
+__all__ = ["plot", "plot_tensions", "plot_tracking", "save_figure", "save_film", "still"]
 
 
 def plot(run_or_table: Any) -> Figure:
-    """One figure of a whole run: motion, errors, tensions. A table that can draw itself (``.plot()``) does so.
+    """One figure of a whole run: motion, errors, tensions. Or a comparison's tensions over the path.
 
-    run_or_table : Run, or a table
+    run_or_table : Run or TensionComparison
     Raises InvalidInput for anything else.
 
     >>> import cdprlab as cl
     >>> plot(42)
     Traceback (most recent call last):
     ...
-    cdprlab.errors.InvalidInput: plot takes a Run (or a table with its own plot method), got int
+    cdprlab.errors.InvalidInput: plot takes a Run or a TensionComparison, got int
     """
-    from .plots import plot
+    if isinstance(run_or_table, Run):
+        from .plots import plot_run
 
-    return plot(run_or_table)
+        return plot_run(run_or_table)
+    if isinstance(run_or_table, TensionComparison):
+        from .tension_comparison import plot_tension_comparison
+
+        return plot_tension_comparison(run_or_table)
+    raise InvalidInput(f"plot takes a Run or a TensionComparison, got {type(run_or_table).__name__}")
 
 
 def plot_tracking(run: Any) -> Figure:
@@ -40,24 +50,6 @@ def plot_tensions(run: Any) -> Figure:
     from .plots import plot_tensions
 
     return plot_tensions(run)
-
-
-def plot_job(job: Any) -> Figure:
-    """A pick-and-place job over time: platform, error, tensions, bases, wheel loads, phases by name."""
-    from .job import plot_job
-
-    return plot_job(job)
-
-
-def save_job_film(job: Any, path: str | Path, seconds: float = 16.0, fps: int = 8, width: int = 640) -> Path:
-    """An animated GIF of a pick-and-place job, below 3 MB, with what is being done in words.
-
-    path : ends in .gif
-    seconds : length of the film [s]; fps : pictures per second; width : [pixels]
-    """
-    from .job import save_job_film
-
-    return save_job_film(job, path, seconds, fps, width)
 
 
 def save_figure(figure: Figure, path: str | Path) -> Path:

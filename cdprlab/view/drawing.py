@@ -11,9 +11,9 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
-from ..geometry import anchor_offsets
-from ..pose import Pose
+from ..mechanics.cables import anchor_offsets
 from ..robot import Robot
+from ..robot.pose import Pose
 from ..world.model import Scene
 from .outlines import (
     EMPTY,

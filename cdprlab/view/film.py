@@ -12,8 +12,8 @@ from PIL.PngImagePlugin import PngInfo
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from ..simulate.camera import INK, SLACK_COLOR, TRAIL, Camera, extents, tension_colors
-from ..simulate.planar_camera import PlanarCamera
+from .camera import INK, SLACK_COLOR, TRAIL, Camera, extents, tension_colors
+from .planar_camera import PlanarCamera
 from .style import AXIS_COLORS
 
 LARGEST_FILE = 3_000_000

@@ -7,8 +7,8 @@ from itertools import combinations, product
 import numpy as np
 
 from ..arrays import Array
-from ..pose import Pose
 from ..robot import Robot
+from ..robot.pose import Pose
 from ..world.model import Scene
 
 EMPTY = Scene(frame=None, floor_height=0.0, boxes=())

@@ -50,20 +50,6 @@ class Figure(matplotlib.figure.Figure):
         return buffer.getvalue()
 
 
-def plot(run_or_table: Any) -> matplotlib.figure.Figure:
-    """One figure of a whole run; a table draws itself."""
-    if hasattr(run_or_table, "commanded_tensions"):
-        return _plot_run(run_or_table)
-    if hasattr(run_or_table, "box_poses"):
-        from .job import plot_job
-
-        return plot_job(run_or_table)
-    if callable(getattr(run_or_table, "plot", None)):
-        return run_or_table.plot()
-    raise InvalidInput("plot takes a Run (or a table with its own plot method), "
-                       f"got {type(run_or_table).__name__}")
-
-
 def plot_tracking(run: Any) -> Figure:
     """Reference and actual position, position error per axis, rotation error if the platform turns.
 
@@ -106,7 +92,7 @@ def save_figure(figure: matplotlib.figure.Figure, path: str | Path) -> Path:
 
 
 # --- figures and panels -----------------------------------------------------------------------------------
-def _plot_run(run: Any) -> Figure:
+def plot_run(run: Any) -> Figure:
     with house_style():
         figure = Figure(figsize=(13.0, 7.8), layout="constrained")
         turns = rotation_errors(run).shape[1] > 0

@@ -11,20 +11,10 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from ..geometry import anchor_offsets
-from ..pose import Pose
-from ..simulate.camera import (
-    BOX,
-    INK,
-    OBSTACLE,
-    PLATFORM,
-    SLACK_COLOR,
-    STEEL,
-    TENSION_COLORS,
-    default_limits,
-    tension_colors,
-)
+from ..mechanics.cables import anchor_offsets
+from ..robot.pose import Pose
 from ..world import World
+from .camera import BOX, INK, OBSTACLE, PLATFORM, SLACK_COLOR, STEEL, TENSION_COLORS, default_limits, tension_colors
 from .outlines import box_corners, box_faces, floor_height, floor_segments, frame_segments, landmarks, scene_boxes
 from .style import AXIS_COLORS
 

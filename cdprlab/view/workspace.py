@@ -162,7 +162,7 @@ def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: st
     """
     from PIL import Image, PngImagePlugin
 
-    from ..simulate.camera import Camera
+    from .camera import Camera
 
     target = Path(path)
     if target.suffix.lower() != ".png" or not target.parent.is_dir():

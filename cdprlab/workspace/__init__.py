@@ -8,13 +8,7 @@ from .orientations import AllOrientations, AnyOrientation
 from .refinement import RefinedWorkspace, refine
 from .stability import StaticallyStable
 from .sweep import workspace
-from .tensions import (
-    DynamicEquilibrium,
-    StaticEquilibrium,
-    TippingSafe,
-    WrenchClosure,
-    WrenchFeasible,
-)
+from .tensions import DynamicEquilibrium, StaticEquilibrium, TippingSafe, WrenchClosure, WrenchFeasible
 from .twists import TwistFeasible
 
 __all__ = [

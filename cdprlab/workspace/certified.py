@@ -9,12 +9,12 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, as_number
 from ..errors import InvalidInput
-from ..geometry import cable_lengths
-from ..pose import Pose
+from ..mechanics.cables import cable_lengths
+from ..mechanics.statics import gravity_wrench
 from ..robot import Robot
-from ..statics import gravity_wrench
+from ..robot.pose import Pose
+from .capacity import capacity_margins
 from .criterion import Flags
-from .facets import capacity_margins
 from .interval_arrays import Intervals
 from .interval_statics import PoseBoxes, centers, certainly_inside, certainly_outside
 from .sweep import Progress

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..pose import Pose
 from ..robot import Robot
+from ..robot.pose import Pose
 from .criterion import Criterion, Judgement
 
 

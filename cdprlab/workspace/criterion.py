@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..pose import Pose
 from ..robot import Robot
+from ..robot.pose import Pose
 
 Flags = NDArray[np.bool_]
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, as_number, frozen
 from ..errors import InvalidInput
-from ..pose import Pose
+from ..robot.pose import Pose
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,9 @@ import numpy as np
 
 from ..arrays import Array, as_array, as_number
 from ..errors import InvalidInput
-from ..geometry import anchor_offsets
-from ..pose import Pose
+from ..mechanics.cables import anchor_offsets
 from ..robot import Robot
+from ..robot.pose import Pose
 from ..world import Box
 from .criterion import Criterion, Judgement
 from .distances import box_distance, segment_distance

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..intervals import outward
-from ..pose import Pose
+from ..mechanics.intervals import outward
 from ..robot import Robot
+from ..robot.pose import Pose
 from .criterion import Flags
 from .interval_arrays import Intervals, exact, stack
 

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
-from ..pose import Pose
 from ..robot import Robot
+from ..robot.pose import Pose
 from .criterion import Criterion, Judgement
 
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from ..pose import Pose
 from ..robot import Robot
+from ..robot.pose import Pose
 from .criterion import Criterion, Flags
 from .grids import PoseGrid, axis_names
 from .sweep import Progress, workspace

@@ -8,9 +8,9 @@ import numpy as np
 
 from ..arrays import Array, as_number
 from ..errors import InvalidInput
-from ..pose import Pose, cross_matrix
+from ..mechanics.statics import gravity_wrench, stiffness
 from ..robot import Robot
-from ..statics import gravity_wrench, stiffness
+from ..robot.pose import Pose, cross_matrix
 from ..tensions import distribute_tensions
 from .criterion import Criterion, Judgement
 from .wrenches import wrench_matrices

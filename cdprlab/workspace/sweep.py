@@ -9,9 +9,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..errors import InvalidInput
-from ..geometry import cable_lengths
-from ..pose import Pose
+from ..mechanics.cables import cable_lengths
 from ..robot import Robot
+from ..robot.pose import Pose
 from .checkpoint import Checkpoint
 from .criterion import Criterion, Judgement
 

@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
-from ..pose import Pose
+from ..mechanics.statics import gravity_wrench, tipping_rows
 from ..robot import Robot
-from ..statics import gravity_wrench, tipping_rows
-from ..tensions.polygon import plain
+from ..robot.pose import Pose
+from ..tensions.feasible_polygon import plain
+from .capacity import capacity_margins
 from .criterion import Criterion, Flags, Judgement, unknown, verdict
-from .facets import capacity_margins
 from .programs import margin_by_program, standing_by_program
 from .wrenches import wrench_matrices
 
@@ -165,7 +165,7 @@ def tension_margins(W: Array, w_e: Array, low: Array, high: Array, *, at_high: b
 
 def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> tuple[Array, Array]:
     """`tension_margins` and tensions (N, m) that have them, NaN where nothing balances w_e."""
-    from . import margin_kernel as kernel
+    from ..compiled import margins as kernel
 
     s, tau, found = kernel.margins(plain(W), plain(w_e), plain(low), plain(high), 1.0, 1.0 if at_high else 0.0)
     s[found == kernel.UNREACHABLE] = -np.inf
@@ -186,7 +186,7 @@ def mass_matrix(robot: Robot, poses: Pose) -> Array:
         full[..., 2, 1] = full[..., 1, 2] = body.mass * arm[..., 0]
         full[..., 2, 2] = body.inertia + body.mass * (arm**2).sum(axis=-1)
         return full[..., :robot.n_dof, :robot.n_dof]
-    from ..pose import cross_matrix
+    from ..robot.pose import cross_matrix
 
     cross, full = cross_matrix(arm), np.zeros((*R.shape[:-2], 6, 6))
     full[..., :3, :3] = body.mass * np.eye(3)
@@ -219,7 +219,7 @@ def _weights(robot: Robot, poses: Pose) -> Array:
 
 def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
     """Whether tensions within the limits balance each wrench: the sign of `tension_margins`, found quicker."""
-    from . import verdict_kernel as kernel
+    from ..compiled import verdicts as kernel
 
     found = kernel.verdicts(plain(W), plain(w_e), plain(low[None]), plain(high[None]))
     inside = np.asarray(found == kernel.INSIDE)

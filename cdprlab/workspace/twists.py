@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
-from ..kinematics import Pivot, base_jacobian, jacobian
-from ..pose import Pose
+from ..mechanics.kinematics import Pivot, base_jacobian, jacobian
 from ..robot import Robot
+from ..robot.pose import Pose
 from ..sets.twist import base_speeds, moving_columns
 from .criterion import Criterion, Judgement
 from .programs import speed_by_program

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from ..arrays import Array
-from ..pose import Pose
+from ..mechanics.statics import wrench_matrix
 from ..robot import Robot
-from ..statics import wrench_matrix
-from ..tensions.polygon import plain
+from ..robot.pose import Pose
+from ..tensions.feasible_polygon import plain
 
 
 def wrench_matrices(robot: Robot, poses: Pose) -> Array:
@@ -19,7 +19,7 @@ def wrench_matrices(robot: Robot, poses: Pose) -> Array:
     """
     if robot.motion_pattern == "2R3T" or len(poses.batch_shape) != 1 or poses.dimension != robot.dimension:
         return wrench_matrix(robot, poses)
-    from .wrench_kernel import columns
+    from ..compiled.columns import columns
 
     W, whole = columns(plain(robot.exit_points), plain(robot.anchor_points), plain(poses.position),
                        plain(poses.rotation), robot.n_dof)

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from ..pose import Pose
 from ..robot import Robot
+from ..robot.pose import Pose
 
 if TYPE_CHECKING:
-    from ..trajectory import Trajectory
+    from ..mechanics.trajectory import Trajectory
 
 Document = Mapping[str, Any]
 
@@ -56,7 +56,7 @@ class Task:
 
     def trajectory(self) -> Trajectory:
         """The reference motion, without the hold at its end."""
-        from ..trajectory import quintic
+        from ..mechanics.trajectory import quintic
 
         return quintic(self.start, self.end, self.duration)
 
@@ -87,7 +87,7 @@ class PickAndPlace(Task):
     aside: float = 0.0
 
     def trajectory(self) -> Trajectory:
-        raise InvalidInput("a pick_and_place task is no single motion: use cdprlab.picking.pick_and_place(world)")
+        raise InvalidInput("a pick_and_place task is no single motion: use cdprlab.fastkit.job.pick_and_place(world)")
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..arrays import frozen
 from ..errors import InvalidInput, Location, WorldError
-from ..pose import Pose
 from ..robot import Base, Cable, Elasticity, Platform, Robot, Winch, inertia_matrix, motion_pattern
+from ..robot.pose import Pose
 from .mistakes import existing_parts, explanation, key_guesses, kind_of, line_number, place_text, plain
 from .model import Box, Document, PickAndPlace, Scene, Task, World
 from .writer import styled

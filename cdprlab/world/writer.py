@@ -11,7 +11,7 @@ import numpy as np
 from ..robot import Base, Cable, Platform, Robot
 
 if TYPE_CHECKING:
-    from ..pose import Pose
+    from ..robot.pose import Pose
     from .model import World
 
 Block = dict[str, Any]

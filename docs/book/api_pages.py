@@ -14,7 +14,7 @@ from typing import Any
 import docstrings
 
 import cdprlab
-from cdprlab.view import widgets
+from cdprlab import course
 
 GROUPS = {
     "Worlds and robots": ("world", "robot", "pose", "errors"),
@@ -49,7 +49,7 @@ def members(room: str) -> list[str]:
                  if inspect.isclass(thing) and thing.__module__ == "cdprlab.errors"]
     else:
         found = [f"cdprlab.{name}" for name in cdprlab.__all__ if _room(name) == room]
-    return found + [f"cdprlab.view.widgets.{name}" for name in widgets.__all__ if room == "view"]
+    return found + [f"cdprlab.course.explorers.{name}" for name in course.__all__ if room == "view"]
 
 
 def homeless() -> list[str]:
@@ -66,7 +66,7 @@ def full_name(word: str, inside: str = "") -> str | None:
     shown = {name for group in GROUPS.values() for room in group for name in members(room)}
     owners = [owner for owner in shown if inside == owner or inside.startswith(f"{owner}.")]
     word = word.removeprefix("cl.").removesuffix("()")
-    for candidate in (f"cdprlab.{word}", f"cdprlab.errors.{word}", f"cdprlab.view.widgets.{word}"):
+    for candidate in (f"cdprlab.{word}", f"cdprlab.errors.{word}", f"cdprlab.course.explorers.{word}"):
         if candidate in shown:
             return candidate
     return next((f"{owner}.{word}" for owner in owners if inspect.isclass(_thing(owner))
@@ -113,7 +113,7 @@ def _page(group: str) -> str:
 
 def _order(name: str) -> tuple[bool, bool]:
     """Things before functions, the widgets at the end; the rest in their own order."""
-    return name.startswith("cdprlab.view.widgets"), not inspect.isclass(_thing(name))
+    return name.startswith("cdprlab.course.explorers"), not inspect.isclass(_thing(name))
 
 
 def _entry(name: str) -> str:

@@ -7,8 +7,8 @@ from base64 import b64encode
 
 from matplotlib.figure import Figure
 
-from cdprlab.view.designer.panel import RobotDesigner
-from cdprlab.view.widgets import Explorer
+from cdprlab.course import Explorer
+from cdprlab.course.designer.panel import RobotDesigner
 
 
 def install(shell):

@@ -11,8 +11,8 @@ import matplotlib
 from attachment import attach
 from matplotlib.figure import Figure
 
-from cdprlab.point_load import equilibrium, point_load
-from cdprlab.view.equilibrium import draw_panels
+from cdprlab.course.pictures.equilibrium import draw_panels
+from cdprlab.course.props.point_load import equilibrium, point_load
 from cdprlab.view.style import house_style
 
 SCENES = {"Inside: every cable pulls": ([0.5, 2.1], 130.0), "Outside: cable 1 would push": ([1.3, 0.5], 85.0)}

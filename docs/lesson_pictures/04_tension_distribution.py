@@ -11,8 +11,8 @@ import matplotlib
 from attachment import attach
 
 import cdprlab as cl
+from cdprlab.course.pictures.tension_panels import plot_tension_set
 from cdprlab.view.style import house_style
-from cdprlab.view.tension_panels import plot_tension_set
 
 METHODS = ("linear_program", "quadratic_program", "pseudo_inverse", "closed_form", "improved_closed_form", "puncture",
            "barycenter")

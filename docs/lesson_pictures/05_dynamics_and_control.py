@@ -7,8 +7,8 @@ from attachment import attach
 from matplotlib.figure import Figure
 from PIL import Image
 
+from cdprlab.course.explorers.gains import error_decay, sampled_error
 from cdprlab.view.style import BLUE, GREEN, GREY, INK, VERMILION, house_style
-from cdprlab.view.widgets.gains import error_decay, sampled_error
 
 
 def damping(panel):

@@ -14,12 +14,12 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import cdprlab as cl
-from cdprlab.command_mission import BOUNDS, PALLETS, START
-from cdprlab.mission import Mission, in_hall, run_mission
-from cdprlab.navigation.plan_view import carried
-from cdprlab.simulate.camera import Camera
-from cdprlab.view.job import frame_at
-from cdprlab.view.navigation import draw_hall, draw_way
+from cdprlab.cli.mission_command import BOUNDS, PALLETS, START
+from cdprlab.fastkit.mission import Mission, in_hall, run_mission
+from cdprlab.fastkit.navigation.plan_view import carried
+from cdprlab.fastkit.pictures.hall_figure import draw_hall, draw_way
+from cdprlab.fastkit.pictures.job_figure import frame_at
+from cdprlab.view.camera import Camera
 from cdprlab.view.style import VERMILION, house_style
 
 

@@ -13,7 +13,7 @@ from attachment import attach
 from matplotlib.figure import Figure
 
 import cdprlab as cl
-from cdprlab.view.configuration_plan import draw_sequence
+from cdprlab.course.pictures.configuration_plan import draw_sequence
 from cdprlab.view.drawing import RobotDrawing
 from cdprlab.view.style import cable_style, house_style
 

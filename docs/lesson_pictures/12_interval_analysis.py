@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 import cdprlab as cl
-from cdprlab.configurations.forms import side_range
 from cdprlab.configurations.region import region
-from cdprlab.view.configuration_plan import draw_room
+from cdprlab.configurations.sides import side_range
+from cdprlab.course.pictures.configuration_plan import draw_room
 from cdprlab.view.style import BLUE, INK, ORANGE, VERMILION, house_style
 
 PLACE = np.array([1.38, 0.98, 0.62])

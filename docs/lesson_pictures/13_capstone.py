@@ -14,9 +14,9 @@ import nbformat
 from matplotlib.figure import Figure
 
 import cdprlab as cl
-from cdprlab.view.brief_map import draw_design
+from cdprlab.course.brief import workshop_brief
+from cdprlab.course.pictures.brief_map import draw_design
 from cdprlab.view.style import house_style
-from cdprlab.workspace.brief import workshop_brief
 
 LESSON = Path(__file__).parents[2] / "lessons/source/13_capstone/13_capstone.ipynb"
 NAME = "capstone.png"

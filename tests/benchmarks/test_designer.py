@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from cdprlab.view.widgets import robot_designer
+from cdprlab.course import robot_designer
 
 PROMISED = 100.0
 """Milliseconds of computation an edit."""

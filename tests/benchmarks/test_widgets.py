@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
-from cdprlab.view.widgets import (
+from cdprlab.course import (
     Slider,
     equilibrium_explorer,
     forward_kinematics_explorer,

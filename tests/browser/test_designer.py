@@ -44,7 +44,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         port = free.getsockname()[1]
     own = {name: str(home / name.lower()) for name in ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR")}
     environment = {name: value for name, value in os.environ.items() if name != "PYTEST_CURRENT_TEST"}
-    command = [sys.executable, "-m", "voila", str(CHECKOUT / "cdprlab/view/designer/page.ipynb"), "--no-browser",
+    command = [sys.executable, "-m", "voila", str(CHECKOUT / "cdprlab/course/designer/page.ipynb"), "--no-browser",
                f"--port={port}", "--Voila.ip=127.0.0.1"]
     with (home / "log").open("wb") as log:
         process = subprocess.Popen(command, cwd=home, stdout=log, stderr=subprocess.STDOUT,

@@ -1,0 +1,173 @@
+"""``python -m cdprlab workspace WORLD``: a workspace as figure, table and data."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from collections.abc import Callable
+from functools import reduce
+from operator import and_
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import InvalidInput
+from ..workspace import (
+    Criterion,
+    DynamicEquilibrium,
+    InterferenceFree,
+    Judgement,
+    PoseGrid,
+    StaticallyStable,
+    StaticEquilibrium,
+    TippingSafe,
+    TwistFeasible,
+    WrenchClosure,
+    WrenchFeasible,
+    position_grid,
+    refine,
+    workspace,
+)
+from ..workspace.grids import axis_names
+from ..world import World, load_world
+
+CRITERIA: dict[str, Callable[[World, argparse.Namespace], Criterion]] = {
+    "wrench_closure": lambda world, options: WrenchClosure(),
+    "wrench_feasible": lambda world, options: WrenchFeasible(
+        half_widths=_box(world, options.push) if options.push else None),
+    "static_equilibrium": lambda world, options: StaticEquilibrium(),
+    "dynamic_equilibrium": lambda world, options: DynamicEquilibrium(_box(world, options.acceleration)),
+    "statically_stable": lambda world, options: StaticallyStable(options.method, options.axial_stiffness),
+    "twist_feasible": lambda world, options: TwistFeasible(half_widths=_box(world, options.speed), moving="all"),
+    "interference_free": lambda world, options: InterferenceFree(options.clearance, world.scene.boxes),
+    "tipping_safe": lambda world, options: TippingSafe(),
+}
+
+
+def add_workspace_command(commands: Any, bar: Callable[[str, str], Any]) -> None:
+    """Add the command to a parser's; ``bar(name, unit)`` makes a progress bar."""
+    parser = commands.add_parser("workspace", help="judge poses over a plane or a volume; write map, table, data")
+    parser.set_defaults(command=lambda options: _workspace(options, bar))
+    add = parser.add_argument
+    add("world", metavar="WORLD", help="a world's name (see `worlds`) or the path of a .yaml file")
+    add("--criterion", default="wrench_feasible", metavar="NAME[,NAME…]",
+        help=f"{', '.join(CRITERIA)}; several with commas must all hold (default: %(default)s)")
+    add("--plane", metavar="AXES", help="xy, xz or yz, in space (default: xz)")
+    add("--at", type=float, help="where the plane cuts its third axis [m] (default: in the middle of the exit points)")
+    add("--volume", action="store_true", help="all of the space instead of a plane")
+    add("--step", type=float, help="between poses [m] (default: a hundredth of the size, a thirtieth for a volume)")
+    add("--rpy", type=float, nargs=3, metavar=("ROLL", "PITCH", "YAW"), help="orientation in space [rad] (default: 0)")
+    add("--angle", type=float, help="orientation in the plane [rad] (default: 0)")
+    add("--push", type=float, default=0.0, help="external force along each axis that must be balanced too [N]")
+    add("--acceleration", type=float, default=1.0, help="of dynamic_equilibrium, along each axis [m/s²]")
+    add("--speed", type=float, default=1.0, help="of twist_feasible, along each axis [m/s]")
+    add("--clearance", type=float, default=0.0, help="of interference_free [m]")
+    add("--method", default="quadratic_program", help="tension distribution of statically_stable")
+    add("--axial-stiffness", type=float, help="EA of statically_stable [N] (default: the world's)")
+    add("--jobs", type=int, default=1, help="processes, -1 for all cores (default: %(default)d)")
+    add("--checkpoint", type=Path, help="folder that keeps finished chunks; the same command goes on there")
+    add("--out", type=Path, help="folder to write to (default: out/WORLD/workspace)")
+    add("--no-pictures", action="store_true", help="write table and data only")
+
+
+def _workspace(options: argparse.Namespace, bar: Callable[[str, str], Any]) -> int:
+    world = load_world(options.world)
+    criterion = _criterion(world, options)
+    grid = _grid(world, options)
+    print(f"{world.title or world.name}: {options.criterion} at {len(grid)} poses over {', '.join(grid.axes)}")
+    steps = bar("judging", "poses")
+    found = workspace(world.robot, grid, criterion, n_jobs=options.jobs, checkpoint=options.checkpoint, progress=steps)
+    steps.close()
+    table = _table(world, grid, criterion, found, options.jobs)
+    for quantity, value in table.items():
+        print(f"  {quantity:36} {value}")
+    folder = options.out or Path("out") / world.name / "workspace"
+    folder.mkdir(parents=True, exist_ok=True)
+    _write(folder, grid, found, table)
+    if not options.no_pictures:
+        _draw(world, grid, criterion, found, options, folder)
+    print(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.is_file()))}")
+    return 0
+
+
+def _criterion(world: World, options: argparse.Namespace) -> Criterion:
+    names = options.criterion.split(",")
+    for name in names:
+        if name not in CRITERIA:
+            raise InvalidInput(f"unknown criterion {name!r}; there are {', '.join(CRITERIA)}")
+    return reduce(and_, [CRITERIA[name](world, options) for name in names])
+
+
+def _box(world: World, size: float) -> Array:
+    """Half widths of a box over the linear directions."""
+    if size < 0:
+        raise InvalidInput(f"push, acceleration and speed must not be negative, got {size:g}")
+    turns = len(world.robot.pattern.turn_axes)
+    return np.append(np.full(world.robot.n_dof - turns, size), np.zeros(turns))
+
+
+def _grid(world: World, options: argparse.Namespace) -> PoseGrid:
+    robot, d = world.robot, world.robot.dimension
+    frame = world.scene.frame
+    low, high = (robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)) if frame is None else frame.copy()
+    low, high = np.array(low), np.array(high)
+    low[-1] = min(low[-1], world.scene.floor_height) if d == 3 or high[-1] - low[-1] < 0.1 * np.ptp(low) else low[-1]
+    names = axis_names(d)
+    if d == 3 and not options.volume:
+        plane = options.plane or "xz"
+        if len(plane) != 2 or not set(plane) <= set(names) or plane[0] == plane[1]:
+            raise InvalidInput(f"plane must be xy, xz or yz, got {plane!r}")
+        held = next(k for k, name in enumerate(names) if name not in plane)
+        low[held] = high[held] = (low[held] + high[held]) / 2 if options.at is None else options.at
+    elif options.plane or (d == 2 and options.at is not None):
+        raise InvalidInput("plane and at choose a plane in space; this is " + ("the plane" if d == 2 else "a volume"))
+    step = options.step or float((high - low).max()) / (30 if options.volume and d == 3 else 100)
+    if d == 2:
+        return position_grid(low, high, step, angle=options.angle or 0.0)
+    return position_grid(low, high, step, rpy=options.rpy)
+
+
+def _table(world: World, grid: PoseGrid, criterion: Criterion, found: Judgement, jobs: int) -> dict[str, str]:
+    inside, unit = found.inside, ("m", "m²", "m³")[len(grid.axes) - 1]
+    table = {"poses inside": f"{int(inside.sum())} of {inside.size} ({100 * inside.mean():.1f} %)"}
+    if len(grid.axes) < 3:   # each level makes a volume's border four times as many cells
+        refined = refine(world.robot, grid, criterion, 2, n_jobs=jobs)
+        table["size, border cells halved twice"] = f"{refined.measure:.4g} ± {refined.error:.2g} {unit}"
+    else:
+        table["size, inside poses' cells"] = f"{inside.sum() * grid.cell:.4g} {unit}"
+    known = np.where(inside & np.isfinite(found.margin), found.margin, -np.inf)
+    if np.isfinite(known).any():
+        best = int(known.argmax())
+        place = grid[best:best + 1].position[0].round(6) + 0.0
+        where = ", ".join(f"{name} = {x:.3g}" for name, x in zip(axis_names(len(place)), place))
+        table["largest margin"] = f"{known[best]:.4g} {criterion.unit}".rstrip() + f" at {where} m"
+    return table
+
+
+def _write(folder: Path, grid: PoseGrid, found: Judgement, table: dict[str, str]) -> None:
+    poses = grid.poses
+    axes: dict[str, Any] = {f"axis_{name}": places for name, places in grid.axes.items()}
+    np.savez(folder / "workspace.npz", **axes, position=poses.position, rotation=grid.origin.rotation,
+             inside=found.inside, margin=found.margin)
+    with (folder / "workspace.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([*(f"{name} [m]" for name in axis_names(poses.dimension)), "inside", "margin"])
+        writer.writerows([*(f"{x:.9g}" for x in place), int(inside), f"{margin:.9g}"]
+                         for place, inside, margin in zip(poses.position, *found))
+    with (folder / "table.csv").open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows(table.items())
+
+
+def _draw(world: World, grid: PoseGrid, criterion: Criterion, found: Judgement, options: argparse.Namespace,
+          folder: Path) -> None:
+    from ..view import save_figure
+    from ..view.workspace import plot_workspace, workspace_still
+
+    if len(grid.axes) == 3:
+        if found.inside.any():
+            workspace_still(world, grid, found, folder / "workspace.png")
+        return
+    title = f"{world.title or world.name}: {options.criterion.replace('_', ' ').replace(',', ', ')}"
+    save_figure(plot_workspace(world.robot, grid, found, title=title, unit=criterion.unit), folder / "workspace.png")

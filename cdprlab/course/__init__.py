@@ -1,0 +1,72 @@
+"""The course's wing: explorers, the robot designer, the capstone's brief, and what lessons draw and try.
+
+Lessons import ``cdprlab`` and from here, and nothing deeper. Everything loads when first used.
+
+>>> from cdprlab import course
+>>> course.Slider("mass", "mass", "kg", 1.0, 9.0, 5.0).caption
+'mass [kg]'
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+_EXPORTS = {
+    "explorers.explorer": ("Choice", "Explorer", "Slider"),
+    "explorers.posing": ("pose_explorer",),
+    "explorers.player": ("run_player",),
+    "explorers.hanging": ("hanging_explorer",),
+    "explorers.balance": ("equilibrium_explorer",),
+    "explorers.forward_kinematics": ("forward_kinematics_explorer",),
+    "explorers.two_circles": ("two_circles_explorer",),
+    "explorers.tension": ("tension_explorer",),
+    "explorers.bases": ("base_explorer",),
+    "explorers.twist_set": ("twist_set_explorer",),
+    "explorers.wrench_set": ("wrench_set_explorer",),
+    "explorers.configurations": ("configuration_explorer",),
+    "explorers.gains": ("error_decay", "gain_explorer"),
+    "explorers.planning": ("planning_explorer",),
+    "explorers.workspaces": ("workspace_explorer",),
+    "designer.panel": ("robot_designer",),
+    "brief": ("workshop_brief",),
+    "pictures.brief_map": ("plot_design",),
+    "pictures.comparison": ("plot_comparison",),
+    "pictures.configuration_plan": ("plot_flight", "plot_sequences", "plot_triplets"),
+    "pictures.equilibrium": ("draw_equilibrium",),
+    "pictures.pose_estimates": ("pose_estimates",),   # the file itself: lesson 03 names it with its figures
+    "pictures.tension_panels": ("plot_tension_set",),
+    "pictures.tension_runs": ("plot_tension_runs",),
+    "props.point_load": ("point_load",),
+    "props.pose_search": ("six_cables", "without_cable"),
+    "..view.plots": ("plot_tensions",),
+    "..view.sets": ("axis_names", "draw_capability", "draw_polygon"),
+    "..view.style": ("BLUE", "GREEN", "GREY", "INK", "ORANGE", "PURPLE", "SKY", "VERMILION",
+                     "cable_style", "house_style"),
+    "..robot.pose": ("rotation_from_vector", "rotation_vector"),
+    "..world.model": ("Task",),
+    "..sets": ("submatrix_twist_set", "twist_set"),
+    "..configurations": ("hanging_position", "slack_length"),
+    "..configurations.accuracy": ("position_sensitivity",),
+    "..configurations.region": ("region",),
+    "..configurations.sides": ("side_range",),
+    "..configurations.winding": ("winding_plan",),
+    "..run.switching": ("follow_sequence", "taut_cables", "try_errors"),
+    "..workspace": ("AllOrientations", "AnyOrientation", "position_grid", "refine"),
+}
+"""File, seen from here → the names that lessons take from it."""
+
+_HOMES = {name: file if file.startswith("..") else f".{file}" for file, names in _EXPORTS.items() for name in names}
+
+__all__ = sorted(_HOMES)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"cdprlab.course has no {name!r}; it has {', '.join(__all__)}")
+    home = import_module(_HOMES[name], __name__)
+    return getattr(home, name, home)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,212 @@
+"""What a design is worth: equilibrium and rank at the start, interference, stiffness, a slice of the workspace."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from ...mechanics.cables import cable_lengths
+from ...mechanics.statics import gravity_wrench, stiffness, tipping_moments, wrench_matrix
+from ...robot import Robot
+from ...robot.pose import Pose
+from ...tensions import TensionDistribution, distribute_tensions
+from ...view.outlines import floor_height, platform_corners
+from ...workspace import InterferenceFree, PoseGrid, WrenchFeasible, workspace
+from ...workspace.interference import cable_distances, cable_pairs, obstacle_distances, platform_distances
+from ...workspace.stability import smallest_stiffness
+from ...world import World
+
+CLEARANCE = 0.02
+"""Cables nearer than this to anything are called near [m]."""
+
+ASSUMED_STIFFNESS = 1e5
+"""EA of a world whose cables do not stretch, so that designs can be compared [N]."""
+
+PLANES = ("x–y", "x–z", "y–z")
+_PLACES, _FEW_PLACES = 28, 8
+"""Along a slice's longer side; few where each pose is a linear program of its own (more than two redundant cables)."""
+
+
+class Slice(NamedTuple):
+    """Poses of a plane through the start, all with its orientation.
+
+    plane : "x–y", "x–z" or "y–z"
+    grid : PoseGrid
+    held : (k,) tensions within the limits hold the platform there
+    clear : (k,) no cable is near another one, the platform or an obstacle
+    """
+
+    plane: str
+    grid: PoseGrid
+    held: NDArray[np.bool_]
+    clear: NDArray[np.bool_]
+
+    @property
+    def area(self) -> float:
+        """Of the poses that are held and clear [m²]."""
+        return float((self.held & self.clear).sum() * self.grid.cell)
+
+
+class Assessment(NamedTuple):
+    """What is known about a design.
+
+    warnings : what is wrong, most serious first, each a sentence
+    tensions : TensionDistribution at the start, None where a cable has no direction
+    stiffness : (n, n) at the start, None where nothing holds it
+    slice : Slice
+    """
+
+    warnings: tuple[str, ...]
+    tensions: TensionDistribution | None
+    stiffness: Array | None
+    slice: Slice
+
+
+def assess(world: World, plane: str = "x–y") -> Assessment:
+    """Judge a world at its start and over a plane through it.
+
+    plane : of `PLANES`; planar robots have "x–y" only
+
+    >>> import cdprlab as cl
+    >>> assess(cl.load_world("caroca"), "x–z").warnings
+    ()
+    """
+    robot, pose = world.robot, world.pose
+    limp = np.flatnonzero(cable_lengths(robot, pose) < 1e-9)
+    if limp.size:
+        where = f"Cable {_numbers(limp)} has no length at the start: its anchor point is on its exit point."
+        return Assessment((where,), None, None, workspace_slice(world, plane))
+    W, w_e = wrench_matrix(robot, pose), gravity_wrench(robot, pose)
+    held = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max, "quadratic_program")
+    K = stiffness(robot, pose, held.tensions, stretch(robot)) if held.feasible else None
+    warnings = (*_rank(robot, W), *_equilibrium(W, w_e, held), *_tipping(world, held), *_interference(world),
+                *_stability(world, held), *_ground(world))
+    return Assessment(warnings, held, K, workspace_slice(world, plane))
+
+
+def stretch(robot: Robot) -> float:
+    """EA of the robot's cables, or the assumed one [N]."""
+    return robot.elasticity.axial_stiffness if robot.elasticity else ASSUMED_STIFFNESS
+
+
+def workspace_slice(world: World, plane: str = "x–y") -> Slice:
+    """The plane's poses within the box of exit points and floor, judged at the start's orientation."""
+    robot = world.robot
+    grid = slice_grid(world, plane)
+    poses = grid.poses
+    directed = (cable_lengths(robot, poses) > 1e-9).all(axis=-1)
+    held, clear = np.zeros(len(grid), dtype=bool), np.zeros(len(grid), dtype=bool)
+    if directed.any():
+        held[directed] = workspace(robot, poses[directed], WrenchFeasible(), margin=False).inside
+    if held.any():
+        clear[held] = _clear(world, poses[held])
+    return Slice(plane if robot.dimension == 3 else PLANES[0], grid, held, clear)
+
+
+def slice_grid(world: World, plane: str) -> PoseGrid:
+    """Centers of the cells of a plane through the start."""
+    robot, pose = world.robot, world.pose
+    low, high = robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)
+    low[-1] = min(low[-1], floor_height(robot, world.scene))
+    # Exit points on one line, or in one place, have no box: it gets some width.
+    width = 0.3 * float((high - low).max()) or 1.0
+    level = np.maximum(width - (high - low), 0) / 2
+    low, high = low - level, high + level
+    names = PLANES[0] if robot.dimension == 2 else plane
+    chosen = ["xyz".index(name) for name in names.split("–")]
+    largest = float((high - low)[chosen].max())
+    places = _FEW_PLACES if robot.n_cables - robot.n_dof > 2 else _PLACES
+    axes = {}
+    for k in chosen:
+        count = max(2, round(places * float(high[k] - low[k]) / largest))
+        axes["xyz"[k]] = low[k] + (np.arange(count) + 0.5) / count * (high[k] - low[k])
+    return PoseGrid(axes, pose)
+
+
+def _clear(world: World, poses: Pose) -> NDArray[np.bool_]:
+    """In the plane cables run in layers: they cross in the picture, not in the machine."""
+    spatial = world.robot.dimension == 3
+    criterion = InterferenceFree(CLEARANCE, world.scene.boxes, cables=spatial, platform=False)
+    free = workspace(world.robot, poses, criterion, margin=False).inside
+    return free & ~_pierced(world.robot, poses).any(axis=-1) if spatial else free
+
+
+def _pierced(robot: Robot, poses: Pose) -> NDArray[np.bool_]:
+    """(…, m) which cables pass through the platform's box; those fixed inside it cannot but do, and do not count."""
+    body = robot.platform
+    inside = (np.abs(robot.anchor_points - body.center) < body.size / 2 - 1e-9).all(axis=1)
+    return np.asarray((platform_distances(robot, poses) < 1e-9) & ~inside)
+
+
+# --- at the start ---------------------------------------------------------------------------------------------
+def _rank(robot: Robot, W: Array) -> Iterator[str]:
+    rank = int(np.linalg.matrix_rank(W, tol=1e-6 * float(np.abs(W).max())))
+    if rank < robot.n_dof:
+        yield (f"W has rank {rank} of {robot.n_dof} at the start: there is a motion that no cable resists, whatever it "
+               f"pulls. {'Add cables, or move' if robot.n_cables < robot.n_dof else 'Move'} exit or anchor points.")
+
+
+def _equilibrium(W: Array, w_e: Array, held: TensionDistribution) -> Iterator[str]:
+    if held.feasible:
+        return
+    weight = max(float(np.abs(w_e).max()), 1.0)
+    unlimited = distribute_tensions(W, w_e, 0.0, 100 * weight, "quadratic_program")
+    if unlimited.feasible:
+        most = float(unlimited.tensions.max())
+        yield ("Infeasible start: no tensions within the limits balance the weight. With other limits cables could: "
+               f"they would pull up to {most:.3g} N, the least {float(unlimited.tensions.min()):.3g} N.")
+    else:
+        yield ("Infeasible start: the weight is not balanced by cables that can only pull, however hard. "
+               "Move the start, the exit points or the anchor points.")
+
+
+def _tipping(world: World, held: TensionDistribution) -> Iterator[str]:
+    if held.feasible and world.robot.bases:
+        for name, moments in tipping_moments(world.robot, world.pose, held.tensions).items():
+            if (moments > 0).any():
+                yield (f"Base {name!r} tips at the start: the cables turn it over an edge of its footprint with "
+                       f"{float(moments.max()):.3g} N m more than its weight holds.")
+
+
+def _interference(world: World) -> Iterator[str]:
+    robot, pose = world.robot, world.pose
+    if robot.dimension == 3:
+        distances = cable_distances(robot, pose)
+        for (i, j), gap in zip(cable_pairs(robot), distances):
+            if gap < CLEARANCE:
+                yield f"Interference: cables {i + 1} and {j + 1} are {_gap(gap)} at the start."
+        through = np.flatnonzero(_pierced(robot, pose))
+        if through.size:
+            yield f"Interference: cable {_numbers(through)} passes through the platform's box at the start."
+    for box in world.scene.boxes:
+        gaps = obstacle_distances(robot, pose, box)
+        if (gaps < CLEARANCE).any():
+            i = int(np.argmin(gaps))
+            yield f"Interference: cable {i + 1} is {_gap(gaps[i])} from {box.name or 'a ' + box.kind} at the start."
+
+
+def _stability(world: World, held: TensionDistribution) -> Iterator[str]:
+    if held.feasible:
+        least = float(smallest_stiffness(world.robot, world.pose, held.tensions, stretch(world.robot)))
+        if least <= 0:
+            yield (f"Not stable at the start: the smallest eigenvalue of the stiffness is {least:.3g} N/m; a small "
+                   "push is not pushed back.")
+
+
+def _ground(world: World) -> Iterator[str]:
+    lowest = float(platform_corners(world.robot, world.pose)[:, -1].min())
+    floor = floor_height(world.robot, world.scene)
+    if lowest < floor - 1e-6:
+        yield f"The platform starts {floor - lowest:.3g} m below the floor."
+
+
+def _gap(gap: float) -> str:
+    return "touching" if gap < 1e-6 else f"{1e3 * gap:.0f} mm apart"
+
+
+def _numbers(cables: NDArray[np.intp]) -> str:
+    return ", ".join(str(int(i) + 1) for i in cables)

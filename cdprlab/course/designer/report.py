@@ -1,0 +1,71 @@
+"""A design in numbers and warnings, as text and as HTML."""
+
+from __future__ import annotations
+
+import html
+
+import numpy as np
+
+from ...mechanics.cables import cable_lengths
+from ...mechanics.statics import wrench_matrix
+from ...view.style import WARNING
+from ...view.text_table import fixed, text_table
+from ...workspace.stability import smallest_stiffness
+from ...world import World
+from .assessment import Assessment, stretch
+from .slice_drawing import in_words
+
+_STIFFNESS = {"x": "x", "y": "y", "z": "z", "rx": "about x", "ry": "about y", "rz": "about z", "ry′": "about y′",
+              "rz′": "about z′"}
+
+
+def report(world: World, found: Assessment) -> str:
+    """Cables with lengths and tensions at the start, stiffness, the slice in words.
+
+    >>> import cdprlab as cl
+    >>> from cdprlab.course.designer.assessment import assess
+    >>> world = cl.load_world("planar_rigid")
+    >>> print(report(world, assess(world)).splitlines()[0])
+    m = 4, n = 3, r = m − n = 1; rank of W: 3
+    """
+    robot, held = world.robot, found.tensions
+    m, n = robot.n_cables, robot.n_dof
+    rank = "" if held is None else f"; rank of W: {np.linalg.matrix_rank(wrench_matrix(robot, world.pose))}"
+    lines = [f"m = {m}, n = {n}, r = m − n = {m - n}{rank}"]
+    lengths = cable_lengths(robot, world.pose)
+    tensions = held.tensions if held is not None and held.feasible else np.full(m, np.nan)
+    table = [[str(i + 1), fixed(lengths[i], 2), "–" if np.isnan(tau) else fixed(tau, 1),
+              f"{robot.tension_min[i]:g} to {robot.tension_max[i]:g}"] for i, tau in enumerate(tensions)]
+    lines += ["", "At the start, least-squares tensions:",
+              text_table(["cable", "l [m]", "τ [N]", "limits [N]"], table, gap=1)]
+    return "\n".join([*lines, "", *_stiffness(world, found), "", in_words(found.slice),
+                      f"Held and clear: {found.slice.area:.3g} m²."])
+
+
+def _stiffness(world: World, found: Assessment) -> list[str]:
+    robot = world.robot
+    if found.stiffness is None or found.tensions is None:
+        return ["Stiffness: none, nothing holds the start."]
+    assumed = "" if robot.elasticity else " assumed"
+    values = [f"  {_STIFFNESS[row]:<9} {value:10.3g} {'N m/rad' if row.startswith('r') else 'N/m'}"
+              for row, value in zip(robot.pattern.rows, np.diag(found.stiffness))]
+    least = float(smallest_stiffness(robot, world.pose, found.tensions.tensions, stretch(robot)))
+    return [f"Stiffness, EA = {stretch(robot):g} N{assumed}:", *values,
+            f"  smallest eigenvalue, arm 1 m: {least:.3g} N/m"]
+
+
+def as_html(text: str) -> str:
+    """Text as it stands, in small fixed letters."""
+    style = "line-height: 1.3; margin: 0.3em 0; font-size: 12px; white-space: pre-wrap; word-break: normal; "
+    style += "font-family: monospace"
+    return f'<pre style="{style}">{html.escape(text)}</pre>'
+
+
+def warnings_html(found: Assessment) -> str:
+    """A list of warnings, or that there are none; a screen reader says it after each edit."""
+    if not found.warnings:
+        return '<div role="status">✓ No warnings: the start is feasible, cables keep clear, W has full rank.</div>'
+    items = "".join(f"<li>{html.escape(warning)}</li>" for warning in found.warnings)
+    return (f'<div role="status" style="background: {WARNING}; padding: 0.3em 0.6em; line-height: 1.35; '
+            f'white-space: normal"><b>⚠ Warnings</b><ul style="margin: 0.2em 0 0.2em 1.2em; padding: 0">{items}</ul>'
+            "</div>")

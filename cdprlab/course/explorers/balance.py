@@ -1,0 +1,138 @@
+"""Move a point load, push it, tighten its cables: does the force polygon close? Then let it go in the engine."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ...arrays import Array
+from ...robot.pose import Pose
+from ...view.style import house_style
+from ..pictures.equilibrium import draw_panels, panels
+from ..props.letting_go import Motion, let_go
+from ..props.point_load import EXIT_POINTS, MASS, Equilibrium, equilibrium, point_load
+from .explorer import Choice, Explorer, Slider, Values
+
+
+class EquilibriumExplorer(Explorer):
+    """A 10 kg load in a vertical plane on two, three or four cables; see `equilibrium_explorer`.
+
+    n_cables : at the start
+    internal : whether the internal tension λ can be moved
+    """
+
+    def __init__(self, n_cables: int = 2, internal: bool = True) -> None:
+        self._robots = {m: point_load(m) for m in EXIT_POINTS}
+        controls: list[Slider | Choice] = [
+            Choice("cables", "number of cables m", tuple(EXIT_POINTS), start=point_load(n_cables).n_cables),
+            # Ends short of the exit points at x = ±2 m, where a cable would have no length.
+            Slider("x", "load x", "m", -1.8, 1.8, 0.0, 0.1),
+            Slider("y", "load y", "m", 0.2, 3.4, 1.0, 0.1),
+            Slider("push_x", "push f_x", "N", -150.0, 150.0, 0.0, 5.0),
+            Slider("push_y", "push f_y", "N", -150.0, 150.0, 0.0, 5.0),
+        ]
+        if internal:
+            controls.append(Slider("internal", "internal tension λ", "N", -200.0, 200.0, 0.0, 5.0))
+        controls += [Slider("extra", "cable 1 pulls extra", "N", -100.0, 100.0, 0.0, 5.0),
+                     Slider("time", "let go for", "s", 0.0, 0.6, 0.0, 0.02)]
+        super().__init__(controls, title="Forces on a point load", size=(7.8, 5.2))
+
+    def state(self, values: Values) -> Equilibrium:
+        """The balance of forces at the controls' values."""
+        state = equilibrium(self._robots[values["cables"]], *_load(values), values.get("internal", 0.0))
+        return state.held(state.tensions + values["extra"] * (np.arange(state.tensions.size) == 0))
+
+    def motion(self, values: Values) -> Motion | None:
+        """What the engine does with the load, tensions and push held; None as long as the load is."""
+        position, push = _load(values)
+        if values["time"] == 0:
+            return None
+        return let_go(self._robots[values["cables"]], Pose(position, angle=0.0), self.state(values).tensions, push,
+                      values["time"])
+
+    def build(self, figure: Figure) -> None:
+        self._axes = panels(figure, stacked=True)
+        # Something to lay out: the axes keep the room that this takes.
+        draw_panels(self._axes, self._robots[3], [0, 1], [0, 0], equilibrium(self._robots[3], [0, 1], internal=100.0))
+
+    def draw(self, values: Values) -> None:
+        still = self._still()
+        with house_style():
+            draw_panels(self._axes, self._robots[values["cables"]], *_load(values), self._state, self._motion)
+        for artist in (artist for axes in self._axes for artist in (*axes.lines, *axes.texts, *axes.patches)):
+            artist.set_animated(True)
+        if self._still() == still:  # axes call themselves stale for any new artist, though this one is drawn anyway
+            self._axes[0].figure.stale = False
+
+    def _still(self) -> list[Any]:
+        """What an artist that moves does not change: limits and titles."""
+        return [(axes.get_xlim(), axes.get_ylim(), axes.get_title(loc="left")) for axes in self._axes]
+
+    def numbers(self, values: Values) -> dict[str, Any]:
+        state, motion = self._state, self._motion = self.state(values), self.motion(values)
+        columns = zip(state.tensions + 0.0, state.null_vector + 0.0, state.slack)
+        rows = [f"{i:>5}  {tension:>10.1f}  {h:>6.2f}" + ("  slack!" if slack else "")
+                for i, (tension, h, slack) in enumerate(columns, start=1)]
+        return {
+            "redundancy r = m − n": state.tensions.size - 2,
+            "w_e [N]": _pair(state.w_e),
+            "‖W τ + w_e‖ [N]": f"{np.linalg.norm(state.residual):.1e}",
+            "cable       τ [N]       h": "\n".join(rows),
+            "Let go: M a = W max(τ, 0) + w_e": _told(state, motion),
+            "In words": _wrapped(state.words()),
+        }
+
+    def describe(self, values: Values) -> str:
+        moved = "" if self._motion is None else \
+            f" Let go, it moves {1e3 * _way(self._motion):.0f} mm in {values['time']:g} s."
+        return f"{self.title} on {values['cables']} cables at ({values['x']:g}, {values['y']:g}) m: " \
+               + self._state.words() + moved
+
+
+def equilibrium_explorer(n_cables: int = 2, internal: bool = True) -> EquilibriumExplorer:
+    """Sliders for load, push and tensions; robot, force polygon and tensions, W τ + w_e = 0 in pictures; and a last
+    slider that lets the load go in the engine, tensions held.
+
+    n_cables : 2, 3 or 4, at the start
+    internal : whether the internal tension λ of τ = −W⁺ w_e + λ h can be moved
+    Raises InvalidInput for another number of cables.
+
+    >>> explorer = equilibrium_explorer(3)
+    >>> explorer.set(x=0.5, internal=100)
+    >>> bool(explorer.state(explorer.values).closed)
+    True
+    """
+    return EquilibriumExplorer(n_cables, internal)
+
+
+def _load(values: Values) -> tuple[list[float], list[float]]:
+    """Position [m] and push [N]."""
+    return [values["x"], values["y"]], [values["push_x"], values["push_y"]]
+
+
+def _told(state: Equilibrium, motion: Motion | None) -> str:
+    """Acceleration and way, by the formula and by the engine."""
+    if motion is None:
+        return "held: which way will it go? Then move the last slider"
+    a, t = state.left_over / MASS, motion.time[-1]
+    return (f"left over  {_pair(state.left_over)} N, ropes only pull\n"
+            f"formula    a = {_pair(a, 3)} m/s², ½ a t² = {500 * np.linalg.norm(a) * t**2:.1f} mm\n"
+            f"pymunk     a = {_pair(motion.acceleration, 3)} m/s², moved {1e3 * _way(motion):.1f} mm")
+
+
+def _way(motion: Motion) -> float:
+    """From where it was let go [m]."""
+    return float(np.linalg.norm(motion.positions[-1] - motion.positions[0]))
+
+
+def _pair(vector: Array, digits: int = 1) -> str:
+    # + 0.0 after rounding turns −0.0 into 0.0
+    return "({:.{d}f}, {:.{d}f})".format(*(np.round(vector, digits) + 0.0), d=digits)
+
+
+def _wrapped(text: str) -> str:
+    import textwrap
+
+    return "\n".join(textwrap.wrap(text, 56))

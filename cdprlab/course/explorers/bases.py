@@ -1,0 +1,260 @@
+"""Drive mobile bases and the platform: how long are the cables, how fast must the winches run? l̇ = J t − B_b q̇_b."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from ...errors import InvalidInput
+from ...mechanics.cables import cable_lengths
+from ...mechanics.kinematics import base_jacobian, jacobian
+from ...robot import Base, Robot
+from ...robot.pose import Pose
+from ...view.drawing import RobotDrawing
+from ...view.outlines import floor_height
+from ...view.style import INK, cable_style, house_style
+from ...view.text_table import fixed, text_table
+from ...world import World
+from .explorer import Choice, Explorer, Slider, Values
+from .posing import position_sliders, slider_pose, turn_sliders
+
+_DIRECTIONS = (("turn", "θ", 30.0, "deg", "rad/s"), ("along", "ρ₁", 0.6, "m", "m/s"), ("across", "ρ₂", 0.6, "m", "m/s"))
+"""Of a base: slider's name, symbol, how far it goes either way, unit of the displacement, of the speed."""
+
+_MOST_DISPLACEMENTS = 4
+"""Sliders for where bases are, unless asked for more: one for everything would fill a page."""
+
+_SECONDS = 0.6
+"""Arrows show where things will be after so long."""
+
+
+class Motion(NamedTuple):
+    """What the controls say: where everything is, how fast it goes, and what that asks of the winches.
+
+    robot, pose : bases and platform where they are
+    base_speeds, twist : (3p,) q̇_b and (n,) t [m/s, rad/s]
+    lengths : (m,) [m]
+    from_platform, from_bases : (m,) J t and −B_b q̇_b, whose sum is l̇ [m/s]; None where a cable has no length
+    """
+
+    robot: Robot
+    pose: Pose
+    base_speeds: Array
+    twist: Array
+    lengths: Array
+    from_platform: Array | None
+    from_bases: Array | None
+
+    @property
+    def rates(self) -> Array | None:
+        """(m,) l̇ [m/s]."""
+        return None if self.from_platform is None or self.from_bases is None else self.from_platform + self.from_bases
+
+    def words(self) -> str:
+        """What the winches do, in a sentence."""
+        if self.rates is None:
+            limp = ", ".join(str(i + 1) for i in np.flatnonzero(self.lengths == 0))
+            return f"Cable {limp} has no length here, hence no direction and no rate."
+        groups = {"reeled in": self.rates < -5e-4, "paid out": self.rates > 5e-4}
+        said = [f"{_cables(which)} {name}" for name, which in groups.items() if which.any()]
+        fast = np.abs(self.rates) > self.robot.speed_max * (1 + 1e-9)
+        said += [f"{_cables(fast)} too fast for the winch"] if fast.any() else []
+        return ("; ".join(said) + ".").capitalize() if said else "All winches stand still."
+
+
+class BaseExplorer(Explorer):
+    """Sliders for where the bases and the platform are, and how fast one base drives; see `base_explorer`."""
+
+    def __init__(self, world: World, bases: tuple[str, ...] | None = None) -> None:
+        self._world, self._start = _checked(world), world.robot
+        self._shown = _shown(world.robot, bases)
+        sliders: list[Slider | Choice] = [slider for base in self._shown for slider in _displacements(base)]
+        sliders += position_sliders(world.robot, floor_height(world.robot, world.scene), world.pose)
+        sliders += turn_sliders(world.robot, world.pose)
+        if len(self._shown) > 1:
+            sliders.append(Choice("drives", "base that drives", tuple(base.name for base in self._shown)))
+        sliders += _speeds(self._shown)
+        if world.robot.dimension == 2:
+            sliders += [Slider(f"v_{axis}", f"platform v_{axis}", "m/s", -2.0, 2.0, 0.0, 0.025)
+                        for axis in world.robot.pattern.rows if axis in "xy"]
+        else:
+            sliders.append(Slider("azimuth", "seen from", "deg", -180.0, 180.0, 25.0, 5.0))
+        self._ends = {slider.name: (slider.low, slider.high) for slider in sliders if isinstance(slider, Slider)}
+        super().__init__(sliders, f"Mobile bases: {world.title}", size=(5.4, 5.6))
+
+    def motion(self, values: Values) -> Motion:
+        """Everything at the controls' values."""
+        robot, pose = self._robot_at(values), slider_pose(self._world.pose, values)
+        speeds, twist = self._base_speeds(values), np.zeros(robot.n_dof)
+        for k, row in enumerate(robot.pattern.rows):
+            twist[k] = values.get(f"v_{row}", 0.0)
+        lengths = cable_lengths(robot, pose)
+        if (lengths == 0).any():
+            return Motion(robot, pose, speeds, twist, lengths, None, None)
+        return Motion(robot, pose, speeds, twist, lengths, jacobian(robot, pose) @ twist,
+                      -base_jacobian(robot, pose) @ speeds)
+
+    def build(self, figure: Figure) -> None:
+        above, below = figure.subplots(2, 1, height_ratios=(3, 1.1))
+        self._drawing = RobotDrawing(above, *self._extremes())
+        self._drawing.drive(self._start)
+        self._arrows = [_arrow(above) for _ in range(len(self._start.bases) + 1)]
+        self._bars = _rate_bars(below, self._start)
+
+    def draw(self, values: Values) -> None:
+        motion, drawing = self.motion(values), self._drawing
+        with house_style():
+            drawing.turn(values.get("azimuth", 25.0))
+            drawing.drive(motion.robot)
+            drawing.move(motion.pose)
+            for arrow, (tail, velocity) in zip(self._arrows, _velocities(motion)):
+                start, end = drawing.view.flat(np.stack([tail, tail + _SECONDS * velocity]))
+                arrow.set_visible(bool(np.abs(velocity).max() > 1e-9))
+                arrow.set_offsets(start)
+                arrow.set_UVC(*(end - start))
+            rates = motion.rates if motion.rates is not None else np.zeros(motion.robot.n_cables)
+            for bar, rate in zip(self._bars, rates):
+                bar.set_height(float(rate))
+
+    def numbers(self, values: Values) -> str:
+        """Lengths and rates, cable by cable."""
+        motion = self.motion(values)
+        rows = [["length [m]", *(fixed(length, 3) for length in motion.lengths)]]
+        if motion.from_platform is not None and motion.from_bases is not None and motion.rates is not None:
+            # No dotted letters here: a combining dot counts as a letter and would push the columns out of line.
+            parts = {"platform [m/s]": motion.from_platform, "bases [m/s]": motion.from_bases,
+                     "rate [m/s]": motion.rates}
+            rows += [[name, *(fixed(rate, 3) for rate in rates)] for name, rates in parts.items()]
+        rows.append(["limit [m/s]", *(f"{limit:g}" for limit in motion.robot.speed_max)])
+        table = text_table(["cable", *(str(i + 1) for i in range(motion.robot.n_cables))], rows)
+        return f"{table}\n\nrate l̇ = J t (platform) − B_b q̇_b (bases)\n{motion.words()}"
+
+    def describe(self, values: Values) -> str:
+        motion = self.motion(values)
+        places = ", ".join(f"base {base.name} at ({base.position[0]:.3g}, {base.position[1]:.3g}) m"
+                           for base in motion.robot.bases)
+        return f"{self.title}: {places}, platform at ({', '.join(f'{x:.3g}' for x in motion.pose.position)}) m. " \
+               + motion.words()
+
+    # --- what the values mean -------------------------------------------------------------------------
+    def _robot_at(self, values: Values) -> Robot:
+        places = {}
+        for base in self._shown:
+            turn, along, across = (values.get(f"{base.name}_{name}", 0.0) for name, *_ in _DIRECTIONS)
+            place = base.position + base.rotation[:2, :2] @ [along, across]
+            places[base.name] = (*place, base.heading + np.deg2rad(turn))
+        return self._start.with_bases(places)
+
+    def _base_speeds(self, values: Values) -> Array:
+        name = values.get("drives", self._shown[0].name)
+        wanted = np.array([values.get(f"speed_{direction}", 0.0) for direction, *_ in _DIRECTIONS])
+        return np.concatenate([np.clip(wanted, -base.speed_max, base.speed_max) if base.name == name else np.zeros(3)
+                               for base in self._start.bases])
+
+    def _extremes(self) -> tuple[Robot, Any, Pose]:
+        """A robot and platform poses that span everything the sliders reach."""
+        outward = {}
+        for base in self._shown:
+            middle = np.mean([other.position for other in self._start.bases], axis=0)
+            reach = 0.6 * (base.speed_max[1:] > 0)
+            along = base.rotation[:2, :2].T @ (base.position - middle)
+            outward[base.name] = (*(base.position + base.rotation[:2, :2] @ (np.sign(along) * reach)), base.heading)
+        ends = [[self._ends.get(axis, (place, place))[k] for axis, place in zip("xyz", self._world.pose.position)]
+                for k in (0, 1)]
+        return self._start.with_bases(outward), self._world.scene, Pose(np.array(ends))
+
+
+def base_explorer(world: World, bases: tuple[str, ...] | None = None) -> BaseExplorer:
+    """Sliders for bases and platform; the picture, the cable lengths and l̇ = J t − B_b q̇_b answer.
+
+    Bases are displaced from where the world has them: ρ₁, ρ₂ along their own axes, θ about their own centers, each
+    only where its speed limit lets it drive. Arrows show velocities; a base drives at most at its limits.
+
+    world : with mobile bases that can drive
+    bases : names of those with sliders; default all that drive, the first alone if that is too many
+    Raises InvalidInput for a world without bases that can drive, or a base that cannot.
+
+    >>> import cdprlab as cl
+    >>> explorer = base_explorer(cl.load_world("planar_mcdpr"))
+    >>> explorer.set(speed_along=0.4)
+    >>> print(explorer.text.splitlines()[-1])
+    Cables 1, 2 reeled in.
+    """
+    return BaseExplorer(world, bases)
+
+
+def _cables(which: NDArray[np.bool_]) -> str:
+    numbers = [str(i + 1) for i in np.flatnonzero(which)]
+    return f"cable{'s' if len(numbers) > 1 else ''} {', '.join(numbers)}"
+
+
+# --- sliders --------------------------------------------------------------------------------------------------
+def _checked(world: Any) -> World:
+    if not isinstance(world, World):
+        raise InvalidInput(f"a base explorer takes a World, got {type(world).__name__}")
+    if not any((base.speed_max > 0).any() for base in world.robot.bases):
+        raise InvalidInput(f"world {world.name!r} has no base that can drive; planar_mcdpr, fastkit_planar and "
+                           "mobile_four_bases have")
+    return world
+
+
+def _shown(robot: Robot, names: tuple[str, ...] | None) -> list[Base]:
+    able = [base for base in robot.bases if (base.speed_max > 0).any()]
+    if names is None:
+        many = sum(int((base.speed_max > 0).sum()) for base in able) > _MOST_DISPLACEMENTS
+        return able[:1] if many else able
+    for name in names:
+        if not (robot.base(name).speed_max > 0).any():
+            raise InvalidInput(f"base {name!r} cannot drive: all its speed limits are 0")
+    if not names:
+        raise InvalidInput("bases must name at least one base, or be left out")
+    return [robot.base(name) for name in names]
+
+
+def _displacements(base: Base) -> list[Slider]:
+    return [Slider(f"{base.name}_{name}", f"{base.name.replace('_', ' ')} {symbol}", unit, -reach, reach, 0.0,
+                   reach / 30)
+            for (name, symbol, reach, unit, _), limit in zip(_DIRECTIONS, base.speed_max) if limit > 0]
+
+
+def _speeds(bases: list[Base]) -> list[Slider]:
+    limits = np.max([base.speed_max for base in bases], axis=0)
+    return [Slider(f"speed_{name}", f"base speed {symbol}̇", unit, -limit, limit, 0.0, limit / 20)
+            for (name, symbol, _, _, unit), limit in zip(_DIRECTIONS, limits.tolist()) if limit > 0]
+
+
+# --- picture --------------------------------------------------------------------------------------------------
+def _arrow(axes: Axes) -> Any:
+    return axes.quiver([0], [0], [1], [0], angles="xy", scale_units="xy", scale=1, color=INK, width=0.012,
+                       zorder=9, animated=True)
+
+
+def _velocities(motion: Motion) -> list[tuple[Array, Array]]:
+    """(d,) tail and velocity of each base and, last, of the platform [m, m/s]."""
+    d, found = motion.robot.dimension, []
+    for base, (_, *along) in zip(motion.robot.bases, motion.base_speeds.reshape(-1, 3)):
+        found.append((base.origin, base.rotation[:, :2] @ along))
+    velocity = np.zeros(d)
+    for k, row in enumerate(motion.robot.pattern.rows):
+        if row in "xyz":
+            velocity["xyz".index(row)] = motion.twist[k]
+    return [*found, (motion.pose.position, velocity)]
+
+
+def _rate_bars(axes: Axes, robot: Robot) -> Any:
+    """One bar a cable, to its l̇; the limits as dashes."""
+    limits = np.where(np.isfinite(robot.speed_max), robot.speed_max, 2.0)
+    cables = np.arange(1, robot.n_cables + 1)
+    bars = axes.bar(cables, np.zeros(len(cables)), width=0.6, color=[cable_style(i).color for i in range(len(cables))],
+                    animated=True)
+    axes.axhline(0, color=INK, linewidth=1)
+    for sign in (-1, 1):
+        axes.hlines(sign * limits, cables - 0.4, cables + 0.4, color=INK, linestyles="dashed", linewidth=1.2)
+    axes.set(xlabel="cable (dashes: limit of its winch)", ylabel="l̇ [m/s]", xticks=cables,
+             ylim=(-1.3 * limits.max(), 1.3 * limits.max()))
+    return bars

@@ -1,0 +1,236 @@
+"""Move S and G on the plan: which three cables hold, where they change, and the chosen sequence in the engine."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ipywidgets
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ...arrays import Array
+from ...configurations.classify import classify_configurations
+from ...configurations.configuration import triplets
+from ...configurations.sequence import METHODS, ConfigurationSequence, plan_configurations
+from ...configurations.sides import FORMS
+from ...errors import InvalidInput
+from ...run import Run
+from ...run.switching import follow_sequence
+from ...view.style import GREY, INK, house_style
+from ...world import World
+from ..pictures.configuration_plan import WIDE_MARGIN, draw_room, fill_sequence, fill_triplet, in_words
+from .explorer import Choice, Explorer, Slider, Values
+from .player import RunPlayer
+
+_LISTED = 6
+"""Sequences to choose from."""
+
+_AXES = ("x", "y", "z")
+
+REELING = 0.1
+"""Speed at which slack is taken up and let out [m/s]."""
+
+
+class ConfigurationExplorer(Explorer):
+    """Plan view of a point mass' room; see `configuration_explorer`."""
+
+    def __init__(self, world: World, uncertain: bool = True) -> None:
+        if not isinstance(world, World):
+            raise InvalidInput(f"a configuration explorer takes a World, got {world!r}")
+        self.world, self.robot, self.uncertain = world, world.robot, uncertain
+        self.names = triplets(self.robot)
+        self.sequences: list[ConfigurationSequence] = []
+        self.run: Run | None = None
+        self._player: RunPlayer | None = None
+        super().__init__(_controls(world, uncertain), f"{world.title}: configurations from S to G",
+                         size=(8.4, 4.0 if len(self.names) <= 4 else 5.4))
+        self._add_fly_button()
+
+    # --- the plan ---------------------------------------------------------------------------------------
+    def chosen(self, values: Values) -> ConfigurationSequence | None:
+        """The sequence picked, the last there is if there are fewer; None if there is none."""
+        return self.sequences[min(values["pick"], len(self.sequences)) - 1] if self.sequences else None
+
+    def place(self, values: Values) -> Array:
+        """(3,) the point on the way that is looked at [m]."""
+        start, goal = _ends(values)
+        return np.asarray(start + values["share"] * (goal - start))
+
+    def classes(self, values: Values) -> dict[Any, str]:
+        """Triplet → class at that point."""
+        return dict(classify_configurations(self.robot, self.place(values), *_boxes(values),
+                                            form=values.get("form", "corners")))
+
+    def fly(self) -> Run:
+        """The chosen sequence in the engine, shown below the picture.
+
+        Raises InvalidInput where there is none.
+        """
+        sequence = self.chosen(self.values)
+        if sequence is None:
+            raise InvalidInput(f"there is no sequence to fly: {self._reason}")
+        speed = 0.8 * float(self.robot.speed_max.min())
+        run = follow_sequence(self.world, sequence, slack=self.values["slack"], speed=speed,
+                              reeling=min(REELING, speed))
+        self._show_player(RunPlayer(run))
+        self.run = run
+        return run
+
+    # --- what an explorer says ---------------------------------------------------------------------------
+    def build(self, figure: Figure) -> None:
+        columns = 2 if len(self.names) <= 4 else 3
+        rows = -(-len(self.names) // columns)
+        grid = figure.add_gridspec(rows, columns + 1, width_ratios=[2.0] + [2.0 / columns] * columns)
+        self._plan = figure.add_subplot(grid[:, 0])
+        self._small = [figure.add_subplot(grid[k // columns, 1 + k % columns]) for k in range(len(self.names))]
+        draw_room(self._plan, self.robot)
+        for panel in self._small:
+            draw_room(panel, self.robot, WIDE_MARGIN)
+            panel.set(xlabel="", ylabel="", xticks=[], yticks=[])
+        # What stands still; all else is made anew at every move, animated, so that this need not be drawn again.
+        self._still = {id(artist) for panel in figure.axes for artist in _artists(panel)}
+        values = {name: control.start for name, control in self.controls.items()}
+        self._draw_all(dict.fromkeys(self.names, "uncertain"), None, self.place(values), (0.0, 0.0), values)
+
+    def draw(self, values: Values) -> None:
+        with house_style():
+            self._draw_all(self._classes, self.chosen(values), self.place(values), _boxes(values), values)
+        for panel in self._panels:
+            panel.stale = False
+        self._picture.figure.stale = False
+
+    def numbers(self, values: Values) -> dict[str, Any]:
+        self._replan(values)
+        self._classes = self.classes(values)
+        place = "({:.2f}, {:.2f}, {:.2f}) m".format(*self.place(values))
+        listed = "\n".join(f"{k}: {sequence}" for k, sequence in enumerate(self.sequences[:_LISTED], start=1))
+        found = {"sequences": listed or f"none: {self._reason}"}
+        sequence = self.chosen(values)
+        if sequence is not None:
+            found["the chosen one: position, cables, score"] = _steps(sequence)
+        return {**found, f"at {place}": "\n".join(f"{chosen}: {verdict}" for chosen, verdict in self._classes.items())}
+
+    def describe(self, values: Values) -> str:
+        chosen = self.chosen(values)
+        return (f"Plan of the room with exit points, S and G; {chosen if chosen is not None else 'no sequence'}; "
+                f"at {values['share']:.0%} of the way {in_words(self._classes)}")
+
+    def close(self) -> None:
+        """Let go of everything, the flight too."""
+        self._show_player(None)
+        super().close()
+
+    # --- inside -------------------------------------------------------------------------------------------
+    def _replan(self, values: Values) -> None:
+        """New sequences, or the reason why there are none: S outside all triangles is no mistake of the reader's."""
+        position, exits = _boxes(values)
+        self._reason = "method accuracy finds no change where both configurations are certain"
+        try:
+            self.sequences = plan_configurations(self.robot, *_ends(values), values.get("method", "stability"),
+                                                 position_uncertainty=position, exit_uncertainty=exits)
+        except InvalidInput as reason:
+            self.sequences, self._reason = [], str(reason)
+
+    def _draw_all(self, classes: dict[Any, str], sequence: ConfigurationSequence | None, place: Array,
+                  boxes: tuple[float, float], values: Values) -> None:
+        for artist in self._moving():
+            artist.remove()
+        if sequence is None:
+            for name, end in zip("SG", _ends(values)):
+                self._plan.plot(*end[:2], marker="o", color=GREY, markersize=8)
+                self._plan.annotate(name, (end[0], end[1]), (0, 9), textcoords="offset points", ha="center")
+        else:
+            fill_sequence(self._plan, self.robot, sequence)
+        self._plan.plot(*place[:2], marker="x", markersize=9, markeredgewidth=2, color=INK, zorder=7)
+        titles = [self._plan.set_title("no sequence" if sequence is None else str(sequence), fontsize=11)]
+        for panel, chosen in zip(self._small, self.names):
+            fill_triplet(panel, self.robot, chosen, place, classes[chosen], *boxes)
+            titles.append(panel.set_title(f"{chosen}: {classes[chosen]}", fontsize=9))
+        for artist in [*self._moving(), *titles]:
+            artist.set_animated(True)
+
+    @property
+    def _panels(self) -> list[Axes]:
+        return [self._plan, *self._small]
+
+    def _moving(self) -> list[Artist]:
+        return [artist for panel in self._panels for artist in _artists(panel) if id(artist) not in self._still]
+
+    def _add_fly_button(self) -> None:
+        self.button = ipywidgets.Button(description="Play in the engine", icon="play", layout={"width": "auto"})
+        self.button.on_click(lambda _: self._clicked())
+        self.panel.children = (*self.panel.children, self.button)
+        self.on_move(lambda _: self._show_player(None))  # a flight belongs to the sequence it was made of
+
+    def _clicked(self) -> None:
+        self.button.disabled, self.button.description = True, "The engine is at work …"
+        try:
+            self.fly()
+        except Exception as error:
+            self._show_mistake(error)
+        finally:
+            self.button.disabled, self.button.description = False, "Play in the engine"
+
+    def _show_player(self, player: RunPlayer | None) -> None:
+        if self._player is not None:
+            self._player.close()
+        self._player = player
+        self.stage.children = (self._image,) if player is None else (self._image, player.widget)
+
+
+def configuration_explorer(world: World, uncertain: bool = True) -> ConfigurationExplorer:
+    """Sliders for S and G; triangles inside, uncertain or outside; sequences with scores; the chosen one in the engine.
+
+    world : a point mass (3T) on three cables or more
+    uncertain : whether the uncertainties, the interval form and the method can be chosen; without, all is exact
+    Raises InvalidInput for another kind of world.
+
+    >>> import cdprlab as cl
+    >>> explorer = configuration_explorer(cl.load_world("marionet"))
+    >>> print(explorer.sequences[0])
+    A124 → A123: score 4, safe
+    >>> explorer.close()
+    """
+    return ConfigurationExplorer(world, uncertain)
+
+
+def _controls(world: World, uncertain: bool) -> list[Slider | Choice]:
+    exits = world.robot.exit_points
+    low, high = exits.min(axis=0), exits.max(axis=0)
+    task = world.tasks.get("default")
+    ends = [world.pose.position, world.pose.position if task is None else task.end.position]
+    # Sliders stop 10 cm short of the ceiling and of the floor below it.
+    low, high = np.append(low[:2], 0.1).round(2), np.append(high[:2], high[2] - 0.1).round(2)
+    sliders: list[Slider | Choice] = []
+    for name, end in zip("SG", ends):
+        sliders += [Slider(f"{name}{axis}", f"{name} {axis}", "m", float(low[k]), float(max(high[k], low[k] + 0.1)),
+                           float(np.clip(end[k], low[k], high[k])), 0.01) for k, axis in enumerate(_AXES)]
+    sliders += [Slider("share", "look at share of way", "", 0.0, 1.0, 0.0, 0.01),
+                Choice("pick", "sequence", tuple(range(1, _LISTED + 1)))]
+    if uncertain:
+        sliders += [Slider("position_uncertainty", "position ±", "m", 0.0, 0.15, 0.05, 0.005),
+                    Slider("exit_uncertainty", "exit points ±", "m", 0.0, 0.06, 0.02, 0.005),
+                    Choice("form", "interval form", tuple(FORMS)), Choice("method", "method", METHODS)]
+    return [*sliders, Slider("slack", "slack when played", "m", 0.0, 0.3, 0.1, 0.01)]
+
+
+def _ends(values: Values) -> tuple[Array, Array]:
+    start, goal = (np.array([values[name + axis] for axis in _AXES]) for name in "SG")
+    return start, goal
+
+
+def _boxes(values: Values) -> tuple[float, float]:
+    return values.get("position_uncertainty", 0.0), values.get("exit_uncertainty", 0.0)
+
+
+def _steps(sequence: ConfigurationSequence) -> str:
+    rows = [f"({place[0]:.2f}, {place[1]:.2f}, {place[2]:.2f}) m  {chosen}  {score:.3g}"
+            for (place, chosen), score in zip(sequence.steps, sequence.location_scores)]
+    changes = ", ".join(map(str, sequence.transition_scores)) or "none"
+    return "\n".join([*rows, f"changes: {changes}"])
+
+
+def _artists(panel: Axes) -> list[Artist]:
+    return [*panel.lines, *panel.texts, *panel.patches]

@@ -1,0 +1,310 @@
+"""The base of every explorer: a picture, sliders and numbers beside it, mistakes in plain sight.
+
+A subclass says three things: ``build`` makes the picture's artists once, ``draw`` moves them, ``numbers`` tells in
+text what the picture shows. Needs no kernel and no browser: `set` moves the sliders, `text` and `picture` answer.
+"""
+
+from __future__ import annotations
+
+import html
+from base64 import b64encode
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+import ipywidgets
+from matplotlib.figure import Figure
+
+from ...errors import CdprError, InvalidInput
+from ...view.picture import Picture
+from ...view.style import house_style
+
+_NUMBERS_STYLE = "line-height: 1.35; margin: 0.5em 0 0 0.5em; font-size: 12px; white-space: pre; overflow-x: auto"
+
+Values = dict[str, Any]
+"""Control name → its value, in the control's unit."""
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A number to be moved.
+
+    name : its key in ``values``
+    label, unit : what stands beside it, "label [unit]"
+    low, high, start : range and first value, in that unit
+    step : of one arrow key; default a hundredth of the range
+    Raises InvalidInput unless low ≤ start ≤ high and low < high, all finite.
+
+    >>> Slider("x", "x", "m", -1.0, 1.0, 0.25).caption
+    'x [m]'
+    """
+
+    name: str
+    label: str
+    unit: str
+    low: float
+    high: float
+    start: float
+    step: float | None = None
+
+    def __post_init__(self) -> None:
+        low, high, start = self.low, self.high, self.start
+        if not (float("-inf") < low < high < float("inf") and low <= start <= high):
+            raise InvalidInput(f"slider {self.name!r} needs low < high and a start between, "
+                               f"got {low:g} to {high:g}, start {start:g}")
+
+    @property
+    def caption(self) -> str:
+        """Label with unit."""
+        return f"{self.label} [{self.unit}]" if self.unit else self.label
+
+    def check(self, value: Any) -> float:
+        """The value as a number; raises InvalidInput outside the range."""
+        # Rounding in a range's end must not refuse the end itself.
+        slack = 1e-9 * (self.high - self.low)
+        if not (isinstance(value, int | float) or hasattr(value, "__float__")) \
+                or not self.low - slack <= float(value) <= self.high + slack:
+            raise InvalidInput(f"{self.name} must be between {self.low:g} and {self.high:g} {self.unit}".rstrip()
+                               + f", got {value!r}")
+        return min(max(float(value), self.low), self.high)
+
+    def widget(self) -> Any:
+        """The ipywidget; arrow keys and Page Up and Down move it, its number can be typed over."""
+        step = (self.high - self.low) / 100 if self.step is None else self.step
+        # The readout shows a step's digits and no more.
+        digits = next((n for n in range(7) if abs(step - round(step, n)) < 1e-9 * step), 3)
+        return ipywidgets.FloatSlider(
+            value=self.start, min=self.low, max=self.high, step=step, description=self.caption,
+            readout_format=f".{digits}f", continuous_update=True, style={"description_width": "13em"},
+            layout={"width": "auto"})
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of several options, such as a method or a cable.
+
+    name : its key in ``values``
+    label : what stands beside it
+    options : the values, shown as text; the first is the start unless ``start`` says otherwise
+    """
+
+    name: str
+    label: str
+    options: Sequence[Hashable]
+    start: Any = None
+
+    @property
+    def caption(self) -> str:
+        """What stands beside it."""
+        return self.label
+
+    def check(self, value: Any) -> Any:
+        """The value; raises InvalidInput naming the options if it is none of them."""
+        if value not in self.options:
+            raise InvalidInput(f"{self.name} must be one of {', '.join(map(str, self.options))}, got {value!r}")
+        return value
+
+    def widget(self) -> Any:
+        """The ipywidget."""
+        start = self.options[0] if self.start is None else self.check(self.start)
+        return ipywidgets.Dropdown(options=[(str(option).replace("_", " "), option) for option in self.options],
+                                   value=start, description=self.label, style={"description_width": "13em"},
+                                   layout={"width": "auto"})
+
+
+class Explorer:
+    """Sliders, a picture and numbers; in a notebook it shows itself.
+
+    controls : Slider and Choice, in the order shown
+    title : above the picture
+    size : of the picture [inch at 100 pixels]
+    Further widgets go below the sliders (``panel.children += (…,)``) or below the picture (``stage``).
+
+    A move calls ``numbers`` and then ``draw``. A mistake in either is shown in red where the numbers are and raised
+    again; the next move works as if nothing had happened.
+
+    >>> class Spring(Explorer):
+    ...     def build(self, figure):
+    ...         axes = figure.subplots()
+    ...         axes.set(xlim=(0, 1), ylim=(0, 100), xlabel="extension [m]", ylabel="force [N]")
+    ...         self.dot, = axes.plot([0], [0], "o", animated=True)
+    ...     def numbers(self, values):
+    ...         return {"force [N]": f"{100 * values['x']:.1f}"}
+    ...     def draw(self, values):
+    ...         self.dot.set_data([values["x"]], [100 * values["x"]])
+    >>> spring = Spring([Slider("x", "extension", "m", 0.0, 1.0, 0.5)], title="A spring of 100 N/m")
+    >>> spring.set(x=0.25)
+    >>> spring.text
+    'force [N]  25.0'
+    """
+
+    def __init__(self, controls: Sequence[Slider | Choice], title: str = "",
+                 size: tuple[float, float] = (6.4, 4.4)) -> None:
+        self.controls = {control.name: control for control in controls}
+        if len(self.controls) < len(controls):
+            raise InvalidInput("two controls have the same name: " + ", ".join(control.name for control in controls))
+        self.title = title
+        self.text, self._png, self._description = "", b"", ""
+        self._callbacks: list[Callable[[Values], Any]] = []
+        self._quiet = False
+        figure = Figure(figsize=size, dpi=100, layout="constrained")
+        with house_style():
+            self.build(figure)
+        self._picture = Picture(figure)
+        self._make_widgets()
+        self._answer()
+
+    # --- what a subclass says -------------------------------------------------------------------------
+    def build(self, figure: Figure) -> None:
+        """Make axes and artists, once. Artists made ``animated=True`` are redrawn alone, which is fastest."""
+        raise NotImplementedError(f"{type(self).__name__} must say what its picture is made of: build(figure)")
+
+    def numbers(self, values: Values) -> Mapping[str, Any] | str:
+        """What the picture shows, in text: label with unit → number, or a table of several lines."""
+        raise NotImplementedError(f"{type(self).__name__} must tell its numbers: numbers(values)")
+
+    def draw(self, values: Values) -> None:
+        """Move the artists that ``build`` made."""
+        raise NotImplementedError(f"{type(self).__name__} must move its picture: draw(values)")
+
+    def describe(self, values: Values) -> str:
+        """One sentence for those who do not see the picture."""
+        shown = ", ".join(f"{self.controls[name].caption} {value:.4g}" if isinstance(value, float)
+                          else f"{self.controls[name].caption} {value}" for name, value in values.items())
+        return f"{self.title or type(self).__name__} at {shown}; numbers beside it"
+
+    # --- what everyone may use ------------------------------------------------------------------------
+    @property
+    def values(self) -> Values:
+        """Control name → value now."""
+        return {name: slider.value for name, slider in self.sliders.items()}
+
+    @property
+    def picture(self) -> bytes:
+        """The picture as PNG."""
+        return self._png
+
+    @property
+    def alt_text(self) -> str:
+        """What the picture shows, in a sentence."""
+        return self._description
+
+    def set(self, **values: Any) -> None:
+        """Move some controls; one answer for all of them.
+
+        Raises InvalidInput for an unknown name or a value out of range, and whatever the answer raises.
+        """
+        for name in values:
+            if name not in self.controls:
+                raise InvalidInput(f"there is no control {name!r}; there are {', '.join(self.controls)}")
+        checked = {name: self.controls[name].check(value) for name, value in values.items()}
+        self._quiet = True
+        try:
+            for name, value in checked.items():
+                self.sliders[name].value = value
+        finally:
+            self._quiet = False
+        self._answer()
+
+    def on_move(self, callback: Callable[[Values], Any]) -> Callable[[], None]:
+        """Call ``callback(values)`` after every answer; returns what ends that."""
+        self._callbacks.append(callback)
+
+        def end() -> None:
+            if callback in self._callbacks:
+                self._callbacks.remove(callback)
+
+        return end
+
+    def close(self) -> None:
+        """Let go of everything; safe to call twice."""
+        self._callbacks.clear()
+        for part in _tree(self.widget):
+            part.unobserve_all()
+            for model in (getattr(part, "style", None), part.layout, part):
+                if model is not None:
+                    model.close()
+
+    def _repr_mimebundle_(self, **options: Any) -> Any:
+        words = {"text/plain": f"{self.alt_text}\n{self.text}"}  # printed and headless notebooks show the numbers
+        if self.widget.comm is None:  # closed
+            return words
+        bundle = self.widget._repr_mimebundle_(**options)
+        data, *more = bundle if isinstance(bundle, tuple) else (bundle,)
+        shown = {**(data or {}), **words}
+        return (shown, *more) if more else shown
+
+    # --- inside ---------------------------------------------------------------------------------------
+    def _make_widgets(self) -> None:
+        self.sliders = {name: control.widget() for name, control in self.controls.items()}
+        # An HTML img, because ipywidgets' Image knows no alternative text (and 8.1.9's fails to show with a tooltip).
+        self._image, self._numbers, self._mistake = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
+        title = ipywidgets.HTML(f"<b>{html.escape(self.title)}</b>")
+        self.panel = ipywidgets.VBox(list(self.sliders.values()), layout={"width": "34em", "max_width": "100%"})
+        self.stage = ipywidgets.VBox([self._image])
+        beside = ipywidgets.VBox([self.panel, self._mistake, self._numbers],
+                                 layout={"flex": "1 1 25em", "min_width": "0"})
+        wrapping = {"flex_flow": "row wrap", "align_items": "flex-start"}
+        self.widget = ipywidgets.VBox([title, ipywidgets.HBox([self.stage, beside], layout=wrapping)])
+        for slider in self.sliders.values():
+            slider.observe(self._moved, names="value")
+
+    def _moved(self, _: Any) -> None:
+        if not self._quiet:
+            self._answer()
+
+    def _answer(self) -> None:
+        values = self.values
+        try:
+            text = as_text(self.numbers(values))
+            self.draw(values)
+            picture, description = self._picture.png(), str(self.describe(values))
+        except Exception as error:
+            self._show_mistake(error)
+        self.text = text
+        self._numbers.value = f'<pre style="{_NUMBERS_STYLE}">{html.escape(text)}</pre>'
+        self._png, self._description = picture, description
+        self._image.value = self._img_tag()
+        self._mistake.value = ""
+        for callback in tuple(self._callbacks):
+            try:
+                callback(values)
+            except Exception as error:
+                self._show_mistake(error)
+
+    def _img_tag(self) -> str:
+        width, height = (round(side) for side in self._picture.figure.bbox.size)
+        # Decoded before the page is painted again, and its place kept: no flicker while a slider moves.
+        return (f'<img decoding="sync" width="{width}" height="{height}" style="max-width: 100%; height: auto" '
+                f'alt="{html.escape(self._description)}" '
+                f'src="data:image/png;base64,{b64encode(self._png).decode("ascii")}">')
+
+    def _show_mistake(self, error: Exception) -> NoReturn:
+        """Readable in the widget, where a notebook would hide it in its log, and raised again for whoever called."""
+        kind = "" if isinstance(error, CdprError) else f"{type(error).__name__}: "
+        self.text = f"{kind}{error}"
+        self._mistake.value = (f'<div role="alert" style="color: #A32A00; font-weight: bold; white-space: pre-wrap">'
+                               f"{html.escape(self.text)}\n"
+                               '<span style="font-weight: normal">The picture is the one before this move; '
+                               "mend the function it calls, or move on.</span></div>")
+        raise error
+
+
+def _tree(widget: Any) -> list[Any]:
+    """A widget and all it holds."""
+    return [widget, *(part for child in getattr(widget, "children", ()) for part in _tree(child))]
+
+
+def as_text(numbers: Mapping[str, Any] | str) -> str:
+    """Numbers as aligned text: short values beside their labels, tables below theirs.
+
+    >>> print(as_text({"mass [kg]": 12.0, "point": "A"}))
+    mass [kg]  12
+    point      A
+    """
+    if isinstance(numbers, str):
+        return numbers
+    shown = {label: f"{value:.6g}" if isinstance(value, float) else str(value) for label, value in numbers.items()}
+    width = max((len(label) for label, value in shown.items() if "\n" not in value), default=0)
+    return "\n".join(f"\n{label}\n{value}" if "\n" in value else f"{label:<{width}}  {value}"
+                     for label, value in shown.items()).strip("\n")

@@ -1,0 +1,227 @@
+"""Forward kinematics at one's fingertips: lengths from a true pose, one of them wrong, and a guess to start from.
+
+Beside it the engine: where would a platform hang on ropes of exactly these lengths?
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
+
+from ...arrays import Array
+from ...errors import InvalidInput, NoConvergence
+from ...mechanics.cables import anchor_offsets, cable_lengths
+from ...mechanics.kinematics import forward_kinematics
+from ...robot import Robot
+from ...robot.pose import Pose
+from ...view.camera import hanging
+from ...view.style import BLUE, GREY, INK, SKY, VERMILION, cable_style
+from ..pictures.pose_estimates import draw_exit_points, outline
+from ..props.pose_search import gauss_newton_path, six_cables, without_cable
+from ..props.settling import Settled, hang
+from .explorer import Choice, Explorer, Slider, Values
+
+_SHOWN = 6
+"""Iterates drawn."""
+
+_HELD, _HUNG = "no", "yes, in pymunk"
+
+
+def forward_kinematics_explorer(cables: int = 4, cable: int = 2, error: float = 0.0) -> ForwardKinematicsExplorer:
+    """Where Gauss–Newton ends for lengths of a true pose, one of them in error, from a guess.
+
+    cables : how many of the six are measured, 3 to 6
+    error : added to the length of cable ``cable`` [mm]
+    cable : 1 to 6
+
+    >>> explorer = forward_kinematics_explorer()
+    >>> explorer.set(cables=4, error=0, x=0.4, y=1.3, angle=9, guess_angle=0)
+    >>> print(explorer.text.splitlines()[1])
+    pose found        x 0.400 m, y 1.300 m, φ 9.0°
+    """
+    return ForwardKinematicsExplorer(cables, cable, error)
+
+
+class ForwardKinematicsExplorer(Explorer):
+    """What `forward_kinematics_explorer` makes."""
+
+    def __init__(self, cables: int, cable: int, error: float) -> None:
+        controls: list[Slider | Choice] = [
+            Choice("cables", "cables measured", (3, 4, 5, 6), cables),
+            Slider("x", "true x", "m", -0.8, 0.8, 0.4, 0.02), Slider("y", "true y", "m", 0.8, 2.2, 1.3, 0.02),
+            Slider("angle", "true φ", "°", -30.0, 30.0, 9.0, 1.0),
+            Choice("cable", "cable in error", (1, 2, 3, 4, 5, 6), cable),
+            Slider("error", "its length error", "mm", -200.0, 200.0, error, 5.0),
+            Slider("guess_x", "guess x", "m", -1.4, 1.4, -0.4, 0.02),
+            Slider("guess_y", "guess y", "m", 0.6, 2.4, 1.8, 0.02),
+            Slider("guess_angle", "guess φ", "°", -180.0, 180.0, -30.0, 1.0),
+            Choice("hang", "hang it on these ropes", (_HELD, _HUNG), _HELD)]
+        super().__init__(controls, title="Forward kinematics of a planar robot", size=(7.2, 5.6))
+
+    def build(self, figure: Figure) -> None:
+        """Frame and exit points stand still, all else moves."""
+        panel = figure.subplots()
+        robot = six_cables()
+        draw_exit_points(panel, robot.exit_points)
+        panel.set(xlim=(-2.5, 2.5), ylim=(-0.6, 3.6), aspect="equal", xlabel="x [m]", ylabel="y [m]")
+        moving: dict[str, Any] = {"animated": True}
+        self._circles = [panel.add_patch(Circle((0, 0), 1, fill=False, linewidth=1.2, alpha=0.75, edgecolor=look.color,
+                                                linestyle=look.linestyle, **moving))
+                         for look in map(cable_style, range(robot.n_cables))]
+        self._numbers_on_circles = [panel.text(0, 0, str(i + 1), color=cable_style(i).color, fontsize=10, ha="center",
+                                               va="center", fontweight="bold", clip_on=True, **moving,
+                                               bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
+                                    for i in range(robot.n_cables)]
+        self._cables = [panel.plot([], [], color=GREY, linewidth=0.9, **moving)[0] for _ in range(robot.n_cables)]
+        self._true, = panel.fill([0], [0], color=GREY, alpha=0.35, linewidth=0, **moving)
+        self._hung, = panel.fill([0], [0], facecolor=to_rgba(SKY, 0.5), edgecolor=BLUE, linewidth=1.2, **moving)
+        self._ropes = [panel.plot([], [], color=SKY, linewidth=2.2, **moving)[0] for _ in range(robot.n_cables)]
+        self._iterates = [panel.plot([], [], color=INK, linewidth=1.0, linestyle=(0, (2, 2)), **moving)[0]
+                          for _ in range(_SHOWN)]
+        self._trail, = panel.plot([], [], color=INK, marker="o", markersize=3, linewidth=0.8, **moving)
+        self._names = [panel.text(0, 0, str(k), color=INK, fontsize=9, clip_on=True, **moving) for k in range(_SHOWN)]
+        self._found, = panel.plot([], [], color=VERMILION, linewidth=2.4, **moving)
+        self._top, = panel.plot([], [], color=VERMILION, marker="^", markersize=9, linestyle="none", **moving)
+        self._point, = panel.plot([], [], color=VERMILION, marker="o", markersize=7, linestyle="none", **moving)
+        figure.legend(loc="outside lower center", ncols=2, fontsize=9, handles=[
+            Line2D([], [], color=GREY, alpha=0.5, linewidth=7, label="true pose"),
+            Line2D([], [], color=SKY, linewidth=7, alpha=0.7, label="hung on ropes (pymunk)"),
+            Line2D([], [], color=INK, linewidth=1, linestyle=(0, (2, 2)), label="guess 0, steps 1, 2, …"),
+            Line2D([], [], color=VERMILION, linewidth=2.4, marker="^", label="pose found, its top edge"),
+            Line2D([], [], color=cable_style(0).color, linewidth=1.2,
+                   label="where cable 1, 2, … puts P, φ being right")])
+
+    def numbers(self, values: Values) -> dict[str, Any]:
+        """The pose found, its error, the residuals, and what remains without each cable."""
+        self._solve(values)
+        end, path = self._path.poses[-1], self._path
+        text = {"Gauss–Newton": f"{'settled' if path.converged else 'NOT settled'} after {len(path.poses) - 1} steps",
+                "pose found": _pose_text(end),
+                "off the truth by": _apart_text(end, self._truth),
+                "largest residual": f"{1e3 * np.abs(path.residuals).max():.1f} mm",
+                "verdict": self._verdict(),
+                "residuals, measured − fitted [mm]": _per_cable(1e3 * path.residuals)}
+        if self._robot.n_cables > 4:
+            text["largest residual without cable … [mm]"] = _per_cable(1e3 * self._left_out())
+        if self._settled is not None:
+            text["hung on ropes of these lengths (pymunk)"] = self._hung_text(self._settled)
+        if values["cable"] > values["cables"] and values["error"]:
+            text["note"] = f"cable {values['cable']} is not measured: its error does nothing"
+        return text
+
+    def draw(self, values: Values) -> None:
+        """Circles at the angle found: where they miss each other, no pose has these lengths."""
+        path, robot = self._path, self._robot
+        end = path.poses[-1]
+        self._true.set_xy(outline(robot, self._truth))
+        self._draw_hung()
+        self._draw_cables(robot, end)
+        self._draw_iterates()
+        self._trail.set_data(*np.array([pose.position for pose in path.poses]).T)
+        corners = outline(robot, end)
+        self._found.set_data(*corners.T)
+        self._top.set_data(*corners[2:4].mean(axis=0)[:, None])
+        self._point.set_data(*end.position[:, None])
+
+    def describe(self, values: Values) -> str:
+        """One sentence for those who do not see the picture."""
+        hung = "" if self._settled is None else "; hung on ropes: " + self._hung_text(self._settled).replace("\n", "; ")
+        return (f"Planar robot, {values['cables']} cables measured: {_pose_text(self._path.poses[-1])} found, "
+                f"{_pose_text(self._truth)} true; {self._verdict()}{hung}")
+
+    # --- inside ---------------------------------------------------------------------------------------
+    def _solve(self, values: Values) -> None:
+        self._robot = six_cables(values["cables"])
+        self._truth = Pose([values["x"], values["y"]], angle=np.deg2rad(values["angle"]))
+        self._lengths = cable_lengths(self._robot, self._truth).copy()
+        if values["cable"] <= values["cables"]:
+            self._lengths[values["cable"] - 1] += 1e-3 * values["error"]
+        guess = Pose([values["guess_x"], values["guess_y"]], angle=np.deg2rad(values["guess_angle"]))
+        self._path = gauss_newton_path(self._robot, self._lengths, guess)
+        self._settled = hang(self._robot, self._lengths, self._truth) if values["hang"] == _HUNG else None
+
+    def _draw_hung(self) -> None:
+        """The platform at rest on its ropes; what is slack hangs through."""
+        settled = self._settled
+        shown = settled is not None and settled.fits
+        for i, artist in enumerate((*self._ropes, self._hung)):
+            artist.set_visible(shown and (artist is self._hung or i < self._robot.n_cables))
+        if settled is not None and shown:
+            anchors = settled.pose.position + anchor_offsets(self._robot, settled.pose)
+            self._hung.set_xy(outline(self._robot, settled.pose))
+            for rope, *ends in zip(self._ropes, anchors, self._robot.exit_points, self._lengths):
+                rope.set_data(*hanging(*ends).T)
+
+    def _hung_text(self, settled: Settled) -> str:
+        if not settled.fits:
+            return "nowhere: no pose is within reach of all ropes.\nSomething would tear."
+        loose = ", ".join(f"cable {i + 1} by {1e3 * settled.spare[i]:.0f} mm" for i in np.flatnonzero(settled.slack))
+        return (f"at {_pose_text(settled.pose)}\nslack: {loose or 'none'}\n"
+                f"off the pose found by {_apart_text(settled.pose, self._path.poses[-1])}")
+
+    def _draw_cables(self, robot: Robot, end: Pose) -> None:
+        offsets = anchor_offsets(robot, end)
+        centers = robot.exit_points - offsets
+        # The number sits on the circle, this far along it from P [m].
+        along = 0.75 / self._lengths
+        bearings = np.arctan2(*(end.position - centers).T[::-1]) + along
+        marks = centers + self._lengths[:, None] * np.column_stack([np.cos(bearings), np.sin(bearings)])
+        for i, (circle, number, line) in enumerate(zip(self._circles, self._numbers_on_circles, self._cables)):
+            for artist in (circle, number, line):
+                artist.set_visible(i < robot.n_cables)
+            if i < robot.n_cables:
+                circle.set(center=centers[i], radius=self._lengths[i])
+                number.set_position(marks[i])
+                line.set_data(*np.transpose([robot.exit_points[i], end.position + offsets[i]]))
+
+    def _draw_iterates(self) -> None:
+        poses, named = self._path.poses, np.full(2, np.inf)
+        for k, (line, name) in enumerate(zip(self._iterates, self._names)):
+            corners = outline(self._robot, poses[k]) if k < len(poses) else np.full((5, 2), np.nan)
+            line.set_data(*corners.T)
+            # Where steps have become small their numbers would cover each other.
+            apart = k == 0 or bool(np.linalg.norm(corners[2] - named) > 0.12)
+            name.set_visible(apart)
+            if apart:
+                name.set_position(corners[2])
+                named = corners[2]
+
+    def _verdict(self) -> str:
+        if not self._path.converged:
+            return "no answer from this guess"
+        if np.abs(self._path.residuals).max() > 1e-6:
+            return "no pose has these lengths: the nearest one is shown"
+        return "this pose has exactly these lengths"
+
+    def _left_out(self) -> Array:
+        """(m,) largest residual of the fit without each cable, nan where there is none [m]."""
+        left = np.full(self._robot.n_cables, np.nan)
+        for i in range(self._robot.n_cables):
+            robot, lengths = without_cable(self._robot, i), np.delete(self._lengths, i)
+            try:
+                found = forward_kinematics(robot, lengths, self._path.poses[-1], tolerance=np.inf)
+            except (NoConvergence, InvalidInput):
+                continue
+            left[i] = np.abs(lengths - cable_lengths(robot, found)).max()
+        return left
+
+
+def _pose_text(pose: Pose) -> str:
+    x, y = pose.position + 0.0
+    return f"x {x:.3f} m, y {y:.3f} m, φ {np.rad2deg(pose.angle) + 0.0:.1f}°"
+
+
+def _apart_text(pose: Pose, other: Pose) -> str:
+    turn = float(np.rad2deg(Pose([0, 0], matrix=other.rotation.T @ pose.rotation).angle))
+    # + 0.0 after rounding turns −0.0 into 0.0
+    return f"{1e3 * np.linalg.norm(pose.position - other.position):.1f} mm, {round(turn, 1) + 0.0:.1f}°"
+
+
+def _per_cable(values: Array) -> str:
+    # + 0.0 after rounding turns −0.0 into 0.0
+    return "\n".join(f"  {i + 1}: {round(float(value), 1) + 0.0:7.1f}" for i, value in enumerate(values))

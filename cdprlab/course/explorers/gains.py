@@ -1,0 +1,226 @@
+"""Gains and clock at one's fingertips: how an error dies out under K_p and K_d, sampled every Δt."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from numpy.typing import ArrayLike
+
+from ...arrays import Array, as_number
+from ...view.style import BLUE, GREY, INK, VERMILION
+from .explorer import Explorer, Slider, Values
+
+START = 10.0
+"""The error at the start, at rest [mm]."""
+
+_GONE = 1e6
+"""An error so many times the first is off every picture."""
+
+
+class Verdict(NamedTuple):
+    """How a sampled loop behaves.
+
+    poles : (2,) complex, eigenvalues of the step matrix
+    stable : both inside the unit circle
+    largest_kd : stable below it, for this K_p and Δt [1/s]
+    """
+
+    poles: Any
+    stable: bool
+    largest_kd: float
+
+
+def step_matrix(kp: float, kd: float, dt: float) -> Array:
+    """[e; ė] → the same one step of a semi-implicit engine later: ė ← ė − Δt (K_d ė + K_p e), then e ← e + Δt ė.
+
+    kp, kd : [1/s²], [1/s]
+    dt : Δt, the control and engine step [s]
+    Returns (2, 2).
+
+    >>> step_matrix(64.0, 24.0, 0.125)
+    array([[ 0.  , -0.25],
+           [-8.  , -2.  ]])
+    """
+    return np.array([[1 - kp * dt**2, dt * (1 - kd * dt)], [-kp * dt, 1 - kd * dt]])
+
+
+def judge(kp: float, kd: float, dt: float) -> Verdict:
+    """Poles of z² − (2 − K_d Δt − K_p Δt²) z + (1 − K_d Δt), inside the circle if K_p > 0 < K_d < 2/Δt − K_p Δt/2.
+
+    kp, kd : [1/s²], [1/s]
+    dt : [s]
+
+    >>> judge(100.0, 800.0, 1e-3).stable, judge(100.0, 800.0, 1 / 240).stable
+    (True, False)
+    """
+    poles = np.linalg.eigvals(step_matrix(kp, kd, dt)).astype(complex)
+    largest = 2 / dt - kp * dt / 2
+    return Verdict(poles, bool(kp > 0 and 0 < kd < largest), largest)
+
+
+def sampled_error(kp: float, kd: float, dt: float, count: int) -> Array:
+    """The error at 0, Δt, 2Δt, …, first 1 and at rest, as an engine in steps of Δt has it.
+
+    count : how many; entries past a millionfold are NaN
+    Returns (count,).
+
+    >>> sampled_error(64.0, 12.0, 0.125, 4)
+    array([ 1.  ,  0.  ,  0.5 , -0.25])
+    """
+    states, power = np.array([[1.0], [0.0]]), step_matrix(kp, kd, dt)
+    with np.errstate(over="ignore", invalid="ignore"):
+        while states.shape[1] < count:  # twice as many each time: A^k carries the first k states to the next k
+            states, power = np.concatenate([states, power @ states], axis=1), power @ power
+    error = states[0, :count]
+    lost = ~(np.abs(error) < _GONE)
+    error[int(lost.argmax()) if lost.any() else count:] = np.nan
+    return error
+
+
+def error_decay(kp: float, kd: float, times: ArrayLike) -> Array:
+    """e(t) of ë + K_d ė + K_p e = 0 with e(0) = 1, ė(0) = 0: what an infinitely fast clock would give.
+
+    kp, kd : K_p ≥ 0, K_d ≥ 0 [1/s²], [1/s]
+    times : (…) [s]
+    Returns (…).
+
+    >>> error_decay(100.0, 20.0, [0.0, 0.1]).round(4)
+    array([1.    , 0.7358])
+    """
+    t = np.asarray(times, dtype=float)
+    half, root = kd / 2, np.emath.sqrt(kd**2 / 4 - kp)
+    if abs(root) < 1e-6 * (1 + half):
+        return (1 + half * t) * np.exp(-half * t)
+    slow, fast = -half + root, -half - root
+    if slow.imag == 0 and half > 0:
+        slow = kp / fast  # no cancellation
+    return np.real((fast * np.exp(slow * t) - slow * np.exp(fast * t)) / (fast - slow))
+
+
+def damping_ratio(kp: float, kd: float) -> float:
+    """ζ = K_d / (2 √K_p); infinite where nothing pulls back.
+
+    >>> damping_ratio(100.0, 20.0)
+    1.0
+    """
+    return kd / (2 * kp**0.5) if kp > 0 else float("inf")
+
+
+class GainExplorer(Explorer):
+    """What `gain_explorer` makes."""
+
+    def __init__(self, kp: float, kd: float, dt: float, span: float) -> None:
+        super().__init__([
+            Slider("kp", "K_p", "1/s²", 0.0, 2000.0, kp, 10.0),
+            Slider("kd", "K_d", "1/s", 0.0, 2000.0, kd, 10.0),
+            Slider("dt", "Δt", "ms", 0.2, 20.0, dt, 0.2),
+            Slider("span", "time shown", "s", 0.05, 6.0, span, 0.05)], title="Gains and the clock", size=(8.4, 4.4))
+
+    def build(self, figure: Figure) -> None:
+        """Left the error over time, right the unit circle."""
+        self._time, circle = figure.subplots(1, 2, width_ratios=[1.6, 1])
+        self._time.set(ylim=(-1.3 * START, 1.3 * START), xlabel="time [s]", ylabel="error e [mm]",
+                       title="A first error of 10 mm")
+        self._time.axhline(0, color=GREY, linewidth=0.8)
+        self._sampled, = self._time.plot([], [], "o-", color=BLUE, markersize=3.5, linewidth=1.0, animated=True,
+                                         label="sampled every Δt")
+        self._smooth, = self._time.plot([], [], color=INK, linewidth=1.6, linestyle=(0, (5, 2)), animated=True,
+                                        label="ë + K_d ė + K_p e = 0")
+        self._time.legend(loc="lower right")
+        circle.add_patch(Circle((0, 0), 1, facecolor="#EAF3F8", edgecolor=INK, linewidth=1.2))
+        circle.axhline(0, color=GREY, linewidth=0.6)
+        circle.axvline(0, color=GREY, linewidth=0.6)
+        circle.set(xlim=(-2, 2), ylim=(-2, 2), aspect="equal", xlabel="real part of z [–]",
+                   ylabel="imaginary part of z [–]", title="Poles and the unit circle")
+        self._inside, = circle.plot([], [], "x", color=BLUE, markersize=11, markeredgewidth=2.6, animated=True)
+        self._outside, = circle.plot([], [], "D", color=VERMILION, markersize=10, animated=True)
+        self._far = circle.text(0, -1.85, "", ha="center", fontsize=9, color=VERMILION, animated=True)
+        figure.legend(handles=[self._inside, self._outside], labels=["inside: dies out", "on or outside: does not"],
+                      loc="outside lower right", ncols=2, fontsize=9)
+
+    def numbers(self, values: Values) -> dict[str, Any]:
+        """Poles, damping, the limit for K_d, and the verdict in words."""
+        kp, kd, dt = _loop(values)
+        verdict, zeta = judge(kp, kd, dt), damping_ratio(kp, kd)
+        return {
+            "K_d Δt": f"{kd * dt:.3f}",
+            "verdict": _words(kp, kd, verdict),
+            "stable for K_d below": f"{verdict.largest_kd:.1f} 1/s" if verdict.largest_kd > 0 else "none, K_p Δt² ≥ 4",
+            "poles z": "  ".join(f"{z.real:.4f}" + (f"{z.imag:+.4f}i" if z.imag else "") for z in verdict.poles),
+            "largest |z|": f"{np.abs(verdict.poles).max():.4f}",
+            "damping ratio ζ": f"{zeta:.2f}" if np.isfinite(zeta) else "–",
+            "error at the end": _end(sampled_error(kp, kd, dt, _count(values))),
+            "same, Δt → 0": f"{START * error_decay(kp, kd, values['span']):.3f} mm",
+        }
+
+    def draw(self, values: Values) -> None:
+        """Both curves and both poles."""
+        kp, kd, dt = _loop(values)
+        span, count = values["span"], _count(values)
+        error = START * sampled_error(kp, kd, dt, count)
+        if self._time.get_xlim() != (0.0, span):  # moved axes are drawn anew, all else is not
+            self._time.set_xlim(0.0, span)
+        self._sampled.set_data(np.arange(count) * dt, np.clip(error, -100 * START, 100 * START))
+        self._sampled.set_marker("o" if count <= 120 else "")
+        along = np.linspace(0, span, 400)
+        self._smooth.set_data(along, START * error_decay(kp, kd, along))
+        poles, shown = judge(kp, kd, dt).poles, 1.9
+        out = np.abs(poles) >= 1 - 1e-9
+        far = np.abs(poles) > shown
+        placed = np.where(far, shown * poles / np.where(far, np.abs(poles), 1), poles)
+        self._inside.set_data(placed[~out].real, placed[~out].imag)
+        self._outside.set_data(placed[out].real, placed[out].imag)
+        self._far.set_text(f"off the picture: |z| = {np.abs(poles).max():.1f}" if far.any() else "")
+
+    def describe(self, values: Values) -> str:
+        """One sentence for those who do not see the picture."""
+        kp, kd, dt = _loop(values)
+        verdict = judge(kp, kd, dt)
+        return (f"Error over {values['span']:g} s and poles for K_p {kp:g} 1/s², K_d {kd:g} 1/s, "
+                f"Δt {values['dt']:g} ms: {_words(kp, kd, verdict)}; largest |z| {np.abs(verdict.poles).max():.3f}")
+
+
+def gain_explorer(kp: float = 100.0, kd: float = 100.0, dt: float = 1.0, span: float = 3.0) -> GainExplorer:
+    """An error of 10 mm under K_p and K_d: sampled and continuous, poles in the unit circle, verdict in words.
+
+    kp, kd : at the start, 0 to 2000 [1/s²], [1/s]
+    dt : control and engine step, 0.2 to 20 [ms]
+    span : time shown, 0.05 to 6 [s]
+    Raises InvalidInput outside these ranges.
+
+    >>> explorer = gain_explorer()
+    >>> explorer.set(kd=800, dt=4.2)
+    >>> print(explorer.text.splitlines()[1])
+    verdict               UNSTABLE: K_d is too large for this clock
+    """
+    return GainExplorer(*(as_number(value, name) for value, name in (
+        (kp, "kp"), (kd, "kd"), (dt, "dt"), (span, "span"))))
+
+
+def _loop(values: Values) -> tuple[float, float, float]:
+    return values["kp"], values["kd"], 1e-3 * values["dt"]
+
+
+def _count(values: Values) -> int:
+    return int(values["span"] / (1e-3 * values["dt"])) + 1
+
+
+def _words(kp: float, kd: float, verdict: Verdict) -> str:
+    if kp == 0:
+        return "NOT STABLE: without K_p nothing pulls the error back"
+    if kd == 0:
+        return "NOT STABLE: without K_d nothing brakes"
+    if not verdict.stable:
+        return "UNSTABLE: K_d is too large for this clock"
+    if min(verdict.poles.real) < 0:
+        return "stable, but it chatters from step to step"
+    zeta = damping_ratio(kp, kd)
+    return "stable, " + ("swings" if zeta < 0.7 else "creeps" if zeta > 2 else "well damped")
+
+
+def _end(error: Array) -> str:
+    last = START * error[-1]
+    return f"{last:.3f} mm" if np.isfinite(last) and abs(last) < 1e4 else "beyond 10 m"

@@ -1,0 +1,121 @@
+"""Hang the platform somewhere at rest: how hard does every cable pull?"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ...errors import InvalidInput
+from ...mechanics.statics import gravity_wrench, wrench_matrix
+from ...robot.pose import Pose
+from ...tensions import TensionDistribution, distribute_tensions
+from ...view.drawing import RobotDrawing
+from ...view.style import INK, cable_style
+from ...world import World
+from .explorer import Explorer, Slider, Values
+
+_AXES = ("x", "y", "z")
+
+
+class HangingExplorer(Explorer):
+    """Sliders for the place of a spatial world's platform, kept level; see `hanging_explorer`."""
+
+    def __init__(self, world: World) -> None:
+        if not isinstance(world, World) or world.robot.dimension != 3:
+            raise InvalidInput(f"a hanging explorer takes a spatial World, got {world!r}")
+        self.world, self.robot = world, world.robot
+        sliders = _sliders(world)
+        ends = [[getattr(slider, end) for slider in sliders] for end in ("low", "start", "high")]
+        self._range = Pose(np.array(ends))
+        # Three times what the start needs: a pull that grows is seen to grow, and beyond it the number tells.
+        start = self.tensions({slider.name: slider.start for slider in sliders}).tensions
+        self._largest = _round_up(3.0 * float(np.nanmax(start, initial=1.0)))
+        super().__init__(sliders, f"{world.title}, at rest", size=(8.6, 4.4))
+
+    def pose(self, values: Values) -> Pose:
+        """Level, where the sliders say."""
+        return Pose([values[axis] for axis in _AXES])
+
+    def tensions(self, values: Values) -> TensionDistribution:
+        """The least tensions (in the sense of Σ τ²) that hold the platform still there."""
+        robot, pose = self.robot, self.pose(values)
+        return distribute_tensions(wrench_matrix(robot, pose), gravity_wrench(robot, pose), robot.tension_min,
+                                   robot.tension_max)
+
+    def build(self, figure: Figure) -> None:
+        left, right = figure.subplots(1, 2, width_ratios=(3, 2))
+        self._drawing = RobotDrawing(left, self.robot, self.world.scene, self._range)
+        cables = range(1, self.robot.n_cables + 1)
+        styles = [cable_style(cable - 1) for cable in cables]
+        self._bars = right.barh(cables, [0.0] * len(cables), color=[style.color for style in styles],
+                                edgecolor=INK, height=0.62, animated=True)
+        for bar, style in zip(self._bars, styles):
+            bar.set_linestyle(style.linestyle)
+        self._labels = [right.text(0, cable, "", va="center", fontsize=10, color=INK, animated=True)
+                        for cable in cables]
+        right.set(xlim=(0, 1.25 * self._largest), ylim=(cables[-1] + 0.6, 0.4), yticks=cables, xlabel="tension [N]",
+                  ylabel="cable")
+
+    def draw(self, values: Values) -> None:
+        self._drawing.move(self.pose(values))
+        held = self.tensions(values)
+        for bar, label, tension in zip(self._bars, self._labels, held.tensions):
+            shown = min(float(tension), self._largest) if held.feasible else 0.0
+            bar.set_width(shown)
+            label.set_x(shown + 0.02 * self._largest)
+            label.set_text(f"{tension:.0f}" + (" →" if tension > self._largest else "") if held.feasible else "?")
+
+    def numbers(self, values: Values) -> dict[str, Any]:
+        held, robot = self.tensions(values), self.robot
+        weight = robot.mass * robot.gravity
+        if not held.feasible:
+            return {"weight [N]": f"{weight:.1f}", "In words": "Within their limits the cables\ncannot hold it here."}
+        tau, hardest = held.tensions, int(np.argmax(held.tensions))
+        vertical = tau @ wrench_matrix(robot, self.pose(values))[2]
+        return {
+            "weight [N]": f"{weight:.1f}",
+            "Σ τ u, vertical [N]": f"{vertical:.1f}",
+            "Σ τ [N]": f"{tau.sum():.0f}",
+            "hardest pull": f"{tau[hardest]:.0f} N, cable {hardest + 1}",
+            "softest pull": f"{tau.min():.0f} N, cable {int(np.argmin(tau)) + 1}",
+        }
+
+    def describe(self, values: Values) -> str:
+        place = ", ".join(f"{values[axis]:.2f}" for axis in _AXES)
+        held = self.tensions(values)
+        words = f"tensions {', '.join(f'{tension:.0f}' for tension in held.tensions)} N" if held.feasible \
+            else "no tensions within the limits hold it"
+        return f"{self.title} at ({place}) m: {words}"
+
+
+def hanging_explorer(world: World) -> HangingExplorer:
+    """Sliders for the platform's place; robot and tensions at rest, W τ + w_e = 0 with w_e the weight.
+
+    world : spatial World
+    Raises InvalidInput for anything else.
+
+    >>> import cdprlab as cl
+    >>> explorer = hanging_explorer(cl.load_world("caroca"))
+    >>> explorer.set(z=2.5)
+    >>> print(explorer.text.splitlines()[0])
+    weight [N]           1471.5
+    """
+    return HangingExplorer(world)
+
+
+def _sliders(world: World) -> list[Slider]:
+    """Inside the frame by half the platform and 0.1 m, above the floor and below the lowest exit point."""
+    robot, start = world.robot, world.pose.position
+    low, high = robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)
+    low[2], high[2] = world.scene.floor_height, robot.exit_points[:, 2].min()
+    inset = robot.platform.size / 2 + 0.1
+    return [Slider(axis, axis, "m", min(round(bottom, 1), place), max(round(top, 1), place), place, 0.05)
+            for axis, bottom, top, place in zip(_AXES, (low + inset).tolist(), (high - inset).tolist(), start.tolist())]
+
+
+def _round_up(value: float) -> float:
+    """To two digits."""
+    unit = 10.0 ** np.floor(np.log10(value) - 1)
+    return float(np.ceil(value / unit) * unit)

@@ -1,0 +1,158 @@
+"""Plan a way for two coupled bases: how wide is the gap, how far from everything, where to, and the way answers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+
+from ...arrays import Array
+from ...errors import InvalidInput
+from ...fastkit.navigation import Hall, OccupancyGrid, Plan, Vehicle, inflated_width, plan_path
+from ...fastkit.navigation.plan_view import carried, turn
+from ...fastkit.navigation.planner import between
+from ...fastkit.navigation.vehicle import difference
+from ...view.style import BLUE, GREY, INK, VERMILION, house_style
+from .explorer import Explorer, Slider, Values
+
+_SIZE = (8.4, 5.6)                       # m
+_RACKS, _DEPTH, _MIDDLE = 4.2, 0.5, 1.5  # m: racks across the hall, and where the gap between them is
+_DETOUR = (3.7, 5.5)                     # m: a second gap, always open
+_START = np.array([1.6, 2.8, np.pi / 2])
+_NEVER, _TURNED = "#B9BFC8", "#E4E7EB"
+
+
+class PlanningExplorer(Explorer):
+    """A hall with two gaps between racks; see `planning_explorer`."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        if not isinstance(vehicle, Vehicle):
+            raise InvalidInput(f"a planning explorer takes a Vehicle, got {type(vehicle).__name__}")
+        self.vehicle = vehicle
+        super().__init__([Slider("gap", "lower gap", "m", 0.8, 2.2, 2.0, 0.05),
+                          Slider("margin", "margin", "m", 0.0, 0.3, 0.1, 0.01),
+                          Slider("x", "goal x", "m", 5.6, 7.8, 6.8, 0.1),
+                          Slider("y", "goal y", "m", 0.6, 5.0, 2.8, 0.1),
+                          Slider("heading", "goal heading", "deg", -180.0, 180.0, 90.0, 5.0)],
+                         "A way for the pair", size=(6.4, 5.1))
+
+    @staticmethod
+    def hall(values: Values) -> Hall:
+        """The hall with its lower gap as wide as the slider says."""
+        low, high = _MIDDLE - values["gap"] / 2, _MIDDLE + values["gap"] / 2
+        across = ((0.0, low), (high, _DETOUR[0]), (_DETOUR[1], _SIZE[1]))
+        return Hall.of([[_RACKS, (a + b) / 2, _DEPTH, b - a, 0.0] for a, b in across], [[0, 0], _SIZE])
+
+    @staticmethod
+    def goal(values: Values) -> Array:
+        """(3,) where the sliders say [m, m, rad]."""
+        return np.array([values["x"], values["y"], np.deg2rad(values["heading"])])
+
+    def plan(self, values: Values) -> Plan:
+        """The way, or why there is none."""
+        return plan_path(OccupancyGrid.of(self.hall(values)), self.vehicle, _START, self.goal(values), values["margin"])
+
+    def build(self, figure: Figure) -> None:
+        axes = figure.subplots()
+        still: dict[str, Any] = {"animated": True}
+        self._shade = axes.imshow(np.zeros((2, 2)), origin="lower", extent=(0, _SIZE[0], 0, _SIZE[1]), vmin=0, vmax=2,
+                                  cmap=ListedColormap(["white", _TURNED, _NEVER]), interpolation="nearest", **still)
+        self._racks = PolyCollection([], facecolor=GREY, edgecolor=INK, linewidth=0.8, zorder=2, **still)
+        self._pairs = PolyCollection([], facecolor="none", edgecolor=BLUE, linewidth=1.2, alpha=0.7, zorder=4, **still)
+        self._noses = LineCollection([], color=BLUE, linewidth=2.5, zorder=4, **still)
+        self._wanted = PolyCollection([], facecolor="none", edgecolor=VERMILION, linewidth=2, linestyle="--", zorder=5,
+                                      **still)
+        for collection in (self._racks, self._pairs, self._noses, self._wanted):
+            axes.add_collection(collection)
+        self._way, = axes.plot([], [], color=BLUE, linewidth=2, zorder=5, label="way of the middle", **still)
+        self._says = axes.text(_SIZE[0] / 2, 2.6, "", color=VERMILION, weight="bold", ha="center", zorder=6,
+                               bbox={"facecolor": "white", "edgecolor": VERMILION}, **still)
+        for color, words in ((_NEVER, "the middle may never be here"), (_TURNED, "only at some headings")):
+            axes.plot([], [], "s", color=color, markeredgecolor=GREY, markersize=9, label=words)
+        axes.plot([], [], color=BLUE, linewidth=1.2, label="the pair, its front end thick")
+        axes.plot([], [], "--", color=VERMILION, label="goal")
+        axes.text(float(_START[0]), 1.5, "start", color=INK, ha="center", va="top", zorder=6,
+                  **still)
+        axes.set(xlim=(0, _SIZE[0]), ylim=(0, _SIZE[1]), aspect="equal", xlabel="x [m]", ylabel="y [m]")
+        axes.grid(False)
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=9)
+
+    def numbers(self, values: Values) -> dict[str, Any]:
+        """How long, how near, and what a gap must have at least."""
+        self._hall, pair, margin = self.hall(values), self.vehicle, values["margin"]
+        self._grid = OccupancyGrid.of(self._hall)
+        self._plan = plan_path(self._grid, pair, _START, self.goal(values), margin)
+        found = {"the pair [m]": f"{pair.length:.2f} x {pair.width:.2f}",
+                 "it turns on the spot in a circle of [m]": f"{np.hypot(pair.length, pair.width):.2f}",
+                 "a gap needs [m]": f"{pair.width + 2 * margin:.2f}",
+                 "is surely found if it has [m]": f"{inflated_width(self._grid, pair, margin):.2f}"}
+        if not self._plan.found:
+            return {**found, "way": f"none: {self._plan.reason}"}
+        poses = self._plan.poses
+        every = np.concatenate([between(a, b) for a, b in zip(poses, poses[1:])])
+        return {**found, "goes through": f"the {'upper' if self._upper() else 'lower'} gap",
+                "way of its middle [m]": f"{self._plan.length:.2f}",
+                "time at the bases' speed limits [s]": f"{_seconds(pair, poses):.0f}",
+                "least room beside it, as cells tell [m]": f"{self._grid.room(pair, every).min():.2f}"}
+
+    def draw(self, values: Values) -> None:
+        pair, clearance, margin, plan = self.vehicle, self._grid.clearance, values["margin"], self._plan
+        never, turned = clearance < pair.width / 2 + margin, clearance < np.hypot(pair.length, pair.width) / 2 + margin
+        with house_style():
+            self._shade.set_data((never.astype(int) + turned).T)
+            self._racks.set_verts(list(self._hall.outlines))
+            self._wanted.set_verts([pair.outline(self.goal(values))])
+            shown = _stations(plan.poses) if plan.found else _START[None]
+            self._pairs.set_verts([pair.outline(pose) for pose in shown])
+            front = pair.length / 2 * np.array([1, 1]), pair.width / 2 * np.array([-1, 1])
+            self._noses.set_segments([carried(pose, np.stack(front, axis=-1)) for pose in shown])
+            self._way.set_data(*(plan.poses[:, :2].T if plan.found else ([], [])))
+            self._says.set_text("" if plan.found else "no way")
+
+    def describe(self, values: Values) -> str:
+        what = f"the way goes through the {'upper' if self._upper() else 'lower'} gap" if self._plan.found \
+            else f"no way: {self._plan.reason}"
+        return (f"A hall from above, {_SIZE[0]:g} by {_SIZE[1]:g} m, with racks across it; the lower gap is "
+                f"{values['gap']:.2f} m wide, the upper one {_DETOUR[1] - _DETOUR[0]:.2f} m; {what}")
+
+    def _upper(self) -> bool:
+        """Whether the way crosses the racks above the middle one's center."""
+        x, y = self._plan.poses[:, 0], self._plan.poses[:, 1]
+        k = int(np.argmax(x > _RACKS))
+        share = (_RACKS - x[k - 1]) / (x[k] - x[k - 1])
+        return bool(y[k - 1] + share * (y[k] - y[k - 1]) > (_MIDDLE + _DETOUR[0]) / 2)
+
+
+def planning_explorer(vehicle: Vehicle) -> PlanningExplorer:
+    """Sliders for a gap, the margin and the goal; the inflated map and the pair's way answer.
+
+    vehicle : the pair
+    Raises InvalidInput for anything else.
+
+    >>> import cdprlab as cl
+    >>> explorer = planning_explorer(Vehicle.of(cl.load_world("fastkit_suspended").robot, 1.6))
+    >>> explorer.set(gap=1.0)
+    >>> print(explorer.text.splitlines()[4])
+    goes through                             the upper gap
+    """
+    return PlanningExplorer(vehicle)
+
+
+def _seconds(vehicle: Vehicle, poses: Array) -> float:
+    """Of a way, each piece as fast as the slower base allows [s]."""
+    d = difference(poses[1:], poses[:-1])
+    total = 0.0
+    for (*step, spin), heading in zip(d, poses[:-1, 2]):
+        piece = np.array([*(turn(heading + spin / 2).T @ step), spin])
+        # Told to drive it in a second, the pair slows down by as much as it is too fast.
+        share = float(np.linalg.norm(vehicle.within_limits(1e3 * piece)) / np.linalg.norm(1e3 * piece))
+        total += 1e-3 / share
+    return total
+
+
+def _stations(poses: Array, step: float = 0.9, turn_step: float = 0.8) -> Array:
+    """(k, 3) poses on the way to be drawn, not too many."""
+    return np.concatenate([poses[:1], *(between(a, b, step, turn_step)[1:] for a, b in zip(poses, poses[1:]))])

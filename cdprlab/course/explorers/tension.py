@@ -1,0 +1,201 @@
+"""Choose a distribution method, move the platform and the limits: the feasible set, every method's point, the bars."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ...arrays import Array
+from ...errors import InvalidInput
+from ...mechanics.statics import gravity_wrench, wrench_matrix
+from ...robot import Robot
+from ...robot.pose import Pose
+from ...tensions import TensionDistribution, distribute_tensions, tension_methods
+from ...view.drawing import RobotDrawing
+from ...view.outlines import EMPTY, floor_height
+from ...view.style import house_style
+from ...world import World
+from ..pictures.tension_panels import MARKS, OWN, draw_bars, draw_set
+from ..pictures.tension_polygon import TensionSet, set_in_words, tension_set
+from .explorer import Choice, Explorer, Slider, Values
+from .posing import _checked_start, _corner_poses, position_sliders, slider_pose, turn_sliders
+
+BORDER = "walk_along_the_border"
+"""Shown in place of a method's tensions: those at the ``walk`` slider's place on the border."""
+
+
+_STAR = "* an incomplete method: its NO proves nothing"
+
+
+class TensionState(NamedTuple):
+    """What the limits leave at some slider values, and what every method makes of it.
+
+    free : TensionSet
+    found : method → TensionDistribution
+    shown : (m,) tensions of the chosen method, or on the border [N]
+    """
+
+    free: TensionSet
+    found: dict[str, TensionDistribution]
+    shown: Array
+
+
+class TensionExplorer(Explorer):
+    """Pose, limits and method on sliders and a menu; see `tension_explorer`."""
+
+    def __init__(self, subject: World | Robot, start: Pose | None = None) -> None:
+        if not isinstance(subject, World | Robot):
+            raise InvalidInput(f"a tension explorer takes a World or a Robot, got {type(subject).__name__}")
+        self.robot, self.scene = (subject.robot, subject.scene) if isinstance(subject, World) else (subject, EMPTY)
+        robot = self.robot
+        r = robot.n_cables - robot.n_dof
+        if r not in (1, 2):
+            raise InvalidInput("a tension explorer draws one or two redundant cables (r = m − n); here "
+                               f"{robot.n_cables} cables hold {robot.n_dof} freedoms, r = {r}")
+        self.start = _checked_start(robot, subject.pose if start is None and isinstance(subject, World) else start)
+        # The kernel method is for r = 1 only.
+        self._methods = tuple(name for name in tension_methods() if r == 1 or name != "kernel")
+        pose = position_sliders(robot, floor_height(robot, self.scene), self.start) + turn_sliders(robot, self.start)
+        self._corners = _corner_poses(robot, pose, self.start)
+        self._last: tuple[Values, TensionState] | None = None
+        title = subject.title if isinstance(subject, World) else f"{robot.motion_pattern} robot"
+        menu = Choice("method", "method", (*self._methods, BORDER), start="quadratic_program")
+        walk = Slider("walk", "walk the border", "%", 0.0, 100.0, 0.0, 1.0)
+        super().__init__([menu, *_limit_sliders(robot, self.start), *pose, walk], f"Tensions of {title}",
+                         size=(7.8, 6.6))
+
+    def pose_at(self, values: Values) -> Pose:
+        """Pose of some slider values; what has no slider stays as at the start."""
+        return slider_pose(self.start, values)
+
+    def state(self, values: Values) -> TensionState:
+        """The feasible set and all answers at some values of the controls."""
+        if self._last is None or self._last[0] != values:
+            self._last = dict(values), self._solve(values)
+        return self._last[1]
+
+    def _solve(self, values: Values) -> TensionState:
+        robot, pose = self.robot, self.pose_at(values)
+        low, high = (np.full(robot.n_cables, values[name]) for name in ("tension_min", "tension_max"))
+        W, w_e = wrench_matrix(robot, pose), gravity_wrench(robot, pose)
+        free = tension_set(W, w_e, low, high)
+        found = {name: distribute_tensions(W, w_e, low, high, name) for name in self._methods}
+        if values["method"] == BORDER:
+            shown = free.tensions(free.walk(values["walk"] / 100)) if free.redundancy in (1, 2) else free.least * np.nan
+        else:
+            shown = found[values["method"]].tensions
+        return TensionState(free, found, np.asarray(shown))
+
+    def build(self, figure: Figure) -> None:
+        grid = figure.add_gridspec(2, 2, width_ratios=[1.5, 1.0], height_ratios=[1.0, 1.15])
+        self._set, robot, self._bars = (figure.add_subplot(part) for part in (grid[:, 0], grid[0, 1], grid[1, 1]))
+        self.drawing = RobotDrawing(robot, self.robot, self.scene, self._corners)
+        handles = [Line2D([], [], linestyle="none", marker=mark.marker, markersize=0.7 * mark.size, color=mark.color,
+                          label=name.replace("_", " ")) for name, mark in MARKS.items() if name in self._methods]
+        handles.append(Line2D([], [], linestyle="none", marker=OWN[0].marker, markersize=0.6 * OWN[0].size,
+                              color=OWN[0].color, markerfacecolor="none", label="walk along the border"))
+        figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=9, columnspacing=1.2,
+                      title="filled: inside the limits; hollow: outside; ring: the bars' tensions", title_fontsize=9)
+        # Something to lay out: the axes keep the room that this takes.
+        values = {name: control.start for name, control in self.controls.items()}
+        self._draw_panels(values)
+
+    def draw(self, values: Values) -> None:
+        """All three panels."""
+        self.drawing.move(self.pose_at(values))
+        with house_style():
+            self._draw_panels(values)
+
+    def _draw_panels(self, values: Values) -> None:
+        state = self.state(values)
+        low, high = state.free.low, state.free.high
+        # What misses the wrench is no point of the set.
+        points = {name: answer.tensions for name, answer in state.found.items() if _balances(answer)}
+        if values["method"] == BORDER:
+            points[BORDER] = state.shown
+        draw_set(self._set, state.free, points, {name: bool(answer.feasible) for name, answer in state.found.items()},
+                 chosen=values["method"])
+        draw_bars(self._bars, state.shown, low, high, values["method"].replace("_", " "))
+
+    def numbers(self, values: Values) -> dict[str, Any]:
+        """Every method in a row; the chosen one's tensions, and its reason where it has none."""
+        state = self.state(values)
+        rows = [f"{name.replace('_', ' '):<21}{_row(answer)}" for name, answer in state.found.items()]
+        shown = "\n".join(f"  {i + 1}: {_number(tau):>9}" for i, tau in enumerate(state.shown))
+        return {
+            "limits": f"{values['tension_min']:.4g} to {values['tension_max']:.4g} N",
+            "feasible set": set_in_words(state.free),
+            "method                found?     Σ τ     ‖τ‖  margin [N]": "\n".join([*rows, _STAR]),
+            f"{values['method'].replace('_', ' ')}, tensions [N]": shown,
+            "in words": "\n".join(textwrap.wrap(self.words(values, state), 56)),
+        }
+
+    def words(self, values: Values, state: TensionState | None = None) -> str:
+        """What the chosen method found, or why not."""
+        here = self.state(values) if state is None else state
+        if values["method"] == BORDER:
+            met = ", ".join(here.free.met_limits(here.shown)) if np.isfinite(here.shown).all() else ""
+            return f"On the border; limits met: {met}." if met else "There is no border to walk along."
+        answer = here.found[values["method"]]
+        if not answer.feasible:
+            return f"{str(answer.reason)[:1].upper()}{str(answer.reason)[1:]}."
+        met = ", ".join(here.free.met_limits(answer.tensions))
+        return f"Balanced within the limits, {f'at {met}' if met else 'none of them met'}."
+
+    def describe(self, values: Values) -> str:
+        """Where the platform is, what can be chosen and what was."""
+        state = self.state(values)
+        place = ", ".join(f"{name} {values[name]:.4g} {control.unit}" for name, control in self.controls.items()
+                          if isinstance(control, Slider) and name != "walk")
+        return (f"{self.title} at {place}. {set_in_words(state.free)} {values['method'].replace('_', ' ')}: "
+                + self.words(values, state))
+
+
+def tension_explorer(world_or_robot: World | Robot, start: Pose | None = None) -> TensionExplorer:
+    """Sliders for pose and limits, a menu of methods: what {τ : W τ + w_e = 0, τ_min ≤ τ ≤ τ_max} is, who picks what.
+
+    world_or_robot : World or Robot with one or two redundant cables, at rest under its weight
+    start : Pose, single; default the world's, for a robot the middle of its exit points
+    Limits are the same for all cables; they start at the robot's, as far as the sliders reach.
+    Raises InvalidInput for another redundancy, or a start that does not fit.
+
+    >>> import cdprlab as cl
+    >>> explorer = tension_explorer(cl.load_world("caroca"))
+    >>> explorer.set(method="barycenter", tension_max=1000)
+    >>> print(explorer.text.splitlines()[1])
+    feasible set  r = 2: a polygon of 4 corners.
+    """
+    return TensionExplorer(world_or_robot, start)
+
+
+def _limit_sliders(robot: Robot, start: Pose) -> list[Slider]:
+    """The same limits for all cables, in ranges that touch but never cross, near the tensions at the start."""
+    W, w_e = wrench_matrix(robot, start), gravity_wrench(robot, start)
+    held = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max, "relaxed").tensions
+    least, most = float(robot.tension_min.max()), float(robot.tension_max.min())
+    largest = max(float(held.max()), 2 * least, 1e-3 * most)
+    unit = 10.0 ** np.floor(np.log10(largest) - 1)
+    border = float(np.ceil(largest / unit) * unit)
+    return [Slider("tension_min", "τ_min", "N", 0.0, border, least, unit / 2),
+            Slider("tension_max", "τ_max", "N", border, 6 * border, float(np.clip(most, border, 6 * border)), unit)]
+
+
+def _balances(answer: TensionDistribution) -> bool:
+    """Whether an answer is balanced at all, limits aside."""
+    return bool(np.isfinite(answer.tensions).all()) and float(np.abs(answer.residual).max()) < 1e-6 * (
+        1 + float(np.abs(answer.tensions).max()))
+
+
+def _row(answer: TensionDistribution) -> str:
+    tau = answer.tensions
+    said = "yes" if answer.feasible else "NO" if answer.complete else "NO *"
+    numbers = tau.sum(), np.linalg.norm(tau), answer.margin
+    return f" {said:<6}" + "".join(f"{_number(float(number)):>8}" for number in numbers)
+
+
+def _number(value: float) -> str:
+    return "–" if not np.isfinite(value) else f"{round(float(value), 1) + 0.0:.1f}".replace("-", "−")

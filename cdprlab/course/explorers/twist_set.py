@@ -1,0 +1,272 @@
+"""Drag a wanted twist, turn the speed limits: is it in the available twist set, and how much of it can be had?"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ...arrays import Array
+from ...errors import InvalidInput
+from ...mechanics.kinematics import jacobian
+from ...mechanics.redundancy import TwistResolution, resolve_twist
+from ...robot import Robot
+from ...robot.pose import Pose
+from ...sets import Polytope, available_twist_set
+from ...view.drawing import RobotDrawing
+from ...view.outlines import floor_height
+from ...view.sets import axis_label, axis_names, draw_polygon
+from ...view.style import GREEN, GREY, INK, VERMILION, house_style
+from ...view.text_table import fixed, text_table
+from ...world import World
+from .explorer import Explorer, Slider, Values
+from .posing import position_sliders, slider_pose
+
+_DIRECTIONS = (("turn", "θ̇", "rad/s"), ("along", "ρ̇₁", "m/s"), ("across", "ρ̇₂", "m/s"))
+
+_SECONDS = 0.25
+"""The robot's arrow shows where the platform would be after this time."""
+
+
+class Reach(NamedTuple):
+    """What the robot makes of a wanted twist.
+
+    robot, pose : with the controls' speed limits
+    twist : (n,) wanted, zero in the components that have no control [m/s, rad/s]
+    fixed, moving : available twist sets, bases standing and driving
+    rates : (m,) J t, the cable speeds with standing bases [m/s]
+    shares : speeds of bases and cables for the twist, or for the largest share of it
+    """
+
+    robot: Robot
+    pose: Pose
+    twist: Array
+    fixed: Polytope
+    moving: Polytope
+    rates: Array
+    shares: TwistResolution
+
+    @property
+    def scales(self) -> tuple[float, float]:
+        """Largest s for which s t is available, bases standing and driving; inf for the zero twist."""
+        return float(self.fixed.scale(self.twist)), float(self.moving.scale(self.twist))
+
+    def verdict(self, moving: bool) -> str:
+        """Inside or outside, and how much of the twist can be had."""
+        scale = self.scales[moving]
+        where = "inside" if bool((self.fixed, self.moving)[moving].contains(self.twist)) else "OUTSIDE"
+        return f"{where}, scale at most {scale:.3f}" if np.isfinite(scale) else f"{where}, any scale"
+
+
+class TwistSetExplorer(Explorer):
+    """Sliders for a twist, the bases' and cables' speed limits and the position; see `twist_set_explorer`."""
+
+    def __init__(self, world: World, components: Sequence[int] = (0, 1)) -> None:
+        self._world, self._chosen = _checked(world), _components(world.robot, components)
+        self._names = [axis_names(world.robot.motion_pattern, "twist")[k] for k in self._chosen]
+        self._reach = _reaches(world, self._chosen)
+        sliders = [Slider(name, name, "m/s" if name[0] == "v" else "rad/s", -reach, reach, 0.0, 0.025)
+                   for name, reach in zip(self._names, self._reach.tolist())]
+        limits = _limit_sliders(world.robot)
+        self._places = position_sliders(world.robot, floor_height(world.robot, world.scene), world.pose)
+        super().__init__([*sliders, *limits, *self._places], f"Available twist set: {world.title}", size=(8.0, 4.6))
+
+    def reach(self, values: Values) -> Reach:
+        """Everything at the controls' values."""
+        robot, pose = _limited(self._world.robot, values), slider_pose(self._world.pose, values)
+        twist = np.zeros(robot.n_dof)
+        twist[self._chosen] = [values[name] for name in self._names]
+        moving = available_twist_set(robot, pose)
+        share = min(1.0, float(moving.scale(twist)))
+        return Reach(robot, pose, twist, available_twist_set(robot, pose, "none"), moving,
+                     jacobian(robot, pose) @ twist, resolve_twist(robot, pose, share * twist))
+
+    def build(self, figure: Figure) -> None:
+        left, right = figure.subplots(1, 2, width_ratios=(1, 1.35))
+        ends = [[getattr(slider, end) for slider in self._places] for end in ("low", "high")]
+        self._drawing = RobotDrawing(left, self._world.robot, self._world.scene, _corners(self._world.pose, ends))
+        self._arrow = left.quiver([0], [0], [1], [0], angles="xy", scale_units="xy", scale=1, color=INK, width=0.014,
+                                  zorder=9, animated=True)
+        left.set_title(f"arrow: {_SECONDS:g} s of the twist", fontsize=10)
+        self._build_sets(right)
+
+    def draw(self, values: Values) -> None:
+        found, wanted = self.reach(values), np.array([values[name] for name in self._names])
+        with house_style():
+            self._drawing.move(found.pose)
+            tail, tip = self._drawing.view.flat(np.stack([found.pose.position, found.pose.position
+                                                          + _SECONDS * _velocity(found.robot, found.twist)]))
+            self._arrow.set_visible(bool(wanted.any()))
+            self._arrow.set_offsets(tail)
+            self._arrow.set_UVC(*(tip - tail))
+            for patch, polytope in zip(self._patches, self._outlines(found)):
+                patch.set_xy(polytope.vertices)
+            self._draw_twist(found, wanted)
+
+    def numbers(self, values: Values) -> str:
+        """Inside or outside, largest scales, and one way to share the twist."""
+        found = self.reach(values)
+        heads = [f"t = ({', '.join(fixed(values[name], 3) for name in self._names)})  "
+                 f"[{', '.join(self._names)}]", f"bases fixed    {found.verdict(False)}",
+                 f"bases driving  {found.verdict(True)}"]
+        if found.moving.n == 2:
+            heads.append(f"area of the set [m²/s²]  {found.fixed.volume:.2f} fixed, {found.moving.volume:.2f} driving")
+        return "\n".join([*heads, "", self._cable_table(found), "", *self._base_lines(found)])
+
+    def describe(self, values: Values) -> str:
+        found = self.reach(values)
+        return (f"{self.title}. The twist ({', '.join(fixed(values[name], 3) for name in self._names)}) is "
+                f"{found.verdict(False)} with the bases fixed, {found.verdict(True)} with the bases driving.")
+
+    # --- parts of the picture -------------------------------------------------------------------------
+    def _build_sets(self, panel: Axes) -> None:
+        square = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])
+        flat = self._world.robot.n_dof == 2
+        labels = ["bases fixed", "bases driving"] if flat else ["bases fixed, all else 0", "driving, all else 0"]
+        self._patches = [draw_polygon(panel, square, style, label) for style, label in enumerate(labels)]
+        if not flat:
+            shadow = draw_polygon(panel, square, 2, "driving, all else free")
+            shadow.set_facecolor("none")
+            self._patches.append(shadow)
+        self._ray, = panel.plot([], [], color=INK, linewidth=1.2, animated=True)
+        self._borders = [panel.plot([], [], marker="D", markersize=7, markerfacecolor="white", markeredgewidth=1.6,
+                                    markeredgecolor=patch.get_edgecolor(), linestyle="none", zorder=5, animated=True)[0]
+                         for patch in self._patches[:2]]
+        self._mark, = panel.plot([], [], linestyle="none", markersize=10, animated=True)
+        self._word = panel.text(0.02, 0.98, "", fontsize=10, ha="left", va="top", fontweight="bold", animated=True,
+                                transform=panel.transAxes)
+        for patch in self._patches:
+            patch.set_animated(True)
+        for axis in ("x", "y"):
+            getattr(panel, f"ax{'h' if axis == 'y' else 'v'}line")(0, color=GREY, linewidth=0.8)
+        panel.set(xlim=self._reach[0] * np.array([-1, 1]), ylim=self._reach[1] * np.array([-1, 1]), aspect="equal",
+                  xlabel=axis_label(self._names[0]), ylabel=axis_label(self._names[1]))
+        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2 if flat else 1, fontsize=9)
+
+    def _outlines(self, found: Reach) -> list[Polytope]:
+        if found.moving.n == 2:
+            return [found.fixed, found.moving]
+        return [found.fixed.slice(self._chosen), found.moving.slice(self._chosen), found.moving.project(self._chosen)]
+
+    def _draw_twist(self, found: Reach, wanted: Array) -> None:
+        """The mark's shape says what its color says: dot within both, triangle within one, cross within none."""
+        inside = [bool(polytope.contains(found.twist)) for polytope in (found.fixed, found.moving)]
+        word, marker, color = (("inside both sets", "o", GREEN) if inside[0] else
+                               ("available only if bases drive", "^", INK) if inside[1] else
+                               ("outside both sets", "X", VERMILION))
+        self._mark.set(marker=marker, markerfacecolor=color, markeredgecolor="white")
+        self._mark.set_data(*wanted[:, None])
+        self._word.set(text=f"t is {word}", color=color)
+        scales = [scale if np.isfinite(scale) else 0.0 for scale in found.scales]
+        self._ray.set_data(*np.outer(wanted, [0.0, max(1.0, *scales)]))
+        for border, scale in zip(self._borders, scales):
+            border.set_visible(scale > 0)
+            border.set_data(*(scale * wanted)[:, None])
+
+    # --- parts of the text ----------------------------------------------------------------------------
+    def _cable_table(self, found: Reach) -> str:
+        top = found.robot.speed_max
+        rows = [["bases fixed", *(fixed(rate, 2) + _over(rate, limit) for rate, limit in zip(found.rates, top))],
+                ["bases driving", *(fixed(rate, 2) + " " for rate in found.shares.cable_speeds)],
+                ["limit", *(f"{limit:g} " for limit in top)]]
+        return text_table(["cable speed [m/s]", *(f"{i + 1} " for i in range(found.robot.n_cables))], rows)
+
+    def _base_lines(self, found: Reach) -> list[str]:
+        share = min(1.0, found.scales[1])
+        lines = [f"driving, for {share:.3f} t: one way to share it" if share < 1 else "driving: one way to share it"]
+        for base, speeds in zip(found.robot.bases, found.shares.base_speeds.reshape(-1, 3)):
+            moves = [f"{symbol} {fixed(speed, 2)} of {limit:.2f} {unit}"
+                     for (_, symbol, unit), speed, limit in zip(_DIRECTIONS, speeds, base.speed_max) if limit > 0]
+            lines.append(f"  base {base.name}: {', '.join(moves) or 'stands'}")
+        return lines if found.robot.bases else []
+
+
+def twist_set_explorer(world: World, components: Sequence[int] = (0, 1)) -> TwistSetExplorer:
+    """Sliders for a twist and the speed limits; {t : |J t − B_b q̇_b| ≤ l̇_max}, bases fixed and driving, answers.
+
+    The text says inside or outside, the largest scale, and one way to share the twist among bases and cables. With
+    more than two degrees of freedom the other components are zero; the shadow shows what they allow when free.
+
+    world : motion pattern with at least two components
+    components : which two are dragged
+    Raises InvalidInput for a world or components that do not fit.
+
+    >>> import cdprlab as cl
+    >>> explorer = twist_set_explorer(cl.load_world("planar_mcdpr"))
+    >>> explorer.set(v_x=1.15, v_y=1.675)
+    >>> print("\\n".join(explorer.text.splitlines()[1:3]))
+    bases fixed    OUTSIDE, scale at most 0.985
+    bases driving  inside, scale at most 1.220
+    """
+    return TwistSetExplorer(world, components)
+
+
+# --- controls ---------------------------------------------------------------------------------------------
+def _checked(world: Any) -> World:
+    if not isinstance(world, World):
+        raise InvalidInput(f"a twist set explorer takes a World, got {type(world).__name__}")
+    if world.robot.n_dof < 2:
+        raise InvalidInput(f"world {world.name!r} has a single degree of freedom; its twists are a line, not a set "
+                           "in the plane")
+    if not np.isfinite(world.robot.speed_max).all():
+        raise InvalidInput(f"world {world.name!r} has cables without a speed limit: no twist is out of reach")
+    return world
+
+
+def _components(robot: Robot, chosen: Sequence[int]) -> list[int]:
+    names, picked = axis_names(robot.motion_pattern, "twist"), list(chosen)
+    if len(picked) != 2 or len(set(picked)) != 2 or not set(picked) <= set(range(robot.n_dof)) \
+            or names[picked[0]][0] != names[picked[1]][0]:
+        raise InvalidInput(f"components must be two different numbers from 0 to {robot.n_dof - 1} of one unit "
+                           f"({', '.join(names)}), got {chosen!r}")
+    return picked
+
+
+def _limit_sliders(robot: Robot) -> list[Slider]:
+    """From 0 to twice what the world says; a direction the world holds has none."""
+    sliders = [Slider(f"{base.name}_{name}", f"{base.name.replace('_', ' ')} {symbol} up to", unit, 0.0, 2 * limit,
+                      limit, limit / 20)
+               for base in robot.bases
+               for (name, symbol, unit), limit in zip(_DIRECTIONS, base.speed_max.tolist()) if limit > 0]
+    top = float(robot.speed_max[0])
+    if np.allclose(robot.speed_max, top):
+        sliders.append(Slider("cable_speed", "cables up to", "m/s", 0.25 * top, 1.5 * top, top, top / 40))
+    return sliders
+
+
+def _limited(robot: Robot, values: Values) -> Robot:
+    bases = tuple(dataclasses.replace(base, speed_max=np.array([
+        values.get(f"{base.name}_{name}", limit) for (name, *_), limit in zip(_DIRECTIONS, base.speed_max)]))
+        for base in robot.bases)
+    top = values.get("cable_speed")
+    cables = robot.cables if top is None else tuple(dataclasses.replace(c, speed_max=top) for c in robot.cables)
+    return dataclasses.replace(robot, bases=bases, cables=cables)
+
+
+def _reaches(world: World, chosen: list[int]) -> Array:
+    """(2,) how far the sliders go: beyond the set at the world's pose with the world's limits, to a half."""
+    whole = available_twist_set(world.robot, world.pose).project(chosen)
+    return np.ceil(2.6 * np.abs(whole.component_range()).max(axis=1)) / 2
+
+
+# --- picture ----------------------------------------------------------------------------------------------
+def _corners(pose: Pose, ends: list[list[float]]) -> Pose:
+    return Pose(np.array(list(product(*zip(*ends)))), matrix=pose.rotation)
+
+
+def _velocity(robot: Robot, twist: Array) -> Array:
+    """(d,) of P [m/s]."""
+    velocity = np.zeros(robot.dimension)
+    for row, speed in zip(robot.pattern.rows, twist):
+        if row in "xyz":
+            velocity["xyz".index(row)] = speed
+    return velocity
+
+
+def _over(rate: float, limit: float) -> str:
+    return "!" if abs(rate) > limit * (1 + 1e-9) else " "

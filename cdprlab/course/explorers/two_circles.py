@@ -1,0 +1,161 @@
+"""Two lengths, two circles, two places: where is a point on two cables, and where does the engine hang it?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
+
+from ...arrays import Array, as_array
+from ...robot import Robot
+from ...robot.pose import Pose
+from ...view.camera import hanging
+from ...view.style import INK, SKY, cable_style
+from ..pictures.pose_estimates import draw_exit_points
+from ..props.point_load import circle_crossings, point_load
+from ..props.settling import Settled, hang
+from .explorer import Choice, Explorer, Slider, Values
+
+EXIT_POINTS = np.array([[0.0, 3.0], [5.0, 3.0]])
+"""Of the two cables [m]."""
+
+_START = Pose([2.5, 1.0], angle=0.0)
+"""Where the load is before the winches bring the ropes to length; it does not matter where."""
+
+_HELD, _HUNG = "no", "yes, in pymunk"
+
+Formula = Callable[[Array, Array, float, float], Any]
+"""(A1, A2, l1, l2) → (2,) the place of the point; raises ValueError where there is none."""
+
+
+class TwoCirclesExplorer(Explorer):
+    """A load on two ropes, their lengths on sliders; see `two_circles_explorer`."""
+
+    def __init__(self, formula: Formula | None = None) -> None:
+        self._formula, self._robot = formula or _lower_crossing, two_ropes()
+        controls: list[Slider | Choice] = [Slider("l1", "length l₁", "m", 1.0, 7.0, 3.0, 0.05),
+                                           Slider("l2", "length l₂", "m", 1.0, 7.0, 4.0, 0.05),
+                                           Choice("hang", "hang a load", (_HELD, _HUNG), _HELD)]
+        super().__init__(controls, title="Two lengths, two circles, two places", size=(6.0, 6.0))
+
+    def build(self, figure: Figure) -> None:
+        panel = figure.subplots()
+        draw_exit_points(panel, EXIT_POINTS, ("A₁", "A₂"))
+        panel.set(xlim=(-2.8, 7.8), ylim=(-4.3, 6.3), aspect="equal", xlabel="x [m]", ylabel="y [m]")
+        moving: dict[str, Any] = {"animated": True}
+        looks: list[Any] = [(cable_style(i).color, dashes) for i, dashes in enumerate(("solid", (0, (5, 2))))]
+        self._circles = [Circle((x, y), 1.0, fill=False, linewidth=1.4, edgecolor=color, linestyle=dashes, **moving)
+                         for (x, y), (color, dashes) in zip(EXIT_POINTS, looks)]
+        for circle in self._circles:
+            panel.add_patch(circle)
+        self._ropes = [panel.plot([], [], color=SKY, linewidth=6.0, alpha=0.8, **moving)[0] for _ in EXIT_POINTS]
+        self._cables = [panel.plot([], [], color=color, linestyle=dashes, linewidth=2.4, **moving)[0]
+                        for color, dashes in looks]
+        self._load, = panel.plot([], [], marker="s", markersize=18, linestyle="none", color=SKY, **moving)
+        self._other, = panel.plot([], [], marker="o", markersize=10, linestyle="none", color=INK,
+                                  markerfacecolor="white", **moving)
+        self._point, = panel.plot([], [], marker="o", markersize=10, linestyle="none", color=INK, **moving)
+        handles = [Line2D([], [], color=color, linestyle=dashes, label=f"as far from {end} as its cable is long")
+                   for end, (color, dashes) in zip(("A₁", "A₂"), looks)]
+        handles += [Line2D([], [], color=INK, marker="o", markersize=8, linestyle="none", label=self._whose),
+                    Line2D([], [], color=SKY, marker="s", markersize=10, linewidth=4, label="a load on ropes (pymunk)")]
+        figure.legend(loc="outside lower center", ncols=2, fontsize=9, handles=handles)
+
+    def numbers(self, values: Values) -> dict[str, Any]:
+        self._solve(values)
+        text = {"crossings [m]": "none: the circles miss each other" if np.isnan(self._crossings).any()
+                else " and ".join(_place(point) for point in self._crossings),
+                f"{self._whose} [m]": "none" if self._found is None else _place(self._found)}
+        if self._settled is None:
+            return text | {"load": "not hung yet: predict, then let it hang"}
+        return text | self._hung(self._settled)
+
+    def draw(self, values: Values) -> None:
+        for circle, length in zip(self._circles, self._lengths):
+            circle.set_radius(length)
+        found = np.full(2, np.nan) if self._found is None else self._found
+        for cable, exit_point in zip(self._cables, EXIT_POINTS):
+            cable.set_data(*np.transpose([exit_point, found]))
+        self._point.set_data(*found[:, None])
+        self._other.set_data(*self._crossings[1][:, None])
+        shown = self._settled is not None and self._settled.fits
+        for artist in (*self._ropes, self._load):
+            artist.set_visible(shown)
+        if self._settled is not None and shown:
+            load = self._settled.pose.position
+            self._load.set_data(*load[:, None])
+            for rope, exit_point, length in zip(self._ropes, EXIT_POINTS, self._lengths):
+                rope.set_data(*hanging(load, exit_point, length).T)
+
+    def describe(self, values: Values) -> str:
+        place = "no point" if self._found is None else f"the point at {_place(self._found)} m"
+        load = "" if self._settled is None else "; load " + self._hung(self._settled)["load"].replace("\n", " ")
+        return f"Circles of radius {values['l1']:g} and {values['l2']:g} m around exit points 5 m apart; {place}{load}"
+
+    # --- inside ---------------------------------------------------------------------------------------
+    @property
+    def _whose(self) -> str:
+        return "lower crossing" if self._formula is _lower_crossing else "your point"
+
+    def _solve(self, values: Values) -> None:
+        self._lengths = np.array([values["l1"], values["l2"]])
+        self._crossings = circle_crossings(EXIT_POINTS, self._lengths)
+        self._found = None
+        with suppress(ValueError):   # no point has these lengths
+            self._found = self._formula(EXIT_POINTS[0].copy(), EXIT_POINTS[1].copy(), *self._lengths.tolist())
+        if self._found is not None:
+            self._found = as_array(self._found, "the point", (2,), "m")
+        self._settled = hang(self._robot, self._lengths, _START) if values["hang"] == _HUNG else None
+
+    def _hung(self, settled: Settled) -> dict[str, str]:
+        if not settled.fits:
+            return {"load": "nowhere: the ropes together are shorter\nthan the way from A₁ to A₂"}
+        loose = [f"rope {i + 1} is slack, {settled.spare[i]:.2f} m to spare" for i in np.flatnonzero(settled.slack)]
+        text = {"load": f"hangs at {_place(settled.pose.position)} m\n" + (", ".join(loose) or "both ropes are taut")}
+        if self._found is not None:
+            apart = 1e3 * float(np.linalg.norm(settled.pose.position - self._found))
+            text[f"load to {self._whose} [mm]"] = f"{apart:.3f}"
+        return text
+
+
+def two_circles_explorer(formula: Formula | None = None) -> TwoCirclesExplorer:
+    """Sliders for two cable lengths: two circles, the point a formula finds, and where a load hangs in the engine.
+
+    formula : somebody's own, (A1, A2, l1, l2) → (2,) [m], raises ValueError where no point has these lengths; default
+        the lower crossing
+
+    >>> explorer = two_circles_explorer()
+    >>> explorer.set(l1=3.0, l2=6.5, hang="yes, in pymunk")
+    >>> print(explorer.text.splitlines()[-2])
+    rope 2 is slack, 0.67 m to spare
+    """
+    return TwoCirclesExplorer(formula)
+
+
+def two_ropes() -> Robot:
+    """The 10 kg load on cables from ``EXIT_POINTS``.
+
+    >>> two_ropes().exit_points.tolist()
+    [[0.0, 3.0], [5.0, 3.0]]
+    """
+    load = point_load(2)
+    return replace(load, cables=tuple(replace(cable, exit_point=place)
+                                      for cable, place in zip(load.cables, EXIT_POINTS)))
+
+
+def _lower_crossing(first: Array, second: Array, l1: float, l2: float) -> Array:
+    lower = circle_crossings([first, second], [l1, l2])[0]
+    if np.isnan(lower).any():
+        raise ValueError("no point has these lengths")
+    return lower
+
+
+def _place(point: Array) -> str:
+    # + 0.0 after rounding turns −0.0 into 0.0
+    return "({:.3f}, {:.3f})".format(*(np.round(point, 3) + 0.0))

@@ -1,0 +1,291 @@
+"""Choose a criterion, move its limits: the workspace of a planar robot answers, cell by cell, with its margins."""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import replace
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.figure import Figure
+
+from ...arrays import Array
+from ...errors import InvalidInput
+from ...mechanics.statics import gravity_wrench, wrench_matrix
+from ...robot import Robot
+from ...robot.pose import Pose
+from ...view.drawing import RobotDrawing
+from ...view.outlines import floor_height
+from ...view.style import GREY, INK, house_style
+from ...view.text_table import fixed, text_table
+from ...workspace.criterion import Criterion, Flags
+from ...workspace.tensions import DynamicEquilibrium, StaticEquilibrium, WrenchClosure, WrenchFeasible, best_tensions
+from ...world import World
+from .explorer import Choice, Explorer, Slider, Values
+from .posing import position_sliders, slider_pose, turn_sliders
+
+CRITERIA = ("wrench_feasible", "wrench_closure", "static_equilibrium", "dynamic_equilibrium")
+
+_CELLS = 30
+"""Along the longer side of the map: fine enough to see the border, and judged within a few milliseconds."""
+
+_FOUND = {True: "inside", False: "OUTSIDE"}
+
+
+class Grid(NamedTuple):
+    """Square cells over the robot's frame, judged at their centers.
+
+    x, y : (columns,), (rows,) centers [m]
+    size : edge of a cell [m]
+    """
+
+    x: Array
+    y: Array
+    size: float
+
+    @property
+    def positions(self) -> Array:
+        """(rows × columns, 2) centers, row by row [m]."""
+        return np.stack(np.meshgrid(self.x, self.y), axis=-1).reshape(-1, 2)
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """Left, right, bottom, top [m]."""
+        half = self.size / 2
+        return self.x[0] - half, self.x[-1] + half, self.y[0] - half, self.y[-1] + half
+
+
+class WorkspaceState(NamedTuple):
+    """What the controls ask, and the answers.
+
+    robot : with the limits of the sliders
+    criterion : which is asked
+    inside, margin : (rows, columns) of the cells' centers
+    here : (inside, margin) where the platform is
+    """
+
+    robot: Robot
+    criterion: Criterion
+    inside: Flags
+    margin: Array
+    here: tuple[bool, float]
+
+    @property
+    def largest(self) -> float:
+        """Largest margin of all cells, 0 where none is inside."""
+        return float(self.margin[self.inside].max(initial=0.0))
+
+
+class WorkspaceExplorer(Explorer):
+    """Criterion on a menu, limits, push and pose on sliders; see `workspace_explorer`."""
+
+    def __init__(self, world: World) -> None:
+        self.world = _checked(world)
+        robot = world.robot
+        self.grid = _grid(world)
+        controls: list[Slider | Choice] = [Choice("criterion", "criterion", CRITERIA), *_limit_sliders(robot)]
+        controls += turn_sliders(robot, world.pose)
+        controls += position_sliders(robot, self.grid.extent[2], world.pose)
+        self._weight = robot.mass * max(robot.gravity, 1.0)
+        self._last: tuple[Values, WorkspaceState] | None = None
+        super().__init__(controls, f"Workspaces of {world.title}", size=(6.4, 5.2))
+
+    def state(self, values: Values) -> WorkspaceState:
+        """Every cell judged at some values of the controls."""
+        if self._last is None or self._last[0] != values:
+            self._last = dict(values), self._judged(values)
+        return self._last[1]
+
+    def _judged(self, values: Values) -> WorkspaceState:
+        robot, criterion, here = _limited(self.world.robot, values), _criterion(self.world.robot, values), \
+            slider_pose(self.world.pose, values)
+        places = np.vstack([self.grid.positions, here.position])
+        inside, margin = criterion.judge(robot, Pose(places, matrix=here.rotation))
+        shape = len(self.grid.y), len(self.grid.x)
+        return WorkspaceState(robot, criterion, inside[:-1].reshape(shape), margin[:-1].reshape(shape),
+                              (bool(inside[-1]), float(margin[-1])))
+
+    def tensions(self, values: Values) -> Array | None:
+        """(m,) tensions with the largest margin where the platform is, without a push; None where there are none."""
+        if values["criterion"] == "static_equilibrium":
+            return None
+        robot, pose = self.state(values).robot, slider_pose(self.world.pose, values)
+        W, w_e, m = wrench_matrix(robot, pose)[None], gravity_wrench(robot, pose)[None], robot.n_cables
+        if values["criterion"] == "wrench_closure":
+            s, tau = best_tensions(W, 0 * w_e, np.zeros(m), np.ones(m), at_high=False)
+            return np.asarray(tau[0]) if s[0] > 0 else None
+        s, tau = best_tensions(W, w_e, robot.tension_min, robot.tension_max)
+        return np.asarray(tau[0]) if np.isfinite(s[0]) else None
+
+    # --- picture --------------------------------------------------------------------------------------
+    def build(self, figure: Figure) -> None:
+        axes = figure.subplots()
+        left, right, bottom, top = self.grid.extent
+        self._drawing = RobotDrawing(axes, self.world.robot, self.world.scene,
+                                     Pose(np.array([[left, bottom], [right, top]])))
+        self._map = _map(axes, self.grid)
+        self._crosses, = axes.plot([], [], "x", color=GREY, markersize=3.5, markeredgewidth=0.7, zorder=0.6,
+                                   animated=True)
+        self._border = LineCollection([], colors=INK, linewidths=1.8, zorder=0.7, animated=True)
+        axes.add_collection(self._border, autolim=False)
+        axes.grid(visible=False)
+        bar = figure.colorbar(self._map, ax=axes, shrink=0.75, pad=0.02)
+        bar.set_label("margin, as a share of the largest [–]")
+        axes.set_title("blue: inside     ×: outside", fontsize=10)
+
+    def draw(self, values: Values) -> None:
+        state, grid = self.state(values), self.grid
+        share = state.margin / state.largest if state.largest > 0 else np.where(state.inside, 1.0, 0.0)
+        with house_style():
+            self._map.set_data(np.ma.masked_where(~state.inside, share))
+            self._crosses.set_data(*grid.positions[~state.inside.ravel()].T)
+            self._border.set_segments(_border(state.inside, grid))
+            self._drawing.move(slider_pose(self.world.pose, values))
+
+    # --- text -----------------------------------------------------------------------------------------
+    def numbers(self, values: Values) -> str:
+        state, tau = self.state(values), self.tensions(values)
+        unit = state.criterion.unit
+        inside, margin = state.here
+        said = [f"inside          {100 * state.inside.mean():.1f} % of {state.inside.size} cells, "
+                f"{state.inside.sum() * self.grid.size**2:.2f} m²",
+                f"largest margin  {_with_unit(state.largest, unit)}",
+                f"platform        {_FOUND[inside]}, margin {_with_unit(margin, unit)}"]
+        if tau is not None:
+            name = "h" if values["criterion"] == "wrench_closure" else "best τ [N]"
+            digits = 2 if name == "h" else 1
+            said += ["", text_table(["cable", *(str(i + 1) for i in range(len(tau)))],
+                                    [[name, *(fixed(t, digits) for t in tau)]])]
+        return "\n".join([*said, "", *textwrap.wrap(self.words(values), 56)])
+
+    def words(self, values: Values) -> str:
+        """What the criterion asks, in a sentence."""
+        limits = f"Tensions from {values['tension_min']:g} to {values['tension_max']:g} N"
+        if values["criterion"] == "wrench_closure":
+            return "Pulling cables could hold every push and every turn, if they may pull as hard as needed."
+        if values["criterion"] == "static_equilibrium":
+            return "Pulling cables hold the weight, however hard they must pull for it."
+        if values["criterion"] == "dynamic_equilibrium":
+            return f"{limits} give P every acceleration up to {values['acceleration']:g} m/s² in x and in y."
+        push = f" and every push up to {values['push']:g} N in x and in y" if values["push"] else ""
+        return f"{limits} hold the weight{push}."
+
+    def describe(self, values: Values) -> str:
+        state = self.state(values)
+        turned = f", turned by {values['angle']:g}°" if "angle" in values else ""
+        return (f"{self.title}: map of {values['criterion'].replace('_', ' ')}{turned}, "
+                f"{100 * state.inside.mean():.0f} % of the frame inside. {self.words(values)} "
+                f"The platform at ({values['x']:g}, {values['y']:g}) m is {_FOUND[state.here[0]].lower()}.")
+
+
+def workspace_explorer(world: World) -> WorkspaceExplorer:
+    """A menu of criteria, sliders for limits, push, acceleration and pose; the map of the workspace answers.
+
+    Every cell of the robot's frame is judged at its center, at the orientation of the angle's slider.
+
+    world : planar, with at least two translations
+    Raises InvalidInput for any other.
+
+    >>> import cdprlab as cl
+    >>> explorer = workspace_explorer(cl.load_world("planar_rigid"))
+    >>> explorer.set(tension_min=40)
+    >>> bool(explorer.state(explorer.values).inside.any())
+    True
+    """
+    return WorkspaceExplorer(world)
+
+
+# --- what is asked ------------------------------------------------------------------------------------------
+def _checked(world: Any) -> World:
+    if not isinstance(world, World):
+        raise InvalidInput(f"a workspace explorer takes a World, got {type(world).__name__}")
+    if not {"x", "y"} <= set(world.robot.pattern.rows) or world.robot.dimension != 2:
+        raise InvalidInput(f"a workspace explorer draws robots that move in a plane, such as planar_rigid; world "
+                           f"{world.name!r} is {world.robot.motion_pattern}")
+    return world
+
+
+def _limit_sliders(robot: Robot) -> list[Slider]:
+    """The same limits for all cables, in ranges that touch but never cross; a push and an acceleration of both axes."""
+    weight = robot.mass * max(robot.gravity, 1.0)
+    least, most = float(robot.tension_min.max()), float(min(robot.tension_max.min(), 30 * weight))
+    border = max(_round(0.3 * most), least)
+    return [Slider("tension_min", "τ_min", "N", 0.0, border, least, border / 60),
+            Slider("tension_max", "τ_max", "N", border, max(5 * border, most), most, border / 30),
+            Slider("push", "push up to", "N", 0.0, border, 0.0, border / 60),
+            Slider("acceleration", "acceleration up to", "m/s²", 0.0, 10.0, 1.0, 0.1)]
+
+
+def _round(number: float) -> float:
+    """To one digit."""
+    unit = 10.0 ** np.floor(np.log10(number))
+    return float(np.ceil(number / unit - 1e-9) * unit)
+
+
+def _limited(robot: Robot, values: Values) -> Robot:
+    low, high = values["tension_min"], values["tension_max"]
+    return replace(robot, cables=tuple(replace(cable, tension_min=low, tension_max=high) for cable in robot.cables))
+
+
+def _criterion(robot: Robot, values: Values) -> Criterion:
+    if values["criterion"] == "wrench_closure":
+        return WrenchClosure()
+    if values["criterion"] == "static_equilibrium":
+        return StaticEquilibrium()
+    still = [0.0] * (robot.n_dof - 2)
+    if values["criterion"] == "dynamic_equilibrium":
+        return DynamicEquilibrium([values["acceleration"]] * 2 + still)
+    push = values["push"]
+    return WrenchFeasible([[x, y, *still] for x, y in product((push, -push), repeat=2)] if push else None)
+
+
+# --- the map ------------------------------------------------------------------------------------------------
+def _grid(world: World) -> Grid:
+    """Over the frame; without one over the exit points and down to the floor."""
+    robot, frame = world.robot, world.scene.frame
+    low, high = (robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)) if frame is None else frame
+    if frame is None:
+        low = np.array([low[0], min(low[1], floor_height(robot, world.scene))])
+    size = float((high - low).max()) / _CELLS
+    centers = []
+    for bottom, top in zip(low, high):
+        count = max(2, round((top - bottom) / size))
+        centers.append((bottom + top) / 2 + size * (np.arange(count) - (count - 1) / 2))
+    return Grid(centers[0], centers[1], size)
+
+
+def _map(axes: Axes, grid: Grid) -> Any:
+    import matplotlib
+
+    # Neither so light that it looks like outside nor so dark that cables vanish on it.
+    blues = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.18, 0.72, 128))).with_extremes(
+        bad=(1.0, 1.0, 1.0, 0.0))
+    image = axes.imshow(np.zeros((len(grid.y), len(grid.x))), origin="lower", extent=grid.extent, cmap=blues,
+                        norm=Normalize(0, 1), interpolation="nearest", zorder=0.5, animated=True)
+    left, right, bottom, top = grid.extent
+    pad = 3 * grid.size  # for the labels of cables; a floor far below is not shown
+    axes.set(xlim=(left - pad, right + pad), ylim=(bottom - pad, top + pad))
+    return image
+
+
+def _border(inside: Flags, grid: Grid) -> list[Array]:
+    """Edges between a cell inside and one outside, as (2, 2) segments; beyond the map nobody knows."""
+    left, _, bottom, _ = grid.extent
+    size, right, up = grid.size, np.array([grid.size, 0.0]), np.array([0.0, grid.size])
+    beside = np.argwhere(inside[:, 1:] != inside[:, :-1]) + [0, 1]
+    above = np.argwhere(inside[1:] != inside[:-1]) + [1, 0]
+    segments = []
+    for cells, along in ((beside, up), (above, right)):
+        starts = np.array([left, bottom]) + size * cells[:, ::-1]
+        segments += list(np.stack([starts, starts + along], axis=1))
+    return segments
+
+
+def _with_unit(number: float, unit: str) -> str:
+    if not np.isfinite(number):
+        return "none: nothing balances it"
+    return f"{number:.1f} {unit}".replace("-", "−") if unit else f"{number:.2f}"

@@ -1,0 +1,301 @@
+"""Turn tension limits and base masses: what can the cables exert, and what of it would tip a base over?"""
+
+from __future__ import annotations
+
+import dataclasses
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from ...errors import InvalidInput
+from ...mechanics.statics import gravity_wrench, tipping_rows, wrench_matrix
+from ...robot import Base, Robot
+from ...robot.pose import Pose
+from ...sets import Polytope, available_wrench_set
+from ...view.drawing import RobotDrawing
+from ...view.outlines import floor_height
+from ...view.sets import axis_label, axis_names, draw_polygon
+from ...view.style import GREEN, GREY, INK, VERMILION, house_style
+from ...view.text_table import fixed, text_table
+from ...world import World
+from .explorer import Explorer, Slider, Values
+from .posing import position_sliders, slider_pose
+
+_LABELS = ("limits only", "no base tips")
+
+_CUT = 1e-6
+"""A facet lies inside the zonotope by more than this share of its size: tipping made it."""
+
+
+class Edge(NamedTuple):
+    """A footprint edge, in the plane a wheel.
+
+    name : of its base and its number there
+    place : (d,) a wheel, in space the middle between two [m]
+    moment : largest about it that the limits allow; above 0 the cables could tip the base over it [N m]
+    share : of the zonotope's area that keeping this edge down takes away, all others let alone
+    """
+
+    name: str
+    place: Array
+    moment: float
+    share: float
+
+
+class Capability(NamedTuple):
+    """What the cables can exert at the controls' values, in the two shown components.
+
+    robot, pose : with the controls' limits and masses
+    hold : (2,) −w_g, what the cables exert to hold the platform [N]
+    limits, standing : Polytopes of forces, within the tension limits and with no base tipping besides
+    edges : of all footprints
+    facets : (k, 2, 2) ends of the standing set's facets that tipping made [N]
+    """
+
+    robot: Robot
+    pose: Pose
+    hold: Array
+    limits: Polytope
+    standing: Polytope
+    edges: tuple[Edge, ...]
+    facets: Array
+
+    def payload(self, tipping: bool) -> float:
+        """The most that can hang at P besides the platform [kg]; nan where the platform itself cannot be held."""
+        room = (self.limits, self.standing)[tipping].axis_section(self.hold)[1, 1]
+        return float(room / self.robot.gravity)
+
+    def words(self) -> str:
+        """The verdict in a sentence."""
+        if not bool(self.limits.contains(self.hold)):
+            return "The limits do not let the cables hold the platform here."
+        if not bool(self.standing.contains(self.hold)):
+            return "No tensions within the limits hold the platform without tipping a base."
+        taken = 1 - self.standing.volume / self.limits.volume if self.limits.volume > 0 else 0.0
+        count = f"{len(self.facets)} facet{'' if len(self.facets) == 1 else 's'}"
+        return (f"Tipping makes {count} and takes {100 * taken:.0f} % of the set." if len(self.facets) else
+                "No facet comes from tipping: the limits alone decide.")
+
+
+class WrenchSetExplorer(Explorer):
+    """Sliders for tension limits, base mass and position; see `wrench_set_explorer`."""
+
+    def __init__(self, world: World) -> None:
+        self._world, robot = _checked(world), world.robot
+        self._chosen = [0, robot.dimension - 1]
+        self._names = [axis_names(robot.motion_pattern, "wrench")[k] for k in self._chosen]
+        high, low = float(robot.tension_max.max()), float(robot.tension_min.min())
+        sliders = [Slider("tension_max", "τ_max", "N", 0.3 * high, 1.5 * high, high, high / 100),
+                   Slider("tension_min", "τ_min", "N", 0.0, max(0.25 * high, low), low, high / 100)]
+        if masses := [base.mass for base in robot.bases if len(base.footprint)]:
+            sliders.append(Slider("base_mass", "mass of each base", "kg", max(masses) / 12, 2 * max(masses),
+                                  max(masses), max(masses) / 60))
+        self._places = position_sliders(robot, floor_height(robot, world.scene), world.pose)
+        self._last: tuple[Values, Capability] | None = None
+        super().__init__([*sliders, *self._places], f"Available wrench set: {world.title}", size=(8.0, 4.8))
+
+    def capability(self, values: Values) -> Capability:
+        """Everything at the controls' values; asked three times a move, worked out once."""
+        if self._last is None or self._last[0] != values:
+            self._last = dict(values), self._worked_out(values)
+        return self._last[1]
+
+    def _worked_out(self, values: Values) -> Capability:
+        robot, pose = _changed(self._world.robot, values), slider_pose(self._world.pose, values)
+        weight = gravity_wrench(robot, pose)
+        limits, standing = (self._shown(available_wrench_set(robot, pose, tipping), -weight)
+                            for tipping in (False, True))
+        return Capability(robot, pose, -weight[self._chosen], limits, standing,
+                          tuple(self._edges(robot, pose, limits, -weight)), _tipping_facets(limits, standing))
+
+    def build(self, figure: Figure) -> None:
+        left, right = figure.subplots(1, 2, width_ratios=(1, 1.35))
+        ends = np.array([[getattr(slider, end) for slider in self._places] for end in ("low", "high")])
+        corners = _poses(self._world.pose, list(product(*ends.T)))
+        self._drawing = RobotDrawing(left, self._world.robot, self._world.scene, corners)
+        mark = {"linestyle": "none", "zorder": 9, "animated": True, "markeredgecolor": "white"}
+        self._stands, = left.plot([], [], "o", color=GREEN, markersize=9, label="stands for certain", **mark)
+        self._tips, = left.plot([], [], "X", color=VERMILION, markersize=11, label="could tip over this", **mark)
+        if "base_mass" in self.controls:
+            left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=9)
+        self._build_sets(right, _reach(self._world, corners, self._chosen))
+
+    def draw(self, values: Values) -> None:
+        found = self.capability(values)
+        with house_style():
+            self._drawing.move(found.pose)
+            for marks, wanted in ((self._stands, False), (self._tips, True)):
+                places = [edge.place for edge in found.edges if (edge.moment > 0) is wanted]
+                marks.set_data(*(self._drawing.view.flat(np.array(places)).T if places else ([], [])))
+            for patch, polytope in zip(self._patches, (found.limits, found.standing)):
+                corners = polytope.vertices
+                patch.set_visible(len(corners) > 2)
+                patch.set_xy(corners if len(corners) > 2 else np.zeros((3, 2)))
+            self._facets.set_segments(list(found.facets))
+            self._draw_hold(found)
+
+    def numbers(self, values: Values) -> str:
+        """Corners, area, what can be added along the axes, payload; largest moment and toll of each edge."""
+        found = self.capability(values)
+        sets = (found.limits, found.standing)
+        sections = [polytope.axis_section(found.hold) for polytope in sets]
+        flat = len(self._names) == found.robot.n_dof
+        rows = [["corners", *(str(len(polytope.vertices)) for polytope in sets)],
+                ["area [kN²]", *(f"{polytope.volume / 1e6:.4f}" for polytope in sets)],
+                *([f"add {name} [N]", *(_range(section[k]) for section in sections)]
+                  for k, name in enumerate(self._names)),
+                ["payload [kg]", *(_number(found.payload(tipping), 2) for tipping in (False, True))]]
+        lines = [text_table(["", *_LABELS], rows), ""]
+        if not flat:
+            lines.insert(1, "(all other components as the weight wants them)")
+        if found.edges:
+            lines += [text_table(["edge", "largest moment [N m]", "area it takes"],
+                                 [[edge.name, fixed(edge.moment, 1), f"{100 * edge.share:.0f} %"]
+                                  for edge in found.edges]), ""]
+        return "\n".join([*lines, found.words()])
+
+    def describe(self, values: Values) -> str:
+        found = self.capability(values)
+        loose = [edge.name for edge in found.edges if edge.moment > 0]
+        return (f"{self.title}, platform at ({', '.join(f'{x:.3g}' for x in found.pose.position)}) m. "
+                f"{found.words()} Edges a base could tip over: {', '.join(loose) or 'none'}.")
+
+    # --- what the values mean -------------------------------------------------------------------------
+    def _shown(self, polytope: Polytope, hold: Array) -> Polytope:
+        return polytope if polytope.n == 2 else polytope.slice(self._chosen, hold)
+
+    def _edges(self, robot: Robot, pose: Pose, limits: Polytope, hold: Array) -> list[Edge]:
+        W, eye, found = wrench_matrix(robot, pose), np.eye(robot.n_cables), []
+        low, high = robot.tension_min, robot.tension_max
+        for name, rows in tipping_rows(robot, pose).items():
+            for k, (row, offset) in enumerate(zip(rows.matrix, rows.offset)):
+                moment, share = float(np.where(row > 0, row * high, row * low).sum() + offset), 0.0
+                if moment > 0 and limits.volume > 0:
+                    alone = Polytope.from_image(W, [*eye, *-eye, row], [*high, *-low, -offset])
+                    share = 1 - self._shown(alone, hold).volume / limits.volume
+                place = _edge_place(robot.base(name), k)
+                found.append(Edge(f"{name.replace('_', ' ')} {k + 1}", place, moment, share))
+        return found
+
+    # --- parts of the picture -------------------------------------------------------------------------
+    def _build_sets(self, panel: Axes, reach: Array) -> None:
+        from matplotlib.collections import LineCollection
+
+        square = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])
+        self._patches = [draw_polygon(panel, square, style, label) for style, label in enumerate(_LABELS)]
+        self._facets = LineCollection([], colors=INK, linewidths=4, animated=True, label="facets made by tipping")
+        panel.add_collection(self._facets, autolim=False)
+        self._cross = [panel.plot([], [], color=INK, linewidth=1.2, marker="|" if k == 0 else "_", animated=True)[0]
+                       for k in (0, 1)]
+        self._mark, = panel.plot([], [], linestyle="none", marker="*", markersize=13, markeredgecolor="white",
+                                 color=GREEN, animated=True, zorder=6, label="holds the weight, −w_g")
+        for patch in self._patches:
+            patch.set_animated(True)
+        panel.axhline(0, color=GREY, linewidth=0.8)
+        panel.axvline(0, color=GREY, linewidth=0.8)
+        panel.set(xlim=reach[0], ylim=reach[1], aspect="equal", xlabel=axis_label(self._names[0]),
+                  ylabel=axis_label(self._names[1]))
+        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=9)
+
+    def _draw_hold(self, found: Capability) -> None:
+        """A cross from −w_g to the border of the standing set; the star's shape says whether it is inside."""
+        held = bool(found.standing.contains(found.hold))
+        self._mark.set(marker="*" if held else "X", color=GREEN if held else VERMILION)
+        self._mark.set_data(*found.hold[:, None])
+        section = np.nan_to_num(found.standing.axis_section(found.hold))
+        for k, line in enumerate(self._cross):
+            line.set_visible(held)
+            line.set_data(*(found.hold[:, None] + np.outer(np.eye(2)[k], section[k])))
+
+
+def wrench_set_explorer(world: World) -> WrenchSetExplorer:
+    """Sliders for τ_max, τ_min, the bases' mass and the platform; {W τ : limits}, and the part where no base tips.
+
+    Forces are shown in the x direction and upwards; with more degrees of freedom all other components are what the
+    weight wants. One limit holds for all cables, one mass for all bases with wheels. Facets that tipping makes are
+    thick, wheels (in space: edges) over which the cables could tip a base are crossed; all of it stands in the text.
+
+    world : motion pattern with at least two components, and cables with finite tension limits
+    Raises InvalidInput for anything else.
+
+    >>> import cdprlab as cl
+    >>> explorer = wrench_set_explorer(cl.load_world("planar_mcdpr"))
+    >>> explorer.set(base_mass=30)
+    >>> print(explorer.text.splitlines()[-1])
+    Tipping makes 6 facets and takes 53 % of the set.
+    """
+    return WrenchSetExplorer(world)
+
+
+# --- controls ---------------------------------------------------------------------------------------------
+def _checked(world: Any) -> World:
+    if not isinstance(world, World):
+        raise InvalidInput(f"a wrench set explorer takes a World, got {type(world).__name__}")
+    if world.robot.n_dof < 2:
+        raise InvalidInput(f"world {world.name!r} has a single degree of freedom; its wrenches are a line, not a set "
+                           "in the plane")
+    if not np.isfinite(world.robot.tension_max).all():
+        raise InvalidInput(f"world {world.name!r} has cables without a tension limit: no wrench is out of reach")
+    return world
+
+
+def _changed(robot: Robot, values: Values) -> Robot:
+    cables = tuple(dataclasses.replace(cable, tension_min=values["tension_min"], tension_max=values["tension_max"])
+                   for cable in robot.cables)
+    bases = tuple(dataclasses.replace(base, mass=values["base_mass"]) if len(base.footprint) else base
+                  for base in robot.bases)
+    return dataclasses.replace(robot, cables=cables, bases=bases)
+
+
+# --- picture ----------------------------------------------------------------------------------------------
+def _poses(pose: Pose, positions: Any) -> Pose:
+    return Pose(np.array(positions), matrix=np.broadcast_to(pose.rotation, (len(positions), *pose.rotation.shape)))
+
+
+def _reach(world: World, poses: Pose, chosen: list[int]) -> Array:
+    """(2, 2) ends of the picture's axes: what the largest limits allow at the world's pose and at extreme ones."""
+    robot = _changed(world.robot, {"tension_min": 0.0, "tension_max": 1.5 * float(world.robot.tension_max.max()),
+                                   "base_mass": 1.0})
+    ranges = [np.zeros((2, 2))]
+    for k in range(-1, len(poses.position)):
+        pose = world.pose if k < 0 else poses[k]
+        whole = available_wrench_set(robot, pose)
+        shown = whole if whole.n == 2 else whole.slice(chosen, -gravity_wrench(robot, pose))
+        ranges.append(np.nan_to_num(shown.component_range()))
+    low, high = np.min(ranges, axis=0)[:, 0], np.max(ranges, axis=0)[:, 1]
+    return np.stack([low, high], axis=1) + 0.06 * np.outer(high - low + 1.0, [-1, 1])
+
+
+def _edge_place(base: Base, k: int) -> Array:
+    """(d,) the wheel itself, or the middle of an edge; edges run counter-clockwise as their rows do."""
+    if base.footprint.shape[1] == base.center_of_mass.shape[0]:
+        return np.asarray(base.to_world(base.footprint)[k])
+    contacts = base.to_world(np.insert(base.footprint, 2, 0.0, axis=1))
+    return np.asarray((contacts[k] + contacts[(k + 1) % len(contacts)]) / 2)
+
+
+def _tipping_facets(limits: Polytope, standing: Polytope) -> Array:
+    """(k, 2, 2) ends of the facets whose line the zonotope crosses."""
+    corners = standing.vertices
+    if len(corners) < 3 or limits.volume <= 0:
+        return np.zeros((0, 2, 2))
+    size = float(np.ptp(corners, axis=0).max())
+    ends: Array = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+    along = ends[:, 1] - ends[:, 0]
+    outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1, keepdims=True)
+    inside: NDArray[np.bool_] = limits.support(outward) - (outward * ends[:, 0]).sum(axis=1) > _CUT * size
+    return ends[inside]
+
+
+# --- text -------------------------------------------------------------------------------------------------
+def _number(value: float, digits: int) -> str:
+    return "none" if np.isnan(value) else fixed(value, digits)
+
+
+def _range(ends: Array) -> str:
+    return "none" if np.isnan(ends).any() else f"{fixed(ends[0], 1)} … {fixed(ends[1], 1)}"

@@ -1,0 +1,67 @@
+"""A formula beside what it is compared with, and what is left between them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...errors import InvalidInput
+from ...view.style import INK, cable_style, house_style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def plot_comparison(x: ArrayLike, pairs: Mapping[str, tuple[ArrayLike, ArrayLike]], xlabel: str, ylabel: str,
+                    title: str = "", names: tuple[str, str] = ("engine", "formula")) -> Figure:
+    """Two panels: each pair as a wide band (first) under a thin line (second); below, the second minus the first.
+
+    x : (N,) what both are drawn over
+    pairs : label → (measured, computed), each (N,)
+    xlabel, ylabel : with units; the residual takes ``ylabel``'s
+    names : what the first and the second of each pair are
+    Raises InvalidInput where lengths differ.
+
+    >>> figure = plot_comparison([0, 1, 2], {"z": ([0, 1, 4], [0, 1, 3])}, "time [s]", "height [m]")
+    >>> [axes.get_ylabel() for axes in figure.axes]
+    ['height [m]', 'residual [m]']
+    """
+    import matplotlib.pyplot as plt
+
+    along = np.asarray(x, float)
+    with house_style():
+        figure, (above, below) = plt.subplots(2, 1, figsize=(7, 5), sharex=True, layout="constrained",
+                                              height_ratios=(3, 2))
+        for index, (label, pair) in enumerate(pairs.items()):
+            first, second = (_column(values, along, label) for values in pair)
+            color = cable_style(index).color
+            above.plot(along, first, color=color, linewidth=6, alpha=0.3, solid_capstyle="butt",
+                       label=f"{label}, {names[0]}")
+            above.plot(along, second, color=INK, linewidth=1.2, linestyle=_DASHES[index % len(_DASHES)],
+                       label=f"{label}, {names[1]}")
+            below.plot(along, second - first, color=color, linestyle=_DASHES[index % len(_DASHES)], label=label)
+        above.set(ylabel=ylabel, title=title)
+        above.legend()
+        below.axhline(0, color=INK, linewidth=0.8)
+        below.set(xlabel=xlabel, ylabel=_residual_label(ylabel), title=f"What is left: {names[1]} − {names[0]}")
+        if len(pairs) > 1:
+            below.legend(ncols=len(pairs))
+    return figure
+
+
+_DASHES: tuple[Any, ...] = ("solid", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
+
+
+def _column(values: ArrayLike, along: Any, label: str) -> Any:
+    column = np.asarray(values, float)
+    if column.shape != along.shape or column.ndim != 1:
+        raise InvalidInput(f"{label!r} must have one value for each x, {along.shape}, got shape {column.shape}")
+    return column
+
+
+def _residual_label(ylabel: str) -> str:
+    unit = ylabel[ylabel.rfind("["):] if "[" in ylabel else ""
+    return f"residual {unit}".rstrip()

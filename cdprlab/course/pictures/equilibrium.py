@@ -1,0 +1,228 @@
+"""Forces on a point load: the robot, its force polygon, the tensions as bars, and where the load goes if let go."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib
+import matplotlib.figure
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import ArrayLike
+
+from ...arrays import Array
+from ...robot import Robot
+from ...view.plots import Figure
+from ...view.style import GREY, INK, ORANGE, SKY, cable_style, house_style
+from ..props.letting_go import Motion
+from ..props.point_load import MASS, Equilibrium, decimal, equilibrium
+
+SLACK = "#A50F15"
+"""A cable that would have to push; always dashed and said in words as well."""
+
+SIZE = (11.5, 4.3)
+"""Of the figure [inch]."""
+
+_ARROW = 1.1 / (MASS * 9.81)
+"""Length of a force arrow beside the robot [m/N]: the weight is 1.1 m long."""
+
+_LONGEST = 1.6
+"""Of the arrow of the force left over, whose number says the rest [m]."""
+
+_NOTHING = 1e-6
+"""A force too small to be drawn [N]."""
+
+_KEY = np.array([-2.6, 3.75])
+"""Where it is said what arrow and diamond mean [m]."""
+
+_GHOSTS = 0.1
+"""Between two outlines of a load on its way [s]."""
+
+
+def draw_equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 0.0), internal: float = 0.0,
+                     tensions: ArrayLike | None = None) -> Figure:
+    """The robot, its force polygon and its tensions side by side.
+
+    robot, position, push, internal : as in `equilibrium`
+    tensions : (m,) somebody's own, drawn instead of the balanced ones [N]
+    """
+    state = equilibrium(robot, position, push, internal)
+    if tensions is not None:
+        state = state.held(tensions)
+    with house_style():
+        figure = Figure(figsize=SIZE, layout="constrained")
+        draw_panels(panels(figure), robot, position, push, state)
+        figure.alt_text = ("A point load on cables, the polygon of the forces on it, and its cable tensions. "
+                           + state.words())
+        return figure
+
+
+def panels(figure: matplotlib.figure.Figure, stacked: bool = False) -> list[Axes]:
+    """Three axes, robot, force polygon and tensions, side by side.
+
+    stacked : the last two above each other, which leaves room beside the figure
+    """
+    if stacked:
+        grid = figure.add_gridspec(2, 2, width_ratios=[1.3, 1.0], height_ratios=[1.35, 1.0])
+        axes = [figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])]
+    else:
+        axes = list(figure.subplots(1, 3, gridspec_kw={"width_ratios": [1.25, 1.15, 0.8]}))
+    # Few numbers are easier to read, and most of the time to draw.
+    for axis in (axes[1].xaxis, axes[1].yaxis, axes[2].yaxis):
+        axis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
+    return axes
+
+
+def draw_panels(axes: list[Axes], robot: Robot, position: ArrayLike, push: ArrayLike, state: Equilibrium,
+                motion: Motion | None = None) -> None:
+    """Fill the three panels anew, under house style.
+
+    motion : of the load since it was let go; without one it is held
+    """
+    style = matplotlib.rcParams
+    for panel in axes:
+        # Not clear(): ticks made anew would take longer than all the rest.
+        for artist in [*panel.lines, *panel.texts, *panel.patches]:
+            artist.remove()
+        panel.containers.clear()
+        # Grid lines are made when first drawn, which may be after house style has gone.
+        panel.tick_params(grid_color=style["grid.color"], grid_linewidth=style["grid.linewidth"])
+    force = np.asarray(push, dtype=float)
+    place = np.asarray(position, dtype=float)
+    _draw_robot(axes[0], robot, place, force, state, motion)
+    if motion is not None:
+        _draw_motion(axes[0], place, state, motion)
+    _draw_polygon(axes[1], force, state)
+    _draw_bars(axes[2], state)
+
+
+# --- panels -----------------------------------------------------------------------------------------------
+def _draw_robot(panel: Axes, robot: Robot, position: Array, push: Array, state: Equilibrium,
+                motion: Motion | None) -> None:
+    load = position if motion is None else motion.positions[-1]
+    for i, exit_point in enumerate(robot.exit_points):
+        color, dashes, width = _look(i, state)
+        panel.plot(*np.transpose([exit_point, load]), color=color, linestyle=dashes, linewidth=width)
+        panel.plot(*exit_point, marker="s", markersize=8, color=INK)
+        panel.annotate(str(i + 1), exit_point, (0, 9 if exit_point[1] > 1 else -9), textcoords="offset points",
+                       ha="center", va="bottom" if exit_point[1] > 1 else "top", color=INK)
+        if state.slack[i]:
+            x, y = (exit_point - load) / np.linalg.norm(exit_point - load)
+            _label(panel, "slack!", (exit_point + load) / 2, np.array([abs(y), x if y < 0 else -x]), SLACK)
+    for force, name, color in _loads(push, state) if motion is None else []:
+        tip = position + _ARROW * force
+        _arrow(panel, position, tip, color)
+        _label(panel, name, tip, force / np.linalg.norm(force), color)
+    panel.plot(*load, marker="o", markersize=12 if motion is None else 9, color=INK)
+    panel.set(xlim=(-2.9, 2.9), ylim=(-1.3, 4.4), aspect="equal", xlabel="x [m]", ylabel="y [m]")
+    panel.set_title("Robot" if motion is None else "Robot, let go", y=1.02)
+
+
+def _draw_left_over(panel: Axes, position: Array, state: Equilibrium) -> None:
+    """What ropes, which only pull, leave of the forces: the way the load will go."""
+    size = float(np.linalg.norm(state.left_over))
+    if size > _NOTHING * (1 + np.abs(state.w_e).max()):
+        way = state.left_over / size
+        tip = position + min(_ARROW * size, _LONGEST) * way
+        _arrow(panel, position, tip, SLACK, (0, (1, 1)))
+        _label(panel, f"→ left over {decimal(size)} N", _KEY + [-0.2, 0.45], np.array([1.0, 0.0]), SLACK)
+
+
+def _draw_motion(panel: Axes, position: Array, state: Equilibrium, motion: Motion) -> None:
+    """The load's way through the engine, an outline every tenth of a second, and where a constant a = F/m ends."""
+    _draw_left_over(panel, position, state)
+    panel.plot(*motion.positions.T, color=INK, linewidth=1.0)
+    every = max(round(_GHOSTS / (motion.time[1] - motion.time[0])), 1)
+    panel.plot(*motion.positions[:-1:every].T, marker="o", markersize=9, linestyle="none", markerfacecolor="none",
+               markeredgecolor=GREY)
+    expected = position + state.left_over / MASS * motion.time[-1] ** 2 / 2
+    for place in (expected, _KEY):
+        panel.plot(*place, marker="D", markersize=6, linestyle="none", color=SKY, markeredgecolor=INK, zorder=5)
+    _label(panel, f"p + ½ a t², t = {motion.time[-1]:.2f} s", _KEY, np.array([1.0, 0.0]), INK)
+
+
+def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
+    """Head to tail, by direction from straight down counter-clockwise: a polygon that never crosses itself."""
+    arrows = [(force, name, color, "solid") for force, name, color in _loads(push, state)]
+    for i, force in enumerate((state.W * state.tensions).T):
+        if np.linalg.norm(force) > _NOTHING:
+            color, dashes, _ = _look(i, state)
+            arrows.append((force, f"cable {i + 1}", color, dashes))
+    arrows.sort(key=lambda arrow: (np.arctan2(arrow[0][0], -arrow[0][1]) + 1e-9) % (2 * np.pi))
+    corners = np.cumsum([np.zeros(2)] + [arrow[0] for arrow in arrows], axis=0)
+    for start, end, (force, name, color, dashes) in zip(corners, corners[1:], arrows):
+        _arrow(panel, start, end, color, dashes)
+        _label(panel, name, (start + end) / 2, _outwards(force), color)
+    if not state.closed:
+        panel.plot(*np.transpose([corners[-1], corners[0]]), color=SLACK, linestyle=(0, (1, 2)))
+        _label(panel, "open!", (corners[0] + corners[-1]) / 2, _outwards(corners[0] - corners[-1]), SLACK)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    reach, middle = 0.85 * max(float((high - low).max()), 1.0), (low + high) / 2
+    # In coarse steps, a third for the middle: limits that stay need not be drawn again.
+    reach = _round_up(1.15 * reach)
+    middle = np.round(3 * middle / reach) * reach / 3
+    panel.set(xlim=middle[0] + reach * np.array([-1, 1]), ylim=middle[1] + reach * np.array([-1, 1]),
+              aspect="equal", xlabel="f_x [N]", ylabel="f_y [N]")
+    closed = "slack!" if state.slack.any() else "closed"
+    panel.set_title(f"Force polygon: {closed if state.closed else 'OPEN'}", y=1.02)
+
+
+def _draw_bars(panel: Axes, state: Equilibrium) -> None:
+    m = state.tensions.size
+    top = max(float(np.abs(state.tensions).max()), 1.0)
+    for i, tension in enumerate(state.tensions):
+        color, _, _ = _look(i, state)
+        slack = bool(state.slack[i])
+        panel.bar(i + 1, tension, color="white" if slack else color, edgecolor=color, width=0.6,
+                  linestyle="dashed" if slack else "solid", hatch="//" if slack else None, linewidth=1.6)
+        panel.annotate(f"{decimal(tension)} N" + ("\nslack!" if slack else ""), (i + 1, tension),
+                       (0, -3 if slack else 3), textcoords="offset points", ha="center",
+                       va="top" if slack else "bottom", color=color if slack else INK, fontsize=11 if m < 4 else 9)
+    panel.axhline(0, color=INK, linewidth=1)
+    panel.grid(axis="x", visible=False)
+    low, high = min(0.0, float(state.tensions.min())), max(0.3 * top, float(state.tensions.max()))
+    room = high - low  # for two lines of text below a bar, for one above
+    low, high = -_round_up((0.4 if state.slack.any() else 0.1) * room - low), _round_up(high + 0.2 * room)
+    panel.set(xlim=(0.4, m + 0.6), xticks=range(1, m + 1), xlabel="cable", ylabel="tension [N]",
+              ylim=(low, high))
+    panel.set_title("Tensions", y=1.02)
+
+
+def _label(panel: Axes, text: str, place: Any, side: Array, color: str) -> None:
+    """Text beside a point, on the side of a unit vector."""
+    x, y = side.tolist()
+    panel.annotate(text, (place[0], place[1]), (7 * x, 7 * y), textcoords="offset points", color=color,
+                   bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.5},
+                   ha="left" if x > 0.3 else "right" if x < -0.3 else "center",
+                   va="bottom" if y > 0.3 else "top" if y < -0.3 else "center")
+
+
+def _round_up(size: float) -> float:
+    """The next of a few round numbers."""
+    unit = 10.0 ** np.floor(np.log10(size))
+    return float(unit * min(digit for digit in (1, 1.5, 2, 3, 5, 7, 10) if digit * unit >= size))
+
+
+def _outwards(side: Array) -> Array:
+    """Unit vector away from a polygon that runs counter-clockwise along this side."""
+    return np.array([side[1], -side[0]]) / np.linalg.norm(side)
+
+
+def _look(i: int, state: Equilibrium) -> tuple[str, Any, float]:
+    """Color, dashes and width of a cable: its own, or that of a cable that would have to push."""
+    if state.slack[i]:
+        return SLACK, (0, (4, 3)), 1.6
+    return *cable_style(i), 2.4
+
+
+def _loads(push: Array, state: Equilibrium) -> list[tuple[Array, str, str]]:
+    """Weight and push, whichever are there."""
+    loads = [(state.w_e - push, "weight", INK), (push, "push", ORANGE)]
+    return [load for load in loads if np.linalg.norm(load[0]) > _NOTHING]
+
+
+def _arrow(panel: Axes, start: Array, end: Array, color: str, dashes: Any = "solid") -> None:
+    panel.annotate("", (end[0], end[1]), (start[0], start[1]), arrowprops={
+        "arrowstyle": "-|>", "color": color, "linestyle": dashes, "linewidth": 2.2, "shrinkA": 0, "shrinkB": 0,
+        "mutation_scale": 14})

@@ -1,0 +1,215 @@
+"""Figures of pose estimates: steps towards a pose, how sure it is, errors of a flight."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
+
+from ...arrays import Array
+from ...mechanics.cables import anchor_offsets
+from ...robot import Robot
+from ...robot.pose import Pose
+from ...view.plots import Figure
+from ...view.style import AXIS_COLORS, BLUE, GREY, INK, ORANGE, VERMILION, cable_style, house_style
+
+ELLIPSE_95 = np.sqrt(5.991464547107979)
+"""Of two normal variables 95 % lie within this many standard deviations: the root of χ²'s 95 % point, 2 freedoms."""
+
+
+def outline(robot: Robot, pose: Pose) -> Array:
+    """Corners of a planar platform's box, the first repeated.
+
+    robot : planar
+    pose : single or batched
+    Returns (…, 5, 2) [m].
+
+    >>> import cdprlab as cl
+    >>> from cdprlab.course.props.pose_search import six_cables
+    >>> outline(six_cables(), cl.Pose([0, 1])).shape
+    (5, 2)
+    """
+    signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]])
+    corners = robot.platform.center + signs * robot.platform.size / 2
+    return np.asarray(pose.position[..., None, :] + corners @ np.swapaxes(pose.rotation, -1, -2))
+
+
+def draw_robot(panel: Axes, robot: Robot, pose: Pose, color: str = INK, label: str = "", cables: bool = True,
+               linestyle: Any = "solid") -> None:
+    """A planar robot: exit points with their numbers, cables, the platform with its center marked."""
+    if cables:
+        anchors = pose.position + anchor_offsets(robot, pose)
+        for i, (exit_point, anchor) in enumerate(zip(robot.exit_points, anchors)):
+            look = cable_style(i)
+            panel.plot(*np.transpose([exit_point, anchor]), color=look.color, linestyle=look.linestyle, linewidth=1.6)
+    panel.plot(*outline(robot, pose).T, color=color, linestyle=linestyle, linewidth=2.0, label=label or "_platform")
+    panel.plot(*pose.position, marker="o", markersize=5, color=color)
+    draw_exit_points(panel, robot.exit_points)
+
+
+def draw_exit_points(panel: Axes, points: ArrayLike, names: Sequence[str] = ()) -> None:
+    """Squares with their numbers (or names) on the outer side."""
+    places = np.asarray(points, dtype=float)
+    middle = places.mean(axis=0)
+    for i, place in enumerate(places):
+        panel.plot(*place, marker="s", markersize=7, color=INK, zorder=4)
+        side = np.where(np.abs(place - middle) < 1e-9, 0.0, np.sign(place - middle))
+        panel.annotate(names[i] if len(names) else str(i + 1), place, (11 * side[0], 11 * side[1]),
+                       textcoords="offset points", ha="center", va="center", color=INK)
+
+
+def convergence(robot: Robot, poses: Sequence[Pose], truth: Pose) -> Figure:
+    """Steps of an iteration: where the platform goes, and how fast the error shrinks.
+
+    robot : planar
+    poses : guess first, then each iterate
+    truth : where it should end
+    """
+    errors = [float(np.hypot(np.linalg.norm(p.position - truth.position), _angle_between(p, truth))) for p in poses]
+    with house_style():
+        figure = Figure(figsize=(10.5, 4.3), layout="constrained")
+        left, right = figure.subplots(1, 2, width_ratios=(1.3, 1.0))
+        left.fill(*outline(robot, truth).T, color=GREY, alpha=0.35, linewidth=0, label="true pose")
+        draw_robot(left, robot, truth, color="none")
+        for k, pose in enumerate(poses[:4]):
+            left.plot(*outline(robot, pose).T, color=VERMILION, linewidth=1.2 + 0.3 * k, linestyle=(0, (4, 2)),
+                      label="guess and iterates" if k == 0 else f"_{k}")
+            if k < 2:
+                left.annotate(str(k), outline(robot, pose)[2], (7, 6), textcoords="offset points", color=VERMILION)
+        left.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title="From the guess to the pose")
+        left.margins(0.09)
+        left.legend(loc="lower center", ncols=2)
+        right.semilogy(range(len(errors)), np.maximum(errors, 1e-17), marker="o", color=INK)
+        right.axhspan(1e-17, 1e-15, color=GREY, alpha=0.2, linewidth=0)
+        right.annotate("rounding", (0, 1.3e-16), color=GREY, va="center")
+        right.set(xlabel="iteration", ylabel="error ‖(δx, δy, δφ)‖ [m, rad]", title="The error squares itself",
+                  ylim=(1e-17, 3), xticks=range(len(errors)))
+        figure.alt_text = ("Platform outlines from the guess to the true pose, and the error per iteration: "
+                           + ", ".join(f"{error:.1g}" for error in errors) + ".")
+    return figure
+
+
+def assembly_modes(robot: Robot, poses: Sequence[Pose], titles: Sequence[str]) -> Figure:
+    """Poses side by side, one panel each.
+
+    robot : planar
+    poses, titles : one a panel
+    """
+    with house_style():
+        figure = Figure(figsize=(4.2 * len(poses), 3.9), layout="constrained")
+        for panel, pose, title in zip(np.ravel(figure.subplots(1, len(poses), sharey=True)), poses, titles):
+            draw_robot(panel, robot, pose)
+            # A mark on the top edge tells upside down from upright.
+            panel.plot(*np.mean(outline(robot, pose)[2:4], axis=0), marker="^", markersize=8, color=VERMILION)
+            panel.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
+            panel.set_title(title, fontsize=11)
+        figure.alt_text = "Platform poses: " + "; ".join(titles)
+    return figure
+
+
+def cloud(errors: ArrayLike, covariance: ArrayLike) -> Figure:
+    """Pose errors of many noisy measurements, and the ellipse that was predicted to hold 95 % of them.
+
+    errors : (count, 3) δx, δy [m], δφ [rad]
+    covariance : (3, 3) predicted, in the same order
+    """
+    sample, C = 1e3 * np.asarray(errors, dtype=float), 1e6 * np.asarray(covariance, dtype=float)
+    turn = np.linspace(0, 2 * np.pi, 200)
+    ellipse = ELLIPSE_95 * np.linalg.cholesky(C[:2, :2]) @ np.array([np.cos(turn), np.sin(turn)])
+    inside = np.einsum("ki,ij,kj->k", sample[:, :2], np.linalg.inv(C[:2, :2]), sample[:, :2]) <= ELLIPSE_95**2
+    with house_style():
+        figure = Figure(figsize=(10.0, 4.2), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        left.plot(*sample[:, :2].T, linestyle="none", marker=".", markersize=4, color=BLUE, alpha=0.6,
+                  label="recovered")
+        left.plot(*ellipse, color=VERMILION, label="predicted, 95 %")
+        left.set(aspect="equal", xlabel="δx [mm]", ylabel="δy [mm]",
+                 title=f"{100 * inside.mean():.0f} % inside the ellipse")
+        left.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        _histogram(right, sample[:, 2], float(np.sqrt(C[2, 2])))
+        figure.alt_text = (f"Scatter of {len(sample)} position errors; {100 * inside.mean():.0f} % lie inside "
+                           "the predicted ellipse; a histogram of angle errors beside it.")
+    return figure
+
+
+def residual_bars(all_cables: ArrayLike, left_out: ArrayLike) -> Figure:
+    """Residuals of the fit to all cables, and what remains when one cable is left out.
+
+    all_cables : (m,) residual of each cable [m]
+    left_out : (m,) size of the residuals without that cable [m]
+    """
+    together, without = 1e3 * np.asarray(all_cables, dtype=float), 1e3 * np.asarray(left_out, dtype=float)
+    cables = np.arange(1, len(together) + 1)
+    with house_style():
+        figure = Figure(figsize=(10.0, 3.6), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        for panel, values in ((left, together), (right, without)):
+            bars = panel.bar(cables, values, width=0.6, color=[cable_style(i).color for i in range(len(cables))])
+            panel.bar_label(bars, [f"{value + 0.0:.1f}".replace("-", "−") for value in values], padding=2)
+            panel.axhline(0, color=INK, linewidth=0.8)
+            panel.grid(axis="x", visible=False)
+            panel.margins(y=0.2)
+        left.set(xlabel="cable", ylabel="residual [mm]", title="All cables in the fit")
+        right.set(xlabel="cable left out", ylabel="remaining residual ‖r‖ [mm]", title="One cable left out")
+        figure.alt_text = (f"Largest residual in the fit to all: cable {int(np.abs(together).argmax()) + 1}; "
+                           f"least remains without cable {int(without.argmin()) + 1}.")
+    return figure
+
+
+def flight(time: ArrayLike, errors: ArrayLike, sigmas: ArrayLike, residuals: ArrayLike, sigma: float) -> Figure:
+    """Errors of recovered spatial poses along a flight over the predicted ±2σ band, and the residuals.
+
+    time : (k,) [s]
+    errors : (k, 6) δx, δy, δz [m], rotation vector [rad]
+    sigmas : (k, 6) predicted standard deviations, as errors
+    residuals : (k, m) of the lengths [m]
+    sigma : standard deviation of a length [m]
+    """
+    t, left_over = np.asarray(time, dtype=float), 1e3 * np.asarray(residuals, dtype=float)
+    with house_style():
+        figure = Figure(figsize=(10.5, 7.4), layout="constrained")
+        panels = figure.subplot_mosaic([["0", "1", "2"], ["3", "4", "5"], ["r", "r", "r"]])
+        share = _banded(panels, t, 1e3 * np.asarray(errors, dtype=float), 1e3 * np.asarray(sigmas, dtype=float))
+        panel = panels["r"]
+        for i in range(left_over.shape[1]):
+            look = cable_style(i)
+            panel.plot(t, left_over[:, i], color=look.color, linestyle=look.linestyle, linewidth=1.0,
+                       marker=".", markersize=3, label=str(i + 1))
+        panel.axhspan(-2e3 * sigma, 2e3 * sigma, color=GREY, alpha=0.15, linewidth=0)
+        panel.set(xlabel="time [s]", ylabel="residual [mm]",
+                  title="Residuals measured − fitted length; gray: ±2σ of one length")
+        panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="cable", labelspacing=0.2)
+        figure.alt_text = (f"Six pose errors over {t[-1]:.2g} s, {100 * share:.0f} % of them inside their ±2σ band; "
+                           f"length residuals of at most {np.abs(left_over).max():.2g} mm.")
+    return figure
+
+
+def _banded(panels: dict[str, Axes], t: Array, errors: Array, sigmas: Array) -> float:
+    """Six panels of an error over its band; returns the share inside."""
+    names = ("δx [mm]", "δy [mm]", "δz [mm]", "about x [mrad]", "about y [mrad]", "about z [mrad]")
+    for i, name in enumerate(names):
+        panel = panels[str(i)]
+        panel.fill_between(t, -2 * sigmas[:, i], 2 * sigmas[:, i], color=ORANGE, alpha=0.3, linewidth=0)
+        panel.plot(t, errors[:, i], color=AXIS_COLORS[i % 3], linewidth=1.0, marker=".", markersize=4)
+        panel.set(ylabel=name, xlabel="time [s]" if i > 2 else "")
+    panels["0"].set_title("Error; shaded: predicted ±2σ", fontsize=11)
+    return float(np.mean(np.abs(errors) <= 2 * sigmas))
+
+
+def _histogram(panel: Axes, values: Array, sigma: float) -> None:
+    """A histogram over the normal density that was predicted."""
+    panel.hist(values, bins=25, density=True, color=BLUE, alpha=0.6, label="recovered")
+    x = np.linspace(-4 * sigma, 4 * sigma, 200)
+    panel.plot(x, np.exp(-(x / sigma)**2 / 2) / (sigma * np.sqrt(2 * np.pi)), color=VERMILION, label="predicted")
+    panel.set(xlabel="δφ [mrad]", ylabel="density [1/mrad]", title="Angle")
+    panel.legend(loc="upper right")
+    panel.set_xlim(-4 * sigma, 5 * sigma)
+
+
+def _angle_between(a: Pose, b: Pose) -> float:
+    """Of planar poses, −π to π [rad]."""
+    turn = a.rotation @ b.rotation.T
+    return float(np.arctan2(turn[1, 0], turn[0, 0]))

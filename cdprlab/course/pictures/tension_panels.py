@@ -1,0 +1,259 @@
+"""The set of tensions drawn: polygon or interval with the methods' points in it, and tensions as bars with limits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
+
+from ...arrays import Array
+from ...tensions import distribute_tensions
+from ...view.plots import Figure
+from ...view.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, cable_style, house_style
+from .tension_polygon import MET, TensionSet, set_in_words, tension_set
+
+
+class Mark(NamedTuple):
+    """How a method's point is drawn; sizes differ so that points on each other can all be seen."""
+
+    marker: str
+    color: str
+    size: float
+
+
+MARKS = {
+    "linear_program": Mark("s", VERMILION, 12),
+    "quadratic_program": Mark("o", BLUE, 13),
+    "pseudo_inverse": Mark("x", INK, 8),
+    "closed_form": Mark("^", ORANGE, 12),
+    "improved_closed_form": Mark("v", ORANGE, 9),
+    "kernel": Mark("D", PURPLE, 9),
+    "puncture": Mark("P", PURPLE, 10),
+    "barycenter": Mark("*", GREEN, 15),
+    "relaxed": Mark("h", SKY, 9),
+}
+"""Method → its mark; filled inside the limits, hollow outside."""
+
+OWN = (Mark("D", INK, 13), Mark("o", INK, 20))
+"""Points of no method, a student's own or the one that walks along the border: hollow, so that nothing hides."""
+
+_WHITE = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
+"""Behind text that lies on lines."""
+
+
+def plot_tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, tension_max: ArrayLike,
+                     methods: Sequence[str] = (), own: Mapping[str, ArrayLike] | None = None,
+                     title: str = "") -> Figure:
+    """The interval or polygon of feasible tensions, with methods' and other points in it.
+
+    W, w_e, tension_min, tension_max : as in `distribute_tensions`, for one pose, r = 1 or 2
+    methods : names whose answers are marked
+    own : label → tensions (m,) or (k, m), marked too [N]
+    title : above the picture
+    """
+    found = {name: distribute_tensions(W, w_e, tension_min, tension_max, name) for name in methods}
+    points = {name: answer.tensions for name, answer in found.items()}
+    feasible = {name: bool(answer.feasible) for name, answer in found.items()}
+    points |= {name: np.asarray(values, float) for name, values in (own or {}).items()}
+    free = tension_set(W, w_e, tension_min, tension_max)
+    with house_style():
+        figure = Figure(figsize=(7.6, 4.8), layout="constrained")
+        panel = figure.subplots()
+        draw_set(panel, free, points, feasible)
+        if title:
+            panel.set_title(title)
+        if points:
+            panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
+        figure.alt_text = set_in_words(free) + " " + "; ".join(
+            f"{name.replace('_', ' ')} at λ = {free.coordinates(tau).round(1).tolist()} N"
+            for name, tau in points.items() if np.isfinite(tau).all())
+    return figure
+
+
+def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array], feasible: Mapping[str, bool] | None = None,
+             chosen: str = "") -> None:
+    """Fill a panel anew, under house style.
+
+    points : label → tensions (m,) or (k, m); methods' names take their marks
+    feasible : label → whether its mark is filled; default all
+    chosen : the label that gets a ring
+    """
+    clear(panel)
+    if free.redundancy not in (1, 2):
+        panel.set(xlim=(-1, 1), ylim=(-1, 1), xlabel="", ylabel="")
+        panel.text(0, 0, set_in_words(free), ha="center", va="center", color=INK)
+        panel.set_title("Tensions to choose from")
+        return
+    shown = {name: np.atleast_2d(free.coordinates(tau)) for name, tau in points.items() if np.isfinite(tau).all()}
+    frame = _frame(free, shown)
+    (_draw_interval if free.redundancy == 1 else _draw_polygon)(panel, free, frame)
+    own = iter(OWN * len(shown))
+    for name, places in shown.items():
+        mark = MARKS.get(name) or next(own)
+        inside = (feasible or {}).get(name, True) and mark not in OWN
+        xy = places if free.redundancy == 2 else np.column_stack([places, np.zeros(len(places))])
+        panel.plot(*xy.T, linestyle="none", marker=mark.marker, markersize=mark.size, markeredgecolor=mark.color,
+                   markerfacecolor=mark.color if inside else "none", markeredgewidth=1.6, alpha=0.9, zorder=5,
+                   label=name.replace("_", " ") + ("" if inside or mark in OWN else ", outside"))
+        if name == chosen and ((xy < frame[0]) | (xy > frame[1])).any():
+            panel.text(0.02, 0.02, f"{name.replace('_', ' ')}: beyond this picture", transform=panel.transAxes,
+                       fontsize=9, color=INK, zorder=6, bbox=_WHITE)
+        elif name == chosen:
+            panel.plot(*xy.T, linestyle="none", marker="o", markersize=22, markeredgecolor=INK,
+                       markerfacecolor="none", markeredgewidth=1.6, zorder=6)
+
+
+def _frame(free: TensionSet, shown: Mapping[str, Array]) -> Array:
+    """(2, r) lower and upper end of what is drawn: the corners with room around, or as far as limits are broken."""
+    r = free.redundancy
+    if len(free.corners):
+        low, high = free.corners.min(axis=0), free.corners.max(axis=0)
+    else:
+        steps = np.maximum(free.low - free.least, free.least - free.high)
+        far = float((np.maximum(steps, 0.0) / np.maximum(np.linalg.norm(free.directions, axis=1), 0.1)).max())
+        low, high = np.full(r, -far), np.full(r, far)
+    size = max(float((high - low).max()), 1e-3 * float(free.high.max()), 1e-9)
+    # Points outside come into view unless they are too far: the polygon must not shrink to a dot.
+    for spots in shown.values():
+        near = spots[(np.abs(spots - (low + high) / 2) <= 1.3 * size).all(axis=1)]
+        if len(near) and len(free.corners):
+            low, high = np.minimum(low, near.min(axis=0)), np.maximum(high, near.max(axis=0))
+    pad = (0.16 if r == 2 else 0.5) * max(float((high - low).max()), size)
+    return np.stack([low - pad, high + pad])
+
+
+def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
+    middle, reach = frame.mean(axis=0), 0.5 * float((frame[1] - frame[0]).max())
+    for i, row in enumerate(free.directions):
+        for limit in (free.low[i], free.high[i]):
+            line = _line_through(row, limit - free.least[i], middle, 3 * reach)
+            if line is not None:
+                look = cable_style(i)
+                panel.plot(*line.T, color=look.color, linestyle=look.linestyle, linewidth=0.9, alpha=0.6)
+                if len(free.corners) == 0 and limit == free.low[i] > free.least[i]:
+                    _name_broken(panel, line.mean(axis=0), row, 0.16 * reach, i)
+    if len(free.corners):
+        panel.fill(*free.corners.T, facecolor=GREY, alpha=0.22, edgecolor=INK, linewidth=2.0, zorder=3)
+        center = free.corners.mean(axis=0)
+        for start, end in zip(free.corners, np.roll(free.corners, -1, axis=0)):
+            if np.linalg.norm(end - start) > 0.12 * reach:   # shorter edges have no room for a name
+                _name_edge(panel, free, (start + end) / 2, center)
+        panel.set_title(f"Feasible tensions: {len(free.corners)} corners")
+    else:
+        panel.set_title("Empty: no tensions keep all limits")
+    panel.set(xlim=middle[0] + reach * np.array([-1, 1]), ylim=middle[1] + reach * np.array([-1, 1]), aspect="equal",
+              xlabel="λ₁ [N], to the right Σ τ grows", ylabel="λ₂ [N], Σ τ stays")
+    panel.locator_params(axis="x", nbins=6)
+
+
+def _name_edge(panel: Axes, free: TensionSet, place: Array, center: Array) -> None:
+    """The limit that makes an edge, outside of it."""
+    names = free.met_limits(free.tensions(place))
+    x, y = (place - center) / max(float(np.linalg.norm(place - center)), 1e-12)
+    panel.annotate(", ".join(names), (place[0], place[1]), (13 * x, 13 * y), textcoords="offset points",
+                   fontsize=9, color=INK, zorder=4, ha="left" if x > 0.4 else "right" if x < -0.4 else "center",
+                   va="bottom" if y > 0.4 else "top" if y < -0.4 else "center", bbox=_WHITE)
+
+
+def _name_broken(panel: Axes, foot: Array, row: Array, length: float, i: int) -> None:
+    """An arrow from a lower limit's line to where it is kept, with the limit's name at its tip."""
+    way = row / np.linalg.norm(row)
+    tip, end = (foot + share * length * way for share in (1.0, 1.25))
+    panel.annotate("", (tip[0], tip[1]), (foot[0], foot[1]), annotation_clip=True,
+                   arrowprops={"arrowstyle": "-|>", "color": cable_style(i).color, "linewidth": 1.6, "shrinkA": 0})
+    panel.text(end[0], end[1], f"{i + 1} min", fontsize=9, color=INK, ha="center", va="center", clip_on=True,
+               bbox=_WHITE)
+
+
+def _line_through(row: Array, value: float, middle: Array, reach: float) -> Array | None:
+    """(2, 2) ends of {λ : row · λ = value} near a middle; None where there is no such line."""
+    size = float(np.linalg.norm(row))
+    if size < 1e-9:
+        return None
+    foot = middle + row * (value - row @ middle) / size**2
+    if np.linalg.norm(foot - middle) > reach:
+        return None
+    along = np.array([-row[1], row[0]]) / size * reach
+    return np.stack([foot - along, foot + along])
+
+
+def _draw_interval(panel: Axes, free: TensionSet, frame: Array) -> None:
+    """Each cable's own interval of λ as a bar; what all of them share is shaded."""
+    h, m = free.directions[:, 0], free.least.size
+    low, high = frame[:, 0]
+    for i in range(m):
+        look = cable_style(i)
+        if abs(h[i]) > 1e-9:
+            ends = sorted((limit - free.least[i]) / h[i] for limit in (free.low[i], free.high[i]))
+        else:   # the cable does not mind λ: it agrees with all or none
+            kept = free.low[i] <= free.least[i] <= free.high[i]
+            ends = [low - 1, high + 1] if kept else [np.nan, np.nan]
+        left, right = np.clip(ends, low - 0.05 * (high - low), high + 0.05 * (high - low))
+        panel.barh(i + 1, right - left, left=left, height=0.5, color=look.color, alpha=0.55, edgecolor=look.color)
+        for end, name, side in zip(ends, ("min", "max") if h[i] > 0 else ("max", "min"), ("left", "right")):
+            if low < end < high:
+                panel.annotate(name, (end, i + 1), (4 if side == "left" else -4, 0), textcoords="offset points",
+                               ha=side, va="center", fontsize=9, color=INK)
+    if len(free.corners):
+        panel.axvspan(free.corners[0, 0], free.corners[-1, 0], facecolor=GREY, alpha=0.22, edgecolor=INK, zorder=0)
+        words = " to ".join(f"{end + 0.0:.4g}" for end in free.corners[[0, -1], 0])
+        panel.set_title(f"Feasible λ: {words} N".replace("-", "−"))
+    else:
+        panel.set_title("Empty: no λ suits all cables")
+    panel.set(xlim=(low, high), ylim=(m + 0.6, -0.7), yticks=range(m + 1),
+              yticklabels=["answers", *(f"cable {i + 1}" for i in range(m))], xlabel="λ [N], to the right Σ τ grows",
+              ylabel="")
+    panel.grid(axis="y", visible=False)
+
+
+def draw_bars(panel: Axes, tensions: Array, low: Array, high: Array, title: str) -> None:
+    """Tensions as bars with their numbers between their limits, under house style; broken limits are named.
+
+    tensions : (m,) [N], NaN where there are none
+    """
+    clear(panel)
+    m = tensions.size
+    top = max(float(np.nanmax(np.abs(tensions))) if np.isfinite(tensions).any() else 0.0, 1.5 * float(low.max()), 1.0)
+    near = high <= 1.6 * top
+    for i, tension in enumerate(np.where(np.isfinite(tensions), tensions, 0.0)):
+        look, close = cable_style(i), MET * float(high.max())
+        broken = "below min" if tension < low[i] - close else "above max" if tension > high[i] + close else ""
+        if not np.isfinite(tensions[i]):
+            continue
+        panel.barh(i + 1, tension, height=0.56, color="white" if broken else look.color, edgecolor=look.color,
+                   linestyle=look.linestyle, hatch="//" if broken else None, linewidth=1.4)
+        panel.annotate(f"{tension:.4g} N {broken}".strip().replace("-", "−"), (max(tension, 0.0), i + 1), (5, 0),
+                       textcoords="offset points", va="center", fontsize=9, color=INK, zorder=6,
+                       bbox=_WHITE)
+    for i in range(m):
+        for limit, seen in ((low[i], True), (high[i], bool(near[i]))):
+            if seen:
+                panel.plot([limit, limit], [i + 0.6, i + 1.4], color=INK, linewidth=2.2, zorder=5)
+    bottom = float(np.nanmin(np.append(tensions, 0.0)))
+    right = max(top, float(high[near].max()) if near.any() else 0.0)
+    ends = f"{_span(low)} and {_span(high)} N" + ("" if near.all() else " (off scale)")
+    room = 1.0 if (tensions > high).any() else 0.5
+    panel.set(xlim=(1.15 * bottom, right + room * (right - bottom)), ylim=(m + 0.6, 0.4), yticks=range(1, m + 1),
+              ylabel="cable", xlabel=f"tension [N]; black: limits\n{ends}")
+    panel.grid(axis="y", visible=False)
+    panel.set_title(title)
+
+
+def clear(panel: Axes) -> None:
+    """Takes away what was drawn but the ticks: made anew they would take longer than all the rest."""
+    for artist in [*panel.lines, *panel.texts, *panel.patches]:
+        artist.remove()
+    panel.containers.clear()
+    style: Any = matplotlib.rcParams
+    # Grid lines are made when first drawn, which may be after house style has gone.
+    panel.tick_params(grid_color=style["grid.color"], grid_linewidth=style["grid.linewidth"])
+
+
+def _span(limits: Array) -> str:
+    """One number, or the range of several."""
+    low, high = float(limits.min()), float(limits.max())
+    return f"{low:.4g}" if low == high else f"{low:.4g}…{high:.4g}"

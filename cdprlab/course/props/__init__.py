@@ -1,0 +1,1 @@
+"""Small robots and experiments that lessons are built around."""

@@ -1,0 +1,57 @@
+"""Hold constant tensions on a planar robot at rest, let it go, and see whether it stays: statics put to the test."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arrays import Array, as_array, as_number
+from ...robot import Robot
+from ...robot.pose import Pose
+from ...simulate import open_simulator
+from .bare_world import bare_world
+
+
+class Motion(NamedTuple):
+    """What the engine saw.
+
+    time : (k,) since it was let go, 0 first [s]
+    positions : (k, 2) of P [m]
+    acceleration : (n,) over the first step [m/s², rad/s²]
+    """
+
+    time: Array
+    positions: Array
+    acceleration: Array
+
+
+def let_go(robot: Robot, pose: Pose, tensions: ArrayLike, push: ArrayLike | None = None, duration: float = 0.5,
+           dt: float = 1e-3) -> Motion:
+    """The first moments of a planar robot whose winches hold these tensions: M a = W max(τ, 0) + w_e.
+
+    robot : planar
+    pose : where it is at rest
+    tensions : (m,) held [N]; where one is negative the rope hangs slack and carries nothing
+    push : (n,) external wrench beside the weight [N, N m]
+    duration : [s]
+    dt : time step [s]
+    Raises InvalidInput for numbers of another shape.
+
+    >>> from cdprlab.course.props.point_load import point_load
+    >>> let_go(point_load(2), Pose([0, 1], angle=0), [-50, 0]).acceleration
+    array([ 0.  , -9.81])
+    """
+    wrench = np.zeros(robot.n_dof) if push is None else as_array(push, "push", (robot.n_dof,), "N, N m")
+    pulls = np.maximum(as_array(tensions, "tensions", (robot.n_cables,), "N"), 0.0)
+    steps = round(as_number(duration, "duration", "s") / dt)
+    with open_simulator(bare_world(robot, pose), cables="tension", dt=dt) as engine:
+        engine.push(wrench)
+        places, acceleration = [engine.position], np.zeros(robot.n_dof)
+        for k in range(steps):
+            engine.step(pulls)
+            places.append(engine.position)
+            if k == 0:
+                acceleration = engine.twist[:robot.n_dof] / dt
+    return Motion(np.arange(steps + 1.0) * dt, np.array(places), acceleration)

@@ -1,0 +1,92 @@
+"""Pure Gauss–Newton from lengths to a planar pose, every step kept; and a robot of three to six cables to try it on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...arrays import Array, as_array
+from ...errors import InvalidInput
+from ...mechanics.cables import cable_lengths
+from ...mechanics.kinematics import jacobian
+from ...robot import MOTION_PATTERNS, Cable, Platform, Robot
+from ...robot.pose import Pose
+
+EXIT_POINTS = ((-2.0, 3.0), (2.0, 3.0), (2.0, 0.0), (-2.0, 0.0), (-2.0, 1.5), (2.0, 1.5))
+"""Of the planar robot, cables 1 to 6 [m]."""
+
+ANCHOR_POINTS = ((-0.4, -0.25), (0.4, -0.25), (0.4, 0.25), (-0.4, 0.25), (0.4, 0.25), (-0.4, -0.25))
+"""Cables from above hold the lower corners and those from below the upper ones, which fixes the angle well [m]."""
+
+_STEPS = 60
+"""Where the residuals do not vanish the steps shrink only by a factor each; this many reach 1e-9 m."""
+
+_DONE, _LOST = 1e-10, 20.0
+"""A step this small ends the iteration; a position this far out is lost [m]."""
+
+
+class Path(NamedTuple):
+    """What Gauss–Newton did.
+
+    poses : guess first
+    residuals : (m,) measured − fitted length at the last pose [m]
+    converged : whether the last step was small
+    """
+
+    poses: list[Pose]
+    residuals: Array
+    converged: bool
+
+
+def six_cables(count: int = 6) -> Robot:
+    """A planar platform of 0.8 m × 0.5 m in a frame of 4 m × 3 m, held by the first ``count`` of six cables.
+
+    count : 3 (as many as unknowns) to 6
+    Raises InvalidInput for another number.
+
+    >>> six_cables(4)
+    Robot(1R2T, 4 cables, 10 kg)
+    """
+    if count not in (3, 4, 5, 6):
+        raise InvalidInput(f"this robot has 3, 4, 5 or 6 cables, got {count!r}")
+    cables = tuple(Cable(np.array(a), np.array(b), 10.0, 1000.0) for a, b in zip(EXIT_POINTS, ANCHOR_POINTS))
+    platform = Platform(10.0, np.array(0.75), np.zeros(2), np.array([0.8, 0.5]), np.zeros(2))
+    return Robot(MOTION_PATTERNS["1R2T"], platform, cables[:count])
+
+
+def gauss_newton_path(robot: Robot, lengths: Any, guess: Pose) -> Path:
+    """Pure Gauss–Newton, x ← x + J⁺ (l − l(x)), with nothing that keeps it from running away.
+
+    robot : planar, pattern 1R2T
+    lengths : (m,) measured [m]
+    guess : where to start
+
+    >>> robot = six_cables()
+    >>> path = gauss_newton_path(robot, cable_lengths(robot, Pose([0.4, 1.3], angle=0.2)), Pose([0, 1.5], angle=0))
+    >>> path.converged, path.poses[-1]
+    (True, Pose([0.4, 1.3], angle=0.2))
+    """
+    measured = as_array(lengths, "lengths", (robot.n_cables,), "m")
+    x, poses, converged = np.append(guess.position, guess.angle), [guess], False
+    for _ in range(_STEPS):
+        pose = poses[-1]
+        step = np.linalg.pinv(jacobian(robot, pose)) @ (measured - cable_lengths(robot, pose))
+        x = x + step
+        poses.append(Pose(x[:2], angle=x[2]))
+        converged = bool(np.linalg.norm(step) < _DONE)
+        if converged or np.abs(x[:2]).max() > _LOST:
+            break
+    return Path(poses, measured - cable_lengths(robot, poses[-1]), converged)
+
+
+def without_cable(robot: Robot, index: int) -> Robot:
+    """The same robot with one cable less.
+
+    index : from 0
+
+    >>> without_cable(six_cables(), 0).n_cables
+    5
+    """
+    return replace(robot, cables=robot.cables[:index] + robot.cables[index + 1:])

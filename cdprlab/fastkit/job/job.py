@@ -1,0 +1,203 @@
+"""The job itself: the machine's phases become references, a controller moves the robot, and all is written down."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...arrays import Array
+from ...errors import InvalidInput
+from ...mechanics.fast_control import turn_between
+from ...mechanics.trajectory import Reference, Trajectory, hold, quintic
+from ...robot.pose import Pose
+from ...run.winches import Effort, Order, WinchControl, winch_control
+from ...simulate import open_simulator
+from ...simulate.mobile import MobileSimulator
+from ...world import World
+from ...world.model import PickAndPlace
+from .job_record import Job, Log
+from .machine import FAULTS, Guard, Machine, Phase, Sensors
+from .phases import BOX, driving_speed, job_phases, payload
+
+Progress = Callable[[int, int], Any]
+
+_ACCELERATION = 0.2    # m/s² and rad/s²: of bases, as gently as a loaded trolley is pushed
+_ROLLERS = 0.1         # the box's factor of 0.05 with a board: boards that a box is drawn from have rollers
+_AFTERMATH = 1.5       # s that a stopped job is watched: bases brake within 1 s
+_SLACK = 0.5           # N: how far off its limits a cable may be before it counts, about what friction leaves
+
+
+def pick_and_place(world: World, task: str = "pick_and_place", control: str | WinchControl = "torque", *,
+                   speed: float = 0.5, dt: float = 2e-3, control_period: float = 4e-3,
+                   faults: tuple[Guard, ...] = FAULTS, fold: bool = False, progress: Progress | None = None) -> Job:
+    """Deploy the bases, take a box from a shelf, put it in its place, return; stop safely where something fails.
+
+    world, task : spatial, with bases that have footprints, and a task of kind pick_and_place
+    control : "torque", "velocity", or a controller of one's own
+    speed : the platform's largest [m/s]
+    dt, control_period : engine step and control step, the second a multiple of the first [s]
+    faults : what stops the job, see `machine`
+    fold : in the end drive the bases together again and couple them; who works on at the same shelf need not
+    progress : called as (milliseconds done, in all)
+    Returns Job: `.state` is "done" or "stopped", `.reason` why.
+    Raises InvalidInput for another kind of task; SimulationDiverged.
+    Source: Pedemonte et al. 2020, section 2.
+
+    >>> import cdprlab as cl
+    >>> pick_and_place(cl.load_world("caroca"), "default")
+    Traceback (most recent call last):
+    ...
+    cdprlab.errors.InvalidInput: task 'default' is of kind quintic, not pick_and_place: use cl.run(world, ...)
+    """
+    job = world.task(task)
+    if not isinstance(job, PickAndPlace):
+        raise InvalidInput(f"task {task!r} is of kind {job.kind}, not pick_and_place: use cl.run(world, ...)")
+    substeps = round(control_period / dt)
+    if substeps < 1 or abs(substeps * dt - control_period) > 1e-9:
+        raise InvalidInput(f"control_period must be a whole multiple of dt, got {control_period:g} s and {dt:g} s")
+    law = winch_control(control)
+    begin = replace(world, robot=world.robot.with_bases(job.coupled), pose=job.start, tasks={task: job})
+    machine = Machine(job_phases(world, job, speed, fold=fold), faults)
+    with open_simulator(begin, law.cables, dt, bodies=True, solver_iterations=20) as engine:
+        assert isinstance(engine, MobileSimulator)
+        engine.add_box(BOX, job.box_position, job.box_size, job.box_mass, friction=_ROLLERS)
+        law.start(engine)
+        began = time.perf_counter()
+        log = _Loop(engine, job, machine, law, control_period).run(progress)
+        elapsed = time.perf_counter() - began
+    return log.job(world, task, job, law.name, machine, elapsed, {"dt": dt, "control_period": control_period,
+                                                                   "speed": speed})
+
+
+class _Loop:
+    """One job under way: what changes from step to step."""
+
+    def __init__(self, engine: MobileSimulator, task: PickAndPlace, machine: Machine, law: WinchControl,
+                 period: float) -> None:
+        self.engine, self.task, self.machine, self.law, self.period = engine, task, machine, law, period
+        self.path: Trajectory = hold(task.start, 1.0)
+        self.sampled: list[Reference] | None = None
+        self.bases = engine.base_poses.copy()
+        self.driven = np.zeros(self.bases.size)
+        self.stroke, self.offset = 1.0, np.zeros(3)
+        self.empty = self.robot = engine.world.robot
+        self.carried: tuple[float, ...] = (0.0,)
+        self.overloaded = self.missing = 0.0
+        self.log = Log()
+
+    def run(self, progress: Progress | None) -> Log:
+        machine, total = self.machine, sum(phase.duration for phase in self.machine.phases)
+        self._begin(machine.phase)
+        steps, ended, shown = 0, 0.0, 0.0
+        while not ((machine.stopped or machine.done) and steps * self.period > ended + _AFTERMATH):
+            now = steps * self.period
+            wish = self._wish(now)
+            speeds = self._drive(now)
+            self._draw(now)
+            sensors = self._look(now, wish)
+            effort = self.law.step(self.engine, Order(wish, self.robot, speeds, self.period))
+            self._note(now, wish, sensors, effort)
+            steps += 1
+            if machine.step(sensors._replace(time=steps * self.period)):
+                ended = steps * self.period
+                self._enter()
+            if progress is not None and now - shown >= 0.5:
+                shown = now
+                progress(min(round(now * 1e3), round(total * 1e3)), round(total * 1e3))
+        return self.log
+
+    def _wish(self, now: float) -> Reference:
+        """The reference, sampled once a phase: a single sample costs as much as a hundred."""
+        if self.sampled is None:
+            times = np.arange(round(self.path.duration / self.period) + 1) * self.period
+            self.sampled = list(map(Reference, *self.path(times)))
+        step = round((now - self.machine.began) / self.period) if not self.machine.stopped else 0
+        return self.sampled[min(step, len(self.sampled) - 1)]
+
+    # --- phases -----------------------------------------------------------------------------------
+    def _enter(self) -> None:
+        self.sampled = None
+        if self.machine.stopped:
+            self.path = hold(Pose.of(self.engine.position, self.engine.rotation), 1.0)
+        elif self.machine.done:
+            self.path = hold(self.path.end, 1.0)
+        else:
+            self._begin(self.machine.phase)
+
+    def _begin(self, phase: Phase) -> None:
+        end = self.path.end
+        phase.begin(self.engine)
+        self.path = hold(end, phase.duration) if phase.to is None else quintic(end, phase.to, phase.duration)
+        if self.engine.is_gripped(BOX) and not self.offset.any():
+            self.offset = self._held() - (self.stroke - 1) * self.task.stroke
+        self.bases = self.engine.base_poses.copy()
+
+    def _drive(self, now: float) -> Array:
+        speeds = np.zeros(self.bases.size)
+        if self.machine.stopped:   # brake, not stop dead: the cables would feel it
+            slower = np.abs(self.driven) - _ACCELERATION * self.period
+            speeds = np.sign(self.driven) * np.maximum(slower, 0.0)
+        elif not self.machine.done:
+            for k, base in enumerate(self.empty.bases):
+                goal = self.machine.phase.drives.get(base.name)
+                if goal is not None:
+                    speeds[3 * k:3 * k + 3] = self._speed_of(k, goal, now - self.machine.began + self.period / 2)
+        self.driven = self.engine.drive(speeds)
+        return self.driven
+
+    def _speed_of(self, k: int, goal: tuple[float, float, float], t: float) -> Array:
+        """θ̇, ρ̇₁, ρ̇₂ of one base, a rest-to-rest drive along each."""
+        x, y, heading = self.bases[k].tolist()
+        c, s = np.cos(heading), np.sin(heading)
+        dx, dy = goal[0] - x, goal[1] - y
+        ways = goal[2] - heading, c * dx + s * dy, c * dy - s * dx
+        limits = self.empty.bases[k].speed_max.tolist()
+        return np.array([driving_speed(t, way, limit, _ACCELERATION) if abs(way) > 1e-9 else 0.0
+                         for way, limit in zip(ways, limits)])
+
+    def _draw(self, now: float) -> None:
+        """The gripper's stroke, and what the platform is known to carry."""
+        phase, engine = self.machine.phase, self.engine
+        if phase.stroke is not None and not (self.machine.stopped or self.machine.done):
+            s = np.clip((now - self.machine.began) / phase.duration, 0, 1)
+            share = s**3 * (10 - 15 * s + 6 * s**2)
+            self.stroke = float(phase.stroke[0] + share * (phase.stroke[1] - phase.stroke[0]))
+            engine.draw(BOX, (self.stroke - 1) * self.task.stroke)
+        load, place = payload(self.task, self.stroke) if engine.is_gripped(BOX) else (0.0, self.task.seat)
+        if (load, *place) != self.carried:
+            self.carried = load, *place
+            self.robot = self.empty.with_payload(load, place) if load else self.empty
+            engine.carry(self.robot)
+
+    # --- looking and writing down -----------------------------------------------------------------
+    def _held(self) -> Array:
+        """(3,) the box's center in the platform frame [m]."""
+        return (self.engine.box_pose(BOX).position - self.engine.position) @ self.engine.rotation
+
+    def _look(self, now: float, wish: Reference) -> Sensors:
+        engine, phase = self.engine, self.machine.phase
+        gripped = engine.is_gripped(BOX)
+        place = self.offset + (self.stroke - 1) * self.task.stroke if gripped else self.task.seat + self.task.stroke
+        slipped = float(np.linalg.norm(self._held() - place))
+        now_at = engine.base_poses
+        goals = [(k, phase.drives[base.name]) for k, base in enumerate(self.empty.bases) if base.name in phase.drives]
+        base_error = max((float(np.linalg.norm(now_at[k, :2] - goal[:2])) for k, goal in goals), default=0.0)
+        return Sensors(now, math.dist(wish.pose.position, engine.position),
+                       math.hypot(*turn_between(engine.rotation, wish.pose.rotation)), engine.tensions,
+                       self.overloaded, self.missing, engine.wheel_loads(), base_error, gripped,
+                       slipped, (engine.position, engine.rotation), now_at)
+
+    def _note(self, now: float, wish: Reference, sensors: Sensors, effort: Effort) -> None:
+        engine, robot = self.engine, self.empty
+        tau = engine.tensions
+        beyond = (tau < robot.tension_min - _SLACK).any() or (tau > robot.tension_max + _SLACK).any()
+        self.overloaded = self.overloaded + self.period if beyond else 0.0
+        self.missing = 0.0 if effort.feasible else self.missing + self.period
+        self.log.add(now, self.machine, engine, wish, sensors, effort, self.stroke, self.carried[0])
+
+

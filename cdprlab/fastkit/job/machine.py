@@ -1,0 +1,187 @@
+"""A state machine a person can read: phases in order, each with its guard, and faults that end in a safe state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from ...robot.pose import Pose
+
+STOPPED = "stopped"
+"""The safe state: bases brake and stand still, the platform holds where it is, the gripper stays as it is."""
+
+DONE = "done"
+
+SETTLING = 0.1
+"""[s] the engine's wheels take to find the floor."""
+
+
+class Sensors(NamedTuple):
+    """What the machine may look at.
+
+    time : [s]
+    error : distance of the platform from its reference [m]
+    turn_error : angle between the two [rad]
+    tensions : (m,) measured [N]; overloaded : [s] for how long they have been off their limits
+    missing : [s] for how long no tensions balanced the wanted wrench
+    wheels : base name → (k,) load of each wheel [N]
+    base_error : farthest of any base from where it should be [m]
+    gripped : whether the gripper is closed
+    slipped : distance of the box from where the gripper holds it, or would take it [m]
+    pose : position [m] and rotation of the platform; bases : (p, 3) x, y, heading [m, m, rad]
+    """
+
+    time: float
+    error: float
+    turn_error: float
+    tensions: Array
+    overloaded: float
+    missing: float
+    wheels: dict[str, Array]
+    base_error: float
+    gripped: bool
+    slipped: float
+    pose: tuple[Array, Array]
+    bases: Array
+
+
+Guard = Callable[[Sensors], str]
+"""'' if the phase may end (fault: if all is well), else what is in the way."""
+
+
+def settled(sensors: Sensors) -> str:
+    """The guard of most phases: the platform within 5 mm and 1° of where it should be."""
+    if sensors.error > 5e-3:
+        return f"the platform is {sensors.error * 1e3:.0f} mm off its reference"
+    return f"the platform is {np.degrees(sensors.turn_error):.1f}° off" if sensors.turn_error > 0.0175 else ""
+
+
+def box_there(sensors: Sensors) -> str:
+    """The guard before the gripper closes: a box within 2 cm of where it is to be taken."""
+    if sensors.slipped > 0.02:
+        return f"no box to grip: it is {sensors.slipped * 1e3:.0f} mm from where it should be"
+    return settled(sensors)
+
+
+def _nothing(_: Any) -> None:
+    pass
+
+
+@dataclass(frozen=True, eq=False)
+class Phase:
+    """One step of a job.
+
+    name : of the state; what : the same in words
+    duration : of its motion [s]
+    to : where the platform goes, None: it stays
+    stroke : (2,) share of the gripper's stroke the box is held at, at its begin and end; 0 drawn in, 1 on its board
+    drives : base name → (x, y, heading) it drives to
+    begin : done to the engine as the phase begins: link, grip, release
+    guard : asked once the motion is over; the next phase begins when it answers ''
+    """
+
+    name: str
+    what: str
+    duration: float
+    to: Pose | None = None
+    stroke: tuple[float, float] | None = None
+    drives: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    begin: Callable[[Any], None] = _nothing
+    guard: Guard = settled
+
+
+class Event(NamedTuple):
+    """A state was entered: when [s], which, and why (faults only)."""
+
+    time: float
+    state: str
+    why: str = ""
+
+
+class Machine:
+    """Runs phases one after the other; a fault, or a guard that stays shut, leads to ``STOPPED``.
+
+    phases : in order
+    faults : asked every step, whatever the phase
+    patience : how long a guard may stay shut after its phase's motion [s]
+    """
+
+    def __init__(self, phases: tuple[Phase, ...], faults: tuple[Guard, ...], patience: float = 3.0) -> None:
+        self.phases, self.faults, self.patience = phases, faults, patience
+        self.index, self.began = 0, 0.0
+        self.stopped = self.done = False
+        self.history = [Event(0.0, phases[0].name)]
+
+    @property
+    def phase(self) -> Phase:
+        """The phase of now, or the last one there was."""
+        return self.phases[self.index]
+
+    @property
+    def state(self) -> str:
+        """Name of the state of now."""
+        return STOPPED if self.stopped else DONE if self.done else self.phase.name
+
+    def step(self, sensors: Sensors) -> bool:
+        """Look, decide; True if a new state begins now."""
+        if self.stopped or self.done:
+            return False
+        trouble = next((why for fault in self.faults if (why := fault(sensors))), "")
+        if trouble:
+            return self._stop(sensors.time, trouble)
+        late = sensors.time - self.began - self.phase.duration
+        if late < -1e-9:
+            return False
+        missing = self.phase.guard(sensors)
+        if missing:
+            return late > self.patience and self._stop(sensors.time, f"waited {self.patience:g} s: {missing}")
+        return self._go_on(sensors.time)
+
+    def _go_on(self, time: float) -> bool:
+        if self.index + 1 == len(self.phases):
+            self.done = True
+        else:
+            self.index, self.began = self.index + 1, time
+        self.history.append(Event(time, self.state))
+        return True
+
+    def _stop(self, time: float, why: str) -> bool:
+        self.stopped = True
+        self.history.append(Event(time, STOPPED, f"in {self.phase.name}: {why}"))
+        return True
+
+
+def standing(sensors: Sensors) -> str:
+    """Fault: a base stands on fewer than two loaded corners' worth of wheels: one of its edges carries nothing."""
+    if sensors.time < SETTLING:
+        return ""
+    for name, load in sensors.wheels.items():
+        along = load + np.roll(load, -1)
+        if along.min() < 1.0:   # N on the two wheels of an edge
+            return f"base {name!r} lifts its wheels"
+    return ""
+
+
+def cables_within_limits(sensors: Sensors) -> str:
+    """Fault: a cable was off its limits for longer than a tenth of a second."""
+    if sensors.overloaded > 0.1:
+        return f"cables off their limits, {sensors.tensions.min():.1f} to {sensors.tensions.max():.1f} N"
+    return "no tensions within the limits balance the platform" if sensors.missing > 0.1 else ""
+
+
+def on_its_path(sensors: Sensors) -> str:
+    """Fault: the platform is farther from its reference than it may ever be."""
+    return f"the platform is {sensors.error * 1e3:.0f} mm off its path" if sensors.error > 0.05 else ""
+
+
+def box_in_hand(sensors: Sensors) -> str:
+    """Fault: a gripped box is not where the gripper holds it."""
+    off = sensors.gripped and sensors.slipped > 0.03
+    return f"the box slipped by {sensors.slipped * 1e3:.0f} mm" if off else ""
+
+
+FAULTS: tuple[Guard, ...] = (standing, cables_within_limits, on_its_path, box_in_hand)

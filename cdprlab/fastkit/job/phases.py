@@ -1,0 +1,202 @@
+"""The phases of pick and place, from a task: deploy, take the box, carry it, put it down, return, perhaps fold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...arrays import Array
+from ...errors import InvalidInput
+from ...robot import Base
+from ...robot.pose import Pose
+from ...simulate.mobile import MobileSimulator
+from ...world import World
+from ...world.model import PickAndPlace
+from .machine import Phase, Sensors, box_there, settled
+
+BOX = "box"
+
+Place = tuple[float, float, float]
+"""x, y, heading of a base [m, m, rad]."""
+
+_DRAWING = 4.0      # s for the gripper's whole stroke
+_LIFT = 0.003       # m: a box that is drawn out comes over its board's edge without catching
+_OVERLAP = 0.006    # m of the box over its board as it is set down
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+def job_phases(world: World, task: PickAndPlace, speed: float = 0.5,
+               base_acceleration: float = 0.2, fold: bool = False) -> tuple[Phase, ...]:
+    """What happens, in order.
+
+    world : as it is to be once deployed
+    speed : the platform's largest, carrying or not [m/s]
+    base_acceleration : [m/s²]
+    fold : whether the bases come together again in the end
+    """
+    folding = _folding(world, task, base_acceleration) if fold else ()
+    return (*_deployment(world, task, base_acceleration), *_taking(task, speed), *_putting(task, speed), *folding)
+
+
+def _deployment(world: World, task: PickAndPlace, acceleration: float) -> Iterator[Phase]:
+    if not task.coupled:
+        return
+    yield Phase("coupled", "both bases stand together, the link closed", 0.5, begin=MobileSimulator.couple)
+    yield Phase("uncouple", "the electromagnetic link opens", 0.3, begin=MobileSimulator.uncouple)
+    words = (("sidestep", "clear of the shelf"), ("deploy", "the active base drives away, the platform stays"),
+             ("line up", "the base takes its place"))
+    for name, start in task.coupled.items():
+        base = world.robot.base(name)
+        yield from _legs(base, start, _place(base), task.aside, words, acceleration)
+    yield Phase("stabilize", "the stabilizers go down, no base can drive", 0.5,
+                begin=MobileSimulator.lower_stabilizers)
+
+
+def _folding(world: World, task: PickAndPlace, acceleration: float) -> Iterator[Phase]:
+    """The deployment's way, back."""
+    if not task.coupled:
+        raise InvalidInput("bases are to fold back, but the task names no `coupled:` base and its pose")
+    yield Phase("lift feet", "the stabilizers go up, the bases stand on wheels", 0.5,
+                begin=MobileSimulator.raise_stabilizers)
+    words = (("step out", "clear of the shelf again"), ("fold", "the active base drives back, the platform stays"),
+             ("close up", "beside the other base, as before"))
+    for name, goal in task.coupled.items():
+        base = world.robot.base(name)
+        yield from _legs(base, _place(base), goal, task.aside, words, acceleration)
+    yield Phase("link", "the electromagnetic link closes", 0.5, drives=dict(task.coupled), guard=_arrived,
+                begin=MobileSimulator.couple)
+
+
+def _legs(base: Base, start: Place, goal: Place, aside: float, words: tuple[tuple[str, str], ...],
+          acceleration: float) -> Iterator[Phase]:
+    """A base's way from place to place, a state each: out sideways, along, back in; without ``aside`` only along."""
+    stops, told = [start, _beside(start, aside), _beside(goal, aside), goal], words
+    if not aside:
+        stops, told = [start, goal], words[1:2]
+    for (state, what), here, there in zip(told, stops, stops[1:]):
+        yield Phase(state, what, _driving_time(base, here, there, acceleration), drives={base.name: there},
+                    guard=_arrived)
+
+
+def _place(base: Base) -> Place:
+    """Where the world has a base."""
+    return float(base.position[0]), float(base.position[1]), base.heading
+
+
+def _beside(place: Place, aside: float) -> Place:
+    """A place moved along the base's own y axis."""
+    x, y, heading = place
+    return x - float(np.sin(heading)) * aside, y + float(np.cos(heading)) * aside, heading
+
+
+def _driving_time(base: Base, here: Place, there: Place, acceleration: float) -> float:
+    """Of the longest of the three drives between two places [s]."""
+    c, s = np.cos(here[2]), np.sin(here[2])
+    dx, dy = there[0] - here[0], there[1] - here[1]
+    ways = there[2] - here[2], c * dx + s * dy, c * dy - s * dx
+    return max(driving_time(float(way), float(limit), acceleration) for way, limit in zip(ways, base.speed_max))
+
+
+def _taking(task: PickAndPlace, speed: float) -> Iterator[Phase]:
+    before, at, hooking = _stations(task, task.box_position)
+    yield _move("approach", "to the box", task.start, before, speed)
+    yield Phase("tilt", "the lip goes down, by cable lengths alone", 1.0, Pose.of(before.position, hooking.rotation))
+    yield Phase("reach", "forward, the lip under the box's edge", 1.5, hooking)
+    yield Phase("hook", "level again", 1.0, at, guard=box_there)
+    yield Phase("grip", "the gripper closes", 0.3, begin=lambda engine: engine.grip(BOX))
+    yield Phase("draw in", "the box slides from its board into the tray", _DRAWING, stroke=(1.0, 0.0))
+    yield Phase("back off", "away from the shelf", 1.5, before)
+
+
+def _putting(task: PickAndPlace, speed: float) -> Iterator[Phase]:
+    leaving = _stations(task, task.box_position)[0]
+    before, at, hooking = _stations(task, task.place)
+    above = Pose.of(at.position + _LIFT * _UP, at.rotation)
+    yield _move("carry", "to the box's place", leaving, Pose.of(before.position + _LIFT * _UP, before.rotation), speed)
+    yield Phase("present", "forward, up to the board", 1.5, above)
+    # Onto the board before its weight is handed over: a stiff robot would carry on carrying.
+    length, depth = _strokes(task)
+    over = min(1.0, (max(length - depth, 0.0) + _OVERLAP) / length)
+    yield Phase("push", "the box's edge comes over its board", _DRAWING * over, stroke=(0.0, over))
+    yield Phase("set down", "down onto the board", 0.8, at)
+    yield Phase("push out", "the box slides onto its board", _DRAWING, stroke=(over, 1.0))
+    yield Phase("release", "the gripper opens", 0.5, begin=lambda engine: engine.release(BOX))
+    yield Phase("unhook", "the lip goes down", 1.0, hooking)
+    yield Phase("retreat", "away from the shelf", 1.5, Pose.of(before.position, hooking.rotation))
+    yield Phase("level", "level again", 1.0, before)
+    yield _move("return", "back to the start", before, task.start, speed)
+
+
+def _stations(task: PickAndPlace, box: Array) -> tuple[Pose, Pose, Pose]:
+    """Before the shelf, at it, and at it with the lip down, for a box standing there."""
+    at = box - task.seat - task.stroke
+    inward = task.stroke / np.linalg.norm(task.stroke)
+    tilted = Pose(at, rpy=task.tilt)
+    return Pose(at - task.clearance * inward), Pose(at), tilted
+
+
+def _move(name: str, what: str, start: Pose, end: Pose, speed: float) -> Phase:
+    way = float(np.linalg.norm(end.position - start.position))
+    return Phase(name, what, max(1.0, 15 / 8 * way / speed), end)  # the quintic's largest speed is 15/8 of its mean
+
+
+def _arrived(sensors: Sensors) -> str:
+    if sensors.base_error > 0.01:
+        return f"a base is {sensors.base_error * 1e3:.0f} mm from its place"
+    return settled(sensors)
+
+
+# --- motions along one line ---------------------------------------------------------------------------
+def driving_time(way: float, limit: float, acceleration: float) -> float:
+    """How long a rest-to-rest drive takes with these limits [s].
+
+    >>> round(driving_time(1.0, 0.2, 0.2), 6)
+    6.0
+    """
+    way = abs(way)
+    if way < 1e-12:
+        return 0.0
+    if limit <= 0:
+        raise InvalidInput("a base is to drive in a direction that its speed limits hold")
+    top = min(limit, np.sqrt(way * acceleration))
+    return float(way / top + top / acceleration)
+
+
+def driving_speed(t: float, way: float, limit: float, acceleration: float) -> float:
+    """The speed of that drive at time t: up with ``acceleration``, steady, down again [m/s or rad/s].
+
+    >>> driving_speed(3.0, -1.0, 0.2, 0.2)
+    -0.2
+    """
+    total = driving_time(way, limit, acceleration)
+    if not 0 < t < total:
+        return 0.0
+    return float(np.sign(way) * min(acceleration * t, limit, acceleration * (total - t)))
+
+
+def payload(task: PickAndPlace, stroke: float) -> tuple[float, Array]:
+    """What the platform carries of a box between tray and board: mass [kg] and where [m], platform frame.
+
+    The board carries the box until its center is over the edge, and nothing once its far face has left it; in between
+    the weight is handed over evenly, all of it at the place where the box leaves its board.
+
+    stroke : 0 drawn in, 1 on its board, where its near face is flush with the edge
+
+    >>> from types import SimpleNamespace
+    >>> task = SimpleNamespace(stroke=np.array([0, 0.4, 0]), box_size=np.array([0.4, 0.3, 0.15]), box_mass=7.0,
+    ...                        seat=np.zeros(3))
+    >>> [payload(task, s)[0] for s in (1.0, 0.4375, 0.2, 0.0)]
+    [0.0, 3.5, 7.0, 7.0]
+    """
+    length, depth = _strokes(task)
+    inward = task.stroke / length
+    off, over, leaves = stroke * length, length - depth / 2, length - depth
+    share = float(np.clip((over - off) / (over - leaves), 0.0, 1.0))
+    return task.box_mass * share, task.seat + min(off, leaves) * inward
+
+
+def _strokes(task: PickAndPlace) -> tuple[float, float]:
+    """The stroke's length, and the box's along it [m]."""
+    length = float(np.linalg.norm(task.stroke))
+    return length, float(np.abs(task.box_size @ task.stroke)) / length

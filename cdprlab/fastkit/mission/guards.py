@@ -1,0 +1,78 @@
+"""The guards of a mission: '' when the next state may begin, else what is in the way."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...arrays import Array
+from ..navigation import ARRIVED, Journey
+from ..navigation.vehicle import difference
+from .mission_record import DONE, Mission
+
+AT_THE_SHELF = np.array([0.05, 0.05, np.radians(2.0)])
+"""As far as the pair may be off its berth, by its own belief and what that is worth [m, m, rad]."""
+
+AT_HOME = np.array([0.1, 0.1, np.radians(5.0)])
+"""The same for where the mission began: nothing there has to be met to the centimeter."""
+
+COUPLED = 0.01
+"""As far as the bases may be off their places to each other as the link closes: its magnets pull no farther [m]."""
+
+LEANS = np.radians(0.5)
+"""A base whose mast is tilted more than this leans [rad]."""
+
+
+def at_the_shelf(mission: Mission) -> str:
+    """navigation → undeployed: arrived, and sure of it."""
+    return _sure_of_being_at("its berth", mission.journey, AT_THE_SHELF)
+
+
+def stands_still(mission: Mission) -> str:
+    """undeployed → deployed: all wheels carry, no base leans."""
+    drive = mission.drive
+    if drive is None or not len(drive.wheels):
+        return ""
+    if drive.wheels[-1].min() < 1.0:
+        return "a wheel carries nothing"
+    return "a base leans" if drive.tilts[-1] > LEANS else ""
+
+
+def base_in_place(mission: Mission) -> str:
+    """deployed → pick and place: the job got as far as approaching the box."""
+    return "" if "approach" in _job_states(mission) else _job_reason(mission)
+
+
+def box_in_place(mission: Mission) -> str:
+    """pick and place → return: the gripper has let the box go where it belongs."""
+    return "" if "return" in _job_states(mission) else _job_reason(mission)
+
+
+def coupled_again(mission: Mission) -> str:
+    """return → home: the job is done, and the bases are where the link takes them."""
+    job = mission.job
+    if job is None or job.state != DONE:
+        return _job_reason(mission)
+    places = job.world.robot.with_bases(job.world.task(mission.task).coupled).bases      # type: ignore[attr-defined]
+    off = max(float(np.linalg.norm(stands[:2] - base.position)) for stands, base in zip(job.base_poses[-1], places))
+    return "" if off <= COUPLED else f"the bases are not together: one is {off * 1e3:.0f} mm off its coupled place"
+
+
+def at_home(mission: Mission) -> str:
+    """home → done: arrived, and sure of it."""
+    return _sure_of_being_at("where it began", mission.way_home, AT_HOME)
+
+
+def _sure_of_being_at(place: str, way: Journey | None, tolerance: Array) -> str:
+    if way is None or way.state != ARRIVED:
+        return "there was no journey" if way is None else way.reason
+    off = np.abs(difference(way.goal, way.estimates[-1])) + 2 * way.deviations[-1]
+    return "" if (off <= tolerance).all() else (f"the pair may be {np.hypot(*off[:2]) * 1e3:.0f} mm and "
+                                                f"{np.degrees(off[2]):.1f}° off {place}")
+
+
+def _job_states(mission: Mission) -> list[str]:
+    return [] if mission.job is None else [event.state for event in mission.job.events]
+
+
+def _job_reason(mission: Mission) -> str:
+    return "there was no job" if mission.job is None else mission.job.reason or f"it ended in {mission.job.state}"

@@ -1,0 +1,85 @@
+"""The record of a mission: its events, its parts and what came of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from ...world import World
+from ..job import Job
+from ..navigation import Journey
+from .engine_pair import Drive
+
+DONE, STOPPED = "done", "stopped"
+
+
+class Event(NamedTuple):
+    """A state was entered: when [s], which, and why (where it is not as planned)."""
+
+    time: float
+    state: str
+    why: str = ""
+
+
+@dataclass
+class Mission:
+    """What happened, state by state.
+
+    world, task : what was to be done; seed : of all noise
+    state, reason : "done", or "stopped" and why
+    events : states in order
+    journey, drive : the way to the shelf, and what the engine measured on it
+    job : what happened there
+    way_home, drive_home : the way back, and what the engine measured on it
+    real_time_factor : simulated over elapsed time
+    """
+
+    world: World
+    task: str
+    seed: int
+    events: list[Event] = field(default_factory=list)
+    journey: Journey | None = None
+    drive: Drive | None = None
+    job: Job | None = None
+    way_home: Journey | None = None
+    drive_home: Drive | None = None
+    real_time_factor: float = np.nan
+
+    @property
+    def state(self) -> str:
+        """Name of the last state."""
+        return self.events[-1].state if self.events else ""
+
+    @property
+    def reason(self) -> str:
+        """'' or why it stopped."""
+        return self.events[-1].why if self.events else ""
+
+    @property
+    def parts(self) -> dict[str, Journey | Job]:
+        """What there is of the way there, the work and the way home, in this order."""
+        parts = {"way there": self.journey, "work": self.job, "way home": self.way_home}
+        return {name: part for name, part in parts.items() if part is not None}
+
+    @property
+    def now(self) -> float:
+        """Simulated time so far [s]."""
+        return sum(float(part.time[-1]) for part in self.parts.values())
+
+    def when(self, begins: str) -> float:
+        """When the job first was in that state of its own; now, if it never was, or there is no job [s]."""
+        if self.job is None or self.journey is None:
+            return self.now
+        times = [event.time for event in self.job.events if event.state == begins]
+        return float(self.journey.time[-1]) + times[0] if times else self.now
+
+    def table(self) -> dict[str, str]:
+        """The mission in a few lines."""
+        rows = {f"{number}. {event.state}": f"{event.time:.1f} s" + (f", {event.why}" if event.why else "")
+                for number, event in enumerate(self.events, 1)}
+        for name, part in self.parts.items():
+            rows.update({f"{name}: {quantity}": value for quantity, value in part.table().items()
+                         if quantity not in ("state", "real-time factor")})
+        return {**rows, "mission time": f"{self.now:.1f} s", "real-time factor": f"{self.real_time_factor:.1f}"}

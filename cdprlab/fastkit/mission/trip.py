@@ -1,0 +1,129 @@
+"""The acts of a mission: the drive to the shelf, the work there and the drive home, for one hall."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arrays import Array
+from ...world import World
+from ...world.model import PickAndPlace
+from ..job import Job, pick_and_place
+from ..navigation import Hall, Journey, Vehicle, Walker, navigate
+from ..navigation.plan_view import carried
+from ..navigation.vehicle import difference
+from .engine_pair import Drive, EnginePair, pair_pose
+from .guards import COUPLED
+from .mission_record import Mission
+
+Work = Callable[[World, str], Job]
+"""What is done once the pair stands at the shelf: deploys, picks, places, returns, folds."""
+
+Progress = Callable[[str, float], Any]
+"""Called with the mission's state and the simulated time [s]."""
+
+
+def stand(_: Mission) -> None:
+    """Nothing is done: the pair stands, and its guard looks at how."""
+
+
+def go_on(_: Mission) -> None:
+    """The job that an earlier state began goes on by itself; the guard looks at what it wrote down."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trip:
+    """Where from, where to, and who is on the way; see `run_mission`."""
+
+    world: World
+    task: PickAndPlace
+    bounds: Array
+    start: Array
+    station: Array
+    walkers: tuple[Walker, ...]
+    beams: int
+    progress: Progress | None = None
+
+    @property
+    def coupled(self) -> World:
+        """The world with the pair at its berth."""
+        return replace(self.world, robot=self.world.robot.with_bases(self.task.coupled), pose=self.task.start, tasks={})
+
+    @property
+    def berth(self) -> Array:
+        """(3,) pose of the pair at its berth [m, m, rad]."""
+        return pair_pose(self.coupled)[0]
+
+    @property
+    def gate(self) -> Array:
+        """(3,) where the straight way into the berth, and out of it, begins [m, m, rad]."""
+        return np.array([*carried(self.berth, [self.station[:2]])[0], self.berth[2] + self.station[2]])
+
+    def drive_there(self, mission: Mission) -> None:
+        """Navigate to the berth in the engine, the true start a little off the one told."""
+        truly = self.start + np.random.default_rng(mission.seed).uniform(-1, 1, 3) * [0.08, 0.08, 0.04]
+        mission.journey, mission.drive = self._navigate(mission, truly, self.start, self.gate, berth=self.berth,
+                                                        seed=mission.seed)
+
+    def drive_home(self, mission: Mission) -> None:
+        """Navigate back from where the bases have come together; what the pair believed there, it believes still."""
+        assert mission.journey is not None and mission.job is not None
+        truly = self._pair.pose_of(mission.job.base_poses[-1, 0])
+        doubt = mission.journey.deviations[-1] + [COUPLED, COUPLED, COUPLED]
+        mission.way_home, mission.drive_home = self._navigate(mission, truly, mission.journey.estimates[-1],
+                                                              self.start, leaving=self.gate, uncertainty=doubt,
+                                                              seed=mission.seed + 1)
+
+    def _navigate(self, mission: Mission, truly: Array, believed: Array, goal: Array, *, seed: int,
+                  **how: ArrayLike) -> tuple[Journey, Drive]:
+        hall, pair = Hall.of_world(self.world, self.bounds), self._pair
+        walkers = tuple(replace(walker, hall=hall) for walker in self.walkers)
+        with EnginePair(self.coupled, pair, hall, truly, walkers, seed=seed) as bases:
+            way = navigate(bases, hall, believed, goal, progress=self.told(mission), **how)     # type: ignore[arg-type]
+            return way, bases.measured()
+
+    @property
+    def _pair(self) -> Vehicle:
+        return Vehicle.of(self.world.robot, pair_pose(self.coupled)[1], beams=self.beams)
+
+    def told(self, mission: Mission) -> Callable[[float], Any] | None:
+        """What tells the time of a part to whom it concerns, as the mission's."""
+        tell, before = self.progress, mission.now
+        return None if tell is None else lambda part: tell(mission.state, before + part)
+
+    def arrived(self, mission: Mission) -> World:
+        """The world with its bases as the pair truly stands, and deploys from there straight on.
+
+        That is what calibrating the exit points on the spot would give; the shelf stays where it is.
+        """
+        assert mission.journey is not None
+        berth, stands = self.berth, mission.journey.poses[-1]
+        coupled = {name: _shifted(place, berth, stands) for name, place in self.task.coupled.items()}
+        deployed = {base.name: _shifted((*base.position.tolist(), base.heading), berth, stands)
+                    for base in self.world.robot.bases}
+        return replace(self.world, robot=self.world.robot.with_bases(deployed),
+                       tasks={mission.task: replace(self.task, coupled=coupled)})
+
+
+def _shifted(place: tuple[float, ...], berth: Array, stands: Array) -> tuple[float, float, float]:
+    """A place on the floor as it is when all that belongs to the berth is where the pair stands."""
+    spin = float(difference(stands, berth)[2])
+    x, y = carried([*stands[:2], spin], [np.array(place[:2]) - berth[:2]])[0].tolist()
+    return x, y, place[2] + spin
+
+
+def work_there(work: Work | None, trip: Trip) -> Callable[[Mission], None]:
+    """The act that does the work where the pair stands; None: `pick_and_place`, and fold."""
+    def act(mission: Mission) -> None:
+        there, tell = trip.arrived(mission), trip.told(mission)
+        if work is not None:
+            mission.job = work(there, mission.task)
+            return
+        ticks = None if tell is None else lambda done, _: tell(1e-3 * done)
+        mission.job = pick_and_place(there, mission.task, fold=True, progress=ticks)
+
+    return act

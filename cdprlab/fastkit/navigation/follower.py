@@ -1,0 +1,115 @@
+"""Following a plan within the bases' speed limits, and never closer to what is in the way than a safe distance."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arrays import Array
+from .plan_view import carried, turn
+from .planner import between
+from .vehicle import Vehicle, difference, moved
+
+STOP_DISTANCE = 0.3
+"""The pair does not come closer than this to anything that is not on its map and may walk [m]."""
+
+STANDING_DISTANCE = 0.1
+"""The same for what stood still while a way around it was planned [m]."""
+
+_STILL = 0.12            # m: a point this near to one that was planned around is the same thing, still there
+
+_AHEAD = 0.12            # m on the plan, from where the pair is to where it aims
+_GAIN = 2.0              # 1/s
+_ACCELERATION = 0.2      # m/s² and, over the arm, rad/s²
+_HORIZON = (0.5, 1.0, 1.5)  # s that are looked ahead
+ARRIVED = np.array([0.005, 0.005, 0.0035])
+"""How near to its goal the pair believes to be when it stops [m, m, rad]."""
+
+
+class Command(NamedTuple):
+    """What to do next.
+
+    twist : (3,) v_x, v_y, ω in the vehicle's frame [m/s, rad/s]
+    blocked : something that is not on the map keeps it from driving on
+    """
+
+    twist: Array
+    blocked: bool
+
+
+class Follower:
+    """Drives along a plan: aims a little ahead of where the vehicle is, as fast as limits and neighbors allow.
+
+    vehicle : Vehicle; poses : (n, 3) of a `Plan`
+    around : (a, 2) points that are not on the map and were planned around, in the world [m]
+    """
+
+    def __init__(self, vehicle: Vehicle, poses: ArrayLike, around: ArrayLike = ()) -> None:
+        self.around = np.asarray(around, dtype=float).reshape(-1, 2)
+        self.vehicle, way = vehicle, np.asarray(poses, dtype=float)
+        pieces = [between(a, b, 0.01, 0.01)[1:] for a, b in zip(way, way[1:])]
+        self.way = np.concatenate([way[:1], *pieces])
+        self.aim = 0
+        self.twist = np.zeros(3)
+
+    def arrived(self, pose: ArrayLike) -> bool:
+        """Whether the vehicle is at the plan's end, and slow."""
+        there = (np.abs(difference(self.way[-1], pose)) <= ARRIVED).all()
+        return bool(there and np.abs(self.twist).max() < 0.02)
+
+    def command(self, pose: ArrayLike, unexpected: Array, period: float) -> Command:
+        """The next period's motion.
+
+        pose : (3,) where the vehicle believes to be; unexpected : (u, 2) points in its frame that are not on the map
+        period : [s]
+        """
+        while self.aim < len(self.way) - 1 and self._distance(self.way[self.aim], pose) < _AHEAD:
+            self.aim += 1
+        d = difference(self.way[self.aim], pose)
+        wish = self.vehicle.within_limits(_GAIN * np.array([*(turn(np.asarray(pose)[2]).T @ d[:2]), d[2]]))
+        # Slow enough to stop at the end, v = √(2 a s).
+        left = self._distance(self.way[-1], pose) + 0.01 * (len(self.way) - 1 - self.aim)
+        speed = max(float(np.linalg.norm(wish[:2])), self.vehicle.arm * abs(float(wish[2])), 1e-9)
+        wish = wish * min(1.0, np.sqrt(1.6 * _ACCELERATION * left) / speed)
+        wish = self._softened(wish, period)
+        distances = self._wanted_distances(pose, unexpected)
+        for share in (1.0, 0.5, 0.2):
+            if self._keeps_away(share * wish, unexpected, distances):
+                self.twist = share * wish
+                return Command(self.twist, False)
+        self.twist = np.zeros(3)
+        return Command(self.twist, True)
+
+    def _distance(self, a: Array, b: ArrayLike) -> float:
+        """The way from one pose to another of the base that has farther to go, about [m]."""
+        d = np.abs(difference(a, b))
+        return float(np.hypot(d[0], d[1]) + self.vehicle.arm * d[2])
+
+    def _softened(self, wish: Array, period: float) -> Array:
+        most = _ACCELERATION * period * np.array([1, 1, 1 / self.vehicle.arm])
+        return self.twist + np.clip(wish - self.twist, -most, most)
+
+    def _wanted_distances(self, pose: ArrayLike, points: Array) -> Array:
+        """(u,) how far to stay from each point [m]."""
+        if not (len(points) and len(self.around)):
+            return np.full(len(points), STOP_DISTANCE)
+        off = carried(pose, points)[:, None] - self.around
+        return np.where(np.linalg.norm(off, axis=-1).min(axis=1) < _STILL, STANDING_DISTANCE, STOP_DISTANCE)
+
+    def _keeps_away(self, twist: Array, points: Array, distances: Array) -> bool:
+        if not len(points):
+            return True
+        now = self.distances(np.zeros(3), points)
+        for t in _HORIZON:
+            then = self.distances(moved(np.zeros(3), twist, t), points)
+            if (then < np.minimum(distances, now - 1e-4)).any():
+                return False
+        return True
+
+    def distances(self, pose: Array, points: Array) -> Array:
+        """(u,) of points from the vehicle's rectangle at a pose, both in one frame [m]."""
+        local = (points - pose[:2]) @ turn(pose[2])
+        beyond = np.maximum(np.abs(local) - np.array([self.vehicle.length, self.vehicle.width]) / 2, 0)
+        return np.asarray(np.linalg.norm(beyond, axis=-1))

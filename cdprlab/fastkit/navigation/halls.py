@@ -1,0 +1,67 @@
+"""Seeded halls to practice in: walls, a shelf to stop at, pallets, somebody walking about."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from .driving import Walker
+from .plan_view import Hall, outline_distance, rectangle
+from .vehicle import Vehicle
+
+_WALL = 0.1           # m thick
+
+
+class Practice(NamedTuple):
+    """A hall, from where to where, and who walks there.
+
+    hall : Hall; start, goal : (3,) [m, m, rad]; walkers : people
+    """
+
+    hall: Hall
+    start: Array
+    goal: Array
+    walkers: tuple[Walker, ...]
+
+
+def practice_hall(vehicle: Vehicle, seed: int, size: tuple[float, float] = (10.0, 8.0), pallets: int = 9,
+                  gap: float = 0.25) -> Practice:
+    """A hall with a shelf along its upper wall; the goal is before the shelf, ``gap`` [m] from it.
+
+    size : of the hall [m]; pallets : at most so many, 0.5 to 1.2 m long, wherever start and goal stay free
+
+    >>> import cdprlab as cl
+    >>> pair = Vehicle.of(cl.load_world("fastkit_suspended").robot)
+    >>> practice_hall(pair, 3).goal.round(3).tolist() == practice_hall(pair, 3).goal.round(3).tolist()
+    True
+    """
+    random = np.random.default_rng(seed)
+    length, height = size
+    shelf = np.array([random.uniform(0.35, 0.65) * length, height - 0.3, 2.4, 0.6, 0.0])
+    goal = np.array([shelf[0], height - 0.6 - gap - vehicle.width / 2, float(random.choice([0.0, np.pi]))])
+    start = np.array([random.uniform(2.0, length - 2.0), random.uniform(1.8, 2.2), random.uniform(-np.pi, np.pi)])
+    keep = [vehicle.outline(start), vehicle.outline(goal)]
+    walls = np.array([[length / 2, -_WALL / 2, length, _WALL, 0], [length / 2, height + _WALL / 2, length, _WALL, 0],
+                      [-_WALL / 2, height / 2, height, _WALL, np.pi / 2],
+                      [length + _WALL / 2, height / 2, height, _WALL, np.pi / 2]])
+    rows = [*walls, shelf]
+    for _ in range(pallets):
+        row = np.array([random.uniform(0, length), random.uniform(0.5, height - 1.0), random.uniform(0.5, 1.2),
+                        random.uniform(0.4, 0.8), random.uniform(0, np.pi)])
+        if min(outline_distance(rectangle(*row.tolist()), outline) for outline in keep) > 0.45:
+            rows.append(row)
+    middle = (start[:2] + goal[:2]) / 2
+    aside = np.array([random.uniform(2.0, 3.0), random.uniform(-0.5, 0.5)])
+    hall = Hall.of(np.array(rows), [[0, 0], size])
+    way = np.clip([middle - aside, middle + aside], 0.4, np.array(size) - 0.4)
+    return Practice(hall, start, goal, (Walker(_walkable(hall, way), random.uniform(0.4, 0.8), hall=hall),))
+
+
+def _walkable(hall: Hall, way: Array, room: float = 0.3) -> Array:
+    """(2, 2) the longest part of a straight way that leaves a person room [m]."""
+    points = way[0] + np.linspace(0, 1, 101)[:, None] * (way[1] - way[0])
+    blocked = np.flatnonzero(np.concatenate([[True], hall.distance(points) < room, [True]])) - 1
+    first = int(np.argmax(np.diff(blocked)))
+    return points[[min(blocked[first] + 1, 100), max(blocked[first + 1] - 1, 0)]]

@@ -1,0 +1,258 @@
+"""A journey: plan, look, believe, drive, and plan again where something is in the way, until there or stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arrays import Array, as_array, as_number, frozen
+from .driving import Pair, clearance
+from .follower import Follower
+from .grid import OccupancyGrid
+from .localization import Localization, Odometry
+from .plan_view import Hall, carried, checked_pose
+from .planner import MARGIN, Plan, between, plan_path
+from .vehicle import Vehicle, difference
+
+ARRIVED, STOPPED = "arrived", "stopped"
+DOCKING_MARGIN = 0.06
+"""Kept from the map on the last straight drive to a berth; the localization is that good three times over [m]."""
+
+_WAIT = 2.0           # s blocked, then another way is looked for
+_GIVE_WAY = 6.0       # s blocked without any other way, then the pair backs off: who is cornered can walk on
+_BACK = 1.0           # m it backs off, the way it came
+_RETREATS = 3         # times it does so on one journey: what stands for good would have it come and go for ever
+_PATIENCE = 30.0      # s blocked without any other way, then the journey ends
+_AROUND = 0.2         # m kept occupied about a point that is not on the map
+_OUT = np.array([0.1, 0.1, 0.1])      # m, m, rad: this near to where it was to leave to, it is out of the berth
+_SURE = np.array([0.15, 0.15, 0.1])   # m, m, rad: less sure of its pose, it must not drive
+
+
+@dataclass(frozen=True, eq=False)
+class Journey:
+    """What happened, one row a period.
+
+    state, reason : "arrived", or "stopped" and why
+    time : (N,) [s]; poses : (N, 3) true; estimates : (N, 3) believed; deviations : (N, 3) believed uncertainty
+    clearance : (N,) exact distance to the nearest thing [m]
+    waiting, backing : (N,) bool, for somebody to walk on, and off, so that somebody can
+    people : (N, c, 3) center and radius; plans : (time, Plan) as they were made
+    scans : N of (h, 2) points, vehicle's frame
+    """
+
+    hall: Hall
+    vehicle: Vehicle
+    goal: Array
+    state: str
+    reason: str
+    time: Array
+    poses: Array
+    estimates: Array
+    deviations: Array
+    clearance: Array
+    waiting: Array
+    backing: Array
+    people: Array
+    plans: tuple[tuple[float, Plan], ...]
+    scans: tuple[Array, ...] = field(repr=False)
+
+    @property
+    def points(self) -> Array:
+        """(h, 2) of the last scan, vehicle's frame [m]."""
+        return self.scans[-1]
+
+    @property
+    def errors(self) -> Array:
+        """(N, 3) estimate minus truth [m, m, rad]."""
+        return difference(self.estimates, self.poses)
+
+    def table(self) -> dict[str, str]:
+        """The journey in a few lines."""
+        off, end = self.errors, difference(self.goal, self.poses[-1])
+        return {
+            "state": self.state + (f": {self.reason}" if self.reason else ""),
+            "time": f"{self.time[-1]:.1f} s",
+            "way": f"{np.linalg.norm(np.diff(self.poses[:, :2], axis=0), axis=1).sum():.2f} m",
+            "plans made": f"{len(self.plans)}",
+            "smallest clearance": f"{self.clearance.min():.2f} m",
+            "localization error, largest": f"{np.linalg.norm(off[:, :2], axis=1).max() * 1e3:.0f} mm, "
+                                           f"{np.degrees(np.abs(off[:, 2]).max()):.2f}°",
+            "localization error, at the end": f"{np.linalg.norm(off[-1, :2]) * 1e3:.0f} mm, "
+                                              f"{np.degrees(abs(off[-1, 2])):.2f}°",
+            "off the goal": f"{np.linalg.norm(end[:2]) * 1e3:.0f} mm, {np.degrees(abs(end[2])):.2f}°",
+        }
+
+
+def navigate(pair: Pair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
+             berth: ArrayLike | None = None, leaving: ArrayLike | None = None,
+             uncertainty: ArrayLike = (0.1, 0.1, 0.05), margin: float = MARGIN, period: float = 0.1,
+             longest: float = 600.0, truth: bool = False, odometry: Odometry | None = None,
+             progress: Callable[[float], Any] | None = None) -> Journey:
+    """Drive the pair to a goal on a known map; stop with the reason where that fails.
+
+    pair : what drives; hall : the map it goes by
+    start : (3,) where it believes to be at first, give or take ``uncertainty`` (3,); goal : (3,) [m, m, rad]
+    berth : (3,) driven to from the goal, straight and in a narrower place than plans allow [m, m, rad]
+    leaving : (3,) driven to first, as straight and as narrow: the way out of a berth [m, m, rad]
+    margin : kept from all that is on the map [m]; period : between two scans [s]; longest : time allowed [s]
+    truth : drive by the true pose instead of the believed one, for comparison
+    progress : called with the simulated time
+    Returns Journey.
+    Source: Pedemonte et al. 2020, section 2.3.
+    """
+    as_number(period, "period", "s", positive=True)
+    doubt = as_array(uncertainty, "uncertainty", (3,), "m, m, rad")
+    eyes = [(scanner.x, scanner.y) for scanner in pair.vehicle.scanners]
+    where = Localization(hall, checked_pose(start, "start"), doubt, odometry, eyes)
+    stops = [checked_pose(goal, "goal")] + ([] if berth is None else [checked_pose(berth, "berth")])
+    out = None if leaving is None else checked_pose(leaving, "leaving")
+    loop = _Loop(pair, hall, stops, out, where, margin, period, truth)
+    return loop.run(longest, progress)
+
+
+def docking(hall: Hall, vehicle: Vehicle, plan: Plan, berth: Array, margin: float = DOCKING_MARGIN) -> Plan:
+    """The plan and a straight drive from its end to the berth, if that keeps ``margin`` [m] from the map, exactly."""
+    narrow = _too_narrow(hall, vehicle, plan.poses[-1], berth, margin)
+    return (Plan(np.zeros((0, 3)), f"no room to dock: {narrow}") if narrow else
+            Plan(frozen(np.concatenate([plan.poses, berth[None]]))))
+
+
+def undocking(hall: Hall, vehicle: Vehicle, berth: Array, plan: Plan, margin: float = DOCKING_MARGIN) -> Plan:
+    """A straight drive from the berth to the plan's begin, and the plan, if that keeps ``margin`` [m] from the map."""
+    narrow = _too_narrow(hall, vehicle, berth, plan.poses[0], margin)
+    return (Plan(np.zeros((0, 3)), f"no room to leave: {narrow}") if narrow else
+            Plan(frozen(np.concatenate([berth[None], plan.poses]))))
+
+
+def _too_narrow(hall: Hall, vehicle: Vehicle, here: Array, there: Array, margin: float) -> str:
+    """'' if a straight drive keeps the margin, else how much room there is."""
+    nearest = min(clearance(vehicle, pose, hall) for pose in between(here, there))
+    return "" if nearest >= margin else (f"{nearest:.2f} m are left between berth and map on the straight way, "
+                                         f"{margin:g} m are wanted")
+
+
+class _Loop:
+    def __init__(self, pair: Pair, hall: Hall, stops: list[Array], leaving: Array | None, where: Localization,
+                 margin: float, period: float, truth: bool) -> None:
+        self.pair, self.hall, self.stops, self.leaving, self.where = pair, hall, stops, leaving, where
+        self.margin, self.period, self.truth = margin, period, truth
+        self.grid = OccupancyGrid.of(hall)
+        self.plans: list[tuple[float, Plan]] = []
+        self.blocked = self.since_plan = 0.0
+        self.retreats, self.backing, self.came_from = 0, False, 0
+        self.rows: list[tuple[Any, ...]] = []
+        self.scans: list[Array] = []
+
+    @property
+    def _pose(self) -> Array:
+        """What it drives by."""
+        return self.pair.pose if self.truth else self.where.pose
+
+    def run(self, longest: float, progress: Callable[[float], Any] | None) -> Journey:
+        pair, where, now = self.pair, self.where, 0.0
+        points = pair.scan()
+        where.look(points)
+        follower, reason = self._hopeful(now, points)
+        while True:
+            self._note(now, points)
+            if follower is None:
+                return self._journey(STOPPED, reason)
+            if follower.arrived(self._pose):
+                if not self.backing:
+                    return self._journey(ARRIVED, "")
+                self.backing = False
+                follower = self._hopeful(now, points)[0] or follower
+            reason = self._fault(now, longest)
+            if reason:
+                return self._journey(STOPPED, reason)
+            command = follower.command(self._pose, where.unexpected(points), self.period)
+            follower = self._patient(command.blocked, now, points, follower)
+            where.drive(pair.drive(command.twist, self.period))
+            points = pair.scan()
+            where.look(points)
+            self._mind_the_berth()
+            now += self.period
+            if progress is not None:
+                progress(now)
+
+    def _fault(self, now: float, longest: float) -> str:
+        """'' while the pair may drive on, else why it has to stop."""
+        if now > longest:
+            return f"not there after {longest:g} s"
+        if (self.where.deviation > _SURE).any():
+            return "lost: the scanners see too little of the map to know where the pair is"
+        if self.blocked > _PATIENCE:
+            return "the way is blocked by something that is not on the map, and there is no other way"
+        return ""
+
+    def _hopeful(self, now: float, points: Array) -> tuple[Follower | None, str]:
+        """A way around all that is in sight; if there is none, perhaps it is only somebody who walks on soon."""
+        plan, around = self._plan(now, self.where.unexpected(points))
+        if not plan.found:
+            plan, around = self._plan(now, np.zeros((0, 2)))
+        return (Follower(self.pair.vehicle, plan.poses, around) if plan.found else None), plan.reason
+
+    def _patient(self, blocked: bool, now: float, points: Array, follower: Follower) -> Follower:
+        """Where something is in the way: wait a little, look for a way around it, back off and come again."""
+        if blocked:
+            self.blocked += self.period
+        elif not self.backing:
+            self.blocked = max(0.0, self.blocked - self.period)
+        self.since_plan += self.period
+        if not blocked or self.blocked < _WAIT or self.since_plan < _WAIT:
+            return follower
+        plan, around = self._plan(now, self.where.unexpected(points))
+        if plan.found:
+            self.backing = False
+            return Follower(self.pair.vehicle, plan.poses, around)
+        back = self._way_back()
+        if self.blocked < _GIVE_WAY or self.backing or self.retreats == _RETREATS or len(back) < 2:
+            return follower
+        self.retreats, self.backing = self.retreats + 1, True
+        return Follower(self.pair.vehicle, back)
+
+    def _way_back(self) -> Array:
+        """(n, 3) the last meter of the way so far, backwards."""
+        back, far = [self._pose], 0.0
+        for _, true, believed, *_rest in reversed(self.rows[self.came_from:]):
+            d = difference(true if self.truth else believed, back[-1])
+            step = float(np.hypot(d[0], d[1]) + self.pair.vehicle.arm * abs(d[2]))
+            if step > 0.05 and far < _BACK * (1 + self.retreats):
+                back, far = [*back, back[-1] + d], far + step
+        return np.array(back)
+
+    def _plan(self, now: float, unexpected: Array) -> tuple[Plan, Array]:
+        """A plan, and the points in the world that it goes around though no map shows them."""
+        pose, vehicle = self._pose, self.pair.vehicle
+        around, grid = carried(pose, unexpected), self.grid
+        if len(unexpected):
+            grid = OccupancyGrid.of(self.hall, grid.cell, around, _AROUND)
+        plan = plan_path(grid, vehicle, pose if self.leaving is None else self.leaving, self.stops[0], self.margin)
+        if plan.found and self.leaving is not None:
+            plan = undocking(self.hall, vehicle, pose, plan)
+        if plan.found and len(self.stops) > 1:
+            plan = docking(self.hall, vehicle, plan, self.stops[1])
+        self.plans.append((now, plan))
+        self.since_plan = 0.0
+        return plan, around
+
+    def _mind_the_berth(self) -> None:
+        """Once out of the berth, plans begin where the pair is, and it does not back off into it."""
+        if self.leaving is not None and (np.abs(difference(self.leaving, self._pose)) < _OUT).all():
+            self.leaving, self.came_from = None, len(self.rows)
+
+    def _note(self, now: float, points: Array) -> None:
+        pair, where = self.pair, self.where
+        self.rows.append((now, np.array(pair.pose), np.array(where.pose), where.deviation, pair.clearance(),
+                          self.blocked > 0, self.backing, pair.people))
+        self.scans.append(points)
+
+    def _journey(self, state: str, reason: str) -> Journey:
+        names = ("time", "poses", "estimates", "deviations", "clearance", "waiting", "backing", "people")
+        columns: dict[str, Any] = {name: frozen(np.array(column)) for name, column in zip(names, zip(*self.rows))}
+        return Journey(self.hall, self.pair.vehicle, self.stops[-1], state, reason, plans=tuple(self.plans),
+                       scans=tuple(self.scans), **columns)

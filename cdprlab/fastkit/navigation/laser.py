@@ -1,0 +1,79 @@
+"""Laser scanners in the plane: where a beam ends, by geometry alone; an engine's rays give the same."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arrays import Array
+from .plan_view import carried
+
+
+@dataclass(frozen=True)
+class Scanner:
+    """A scanner on a moving frame; the defaults are FASTKIT's S300 (range and angle published, the others chosen).
+
+    x, y, heading : of the scanner in the frame [m, m, rad]
+    range : [m]; angle : scanned, half to either side [rad]; beams : in one scan
+    noise : standard deviation of a distance [m]; height : of its plane over the floor [m]
+    Source: Pedemonte et al. 2020, section 2.1.4.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    heading: float = 0.0
+    range: float = 3.0
+    angle: float = 1.5 * np.pi
+    beams: int = 271
+    noise: float = 0.01
+    height: float = 0.2
+
+    @property
+    def directions(self) -> Array:
+        """(beams,) of the beams in the frame [rad]."""
+        return self.heading + np.linspace(-self.angle / 2, self.angle / 2, self.beams)
+
+    def beams_from(self, pose: ArrayLike) -> tuple[Array, Array]:
+        """(2,) origin and (beams, 2) directions in the world, the frame at pose (3,)."""
+        q = np.asarray(pose, dtype=float)
+        angles = q[2] + self.directions
+        return carried(q, [[self.x, self.y]])[0], np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+
+    def measured(self, distances: Array, random: np.random.Generator) -> Array:
+        """(beams,) what the scanner says of true distances: with noise, inf beyond its range [m]."""
+        noisy = distances + self.noise * random.standard_normal(distances.shape)
+        return np.where(distances < self.range, np.clip(noisy, 0.0, self.range), np.inf)
+
+    def points(self, distances: Array) -> Array:
+        """(h, 2) in the frame, where beams ended; beams that met nothing give no point [m]."""
+        hit = np.isfinite(distances)
+        angles = self.directions[hit]
+        return np.array([self.x, self.y]) + distances[hit, None] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+
+
+def cast(origin: Array, directions: Array, segments: Array, circles: ArrayLike = ()) -> Array:
+    """(b,) distance along each beam to the nearest segment or circle, inf where there is none [m].
+
+    origin : (2,); directions : (b, 2) unit vectors; segments : (s, 2, 2); circles : (c, 3) center and radius
+
+    >>> cast(np.zeros(2), np.array([[1.0, 0.0]]), np.array([[[2.0, -1.0], [2.0, 1.0]]]), [[1.0, 0.0, 0.25]])
+    array([0.75])
+    """
+    nearest = np.full(len(directions), np.inf)
+    if len(segments):
+        along, off = segments[:, 1] - segments[:, 0], segments[:, 0] - origin
+        across = directions[:, :1] * along[:, 1] - directions[:, 1:] * along[:, 0]           # (b, s)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = (off[:, 0] * along[:, 1] - off[:, 1] * along[:, 0]) / across
+            share = (off[:, 0] * directions[:, 1:] - off[:, 1] * directions[:, :1]) / across
+        hits = (across != 0) & (reach > 0) & (share >= 0) & (share <= 1)
+        nearest = np.where(hits, reach, np.inf).min(axis=1)
+    for x, y, radius in np.asarray(circles, dtype=float).reshape(-1, 3).tolist():
+        off = np.array([x, y]) - origin
+        middle = directions @ off
+        depth = radius**2 - off @ off + middle**2
+        reach = middle - np.sqrt(np.maximum(depth, 0.0))
+        nearest = np.minimum(nearest, np.where((depth >= 0) & (reach > 0), reach, np.inf))
+    return nearest

@@ -1,0 +1,136 @@
+"""Localization on a known map: a Kalman filter whose measurement is how far scanned points are off the map's edges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arrays import Array
+from .plan_view import Hall, carried, turn
+from .vehicle import difference
+
+_BEAM = 0.1          # m: of one point; ten times the scanner's noise, since neighboring beams err together
+_DOUBTFUL = 0.05     # m: points farther off count less and less
+_ROUNDS = 12         # of Gauss and Newton, at most
+_NEAR, _FAR = 0.1, 0.5   # m: a point farther off than this, by how sure the pose is, says nothing about it
+UNEXPECTED = 0.2
+"""A point farther than this from all edges is something that is not on the map [m]."""
+
+
+@dataclass(frozen=True)
+class Odometry:
+    """What wheels say of a short motion, and how wrong they are.
+
+    scale : standard deviation of the error over the way driven, 1 for 100 %
+    per_turn : of the heading's error over the angle turned; per_meter : over the way [rad/m]
+    """
+
+    scale: float = 0.03
+    per_turn: float = 0.03
+    per_meter: float = 0.01
+
+    def covariance(self, step: ArrayLike) -> Array:
+        """(3, 3) of a step (dx, dy, dθ) in the vehicle's frame."""
+        dx, dy, spin = np.asarray(step, dtype=float).tolist()
+        way = float(np.hypot(dx, dy))
+        across, about = self.scale * way + 1e-5, self.per_turn * abs(spin) + self.per_meter * way + 1e-5
+        return np.diag([across, across, about]) ** 2
+
+    def measured(self, step: ArrayLike, random: np.random.Generator) -> Array:
+        """(3,) what the wheels say of a true step."""
+        return np.asarray(step) + np.sqrt(np.diag(self.covariance(step))) * random.standard_normal(3)
+
+
+class Localization:
+    """Where the vehicle believes to be.
+
+    hall : the map
+    pose : (3,) x, y, heading, at first as told [m, m, rad]
+    uncertainty : (3,) standard deviations of that [m, m, rad]
+    odometry : how far the wheels are to be trusted
+    eyes : (k, 2) where the scanners are, in the vehicle's frame [m]
+
+    >>> wall = Hall.of([[2, 0, 0.2, 4, 0], [0, 2, 4, 0.2, 0]], [[-3, -3], [3, 3]])
+    >>> seen = np.array([[1.8, -0.5], [1.8, 0.5], [0.0, 1.8], [1.0, 1.8]])   # from (0.1, 0.1)
+    >>> Localization(wall, [0, 0, 0]).look(seen).round(1).tolist()
+    [0.1, 0.1, 0.0]
+    """
+
+    def __init__(self, hall: Hall, pose: ArrayLike, uncertainty: ArrayLike = (0.1, 0.1, 0.05),
+                 odometry: Odometry | None = None, eyes: ArrayLike = ((0.0, 0.0),)) -> None:
+        self.segments, self.eyes = hall.segments, np.asarray(eyes, dtype=float)
+        along = self.segments[:, 1] - self.segments[:, 0]
+        self._outward = np.stack([along[:, 1], -along[:, 0]], axis=-1)
+        self.pose = np.array(pose, dtype=float)
+        self.covariance = np.diag(np.asarray(uncertainty, dtype=float)) ** 2
+        self.odometry = Odometry() if odometry is None else odometry
+
+    @property
+    def deviation(self) -> Array:
+        """(3,) standard deviations the filter believes in [m, m, rad]."""
+        return np.sqrt(np.diag(self.covariance))
+
+    def drive(self, step: ArrayLike) -> Array:
+        """Prediction: the wheels say (dx, dy, dθ) in the vehicle's frame; returns the pose."""
+        d = np.asarray(step, dtype=float)
+        R = turn(self.pose[2] + d[2] / 2)
+        way = R @ d[:2]
+        F = np.eye(3)
+        F[:2, 2] = [-way[1], way[0]]
+        G = np.eye(3)
+        G[:2, :2] = R
+        self.pose = self.pose + [*way, d[2]]
+        self.covariance = F @ self.covariance @ F.T + G @ self.odometry.covariance(d) @ G.T
+        return self.pose
+
+    def look(self, points: Array) -> Array:
+        """Correction: scanned points (h, 2) in the vehicle's frame belong on the map's edges; returns the pose.
+
+        min over q of ‖q − q_predicted‖² / P + Σ d(q p_i)² / σ², points far off every edge left out.
+        """
+        if not len(points) or not len(self.segments):
+            return self.pose
+        predicted, prior, segments = self.pose.copy(), np.linalg.inv(self.covariance), self._facing()
+        H = prior
+        gate = float(np.clip(_NEAR + 3 * self.deviation[:2].max(), _NEAR, _FAR))
+        for _ in range(_ROUNDS):
+            off, J = self._offsets(points, segments)
+            e = np.linalg.norm(off, axis=1)
+            near = e < gate
+            weight = near / np.maximum(1.0, e / _DOUBTFUL) / _BEAM**2
+            slope = (off[:, :, None] * J).sum(axis=1) / np.maximum(e, 1e-9)[:, None]    # ∂e/∂q
+            H = prior + (slope * weight[:, None]).T @ slope
+            g = (slope * weight[:, None]).T @ e + prior @ difference(self.pose, predicted)
+            step = np.linalg.solve(H, -g)
+            self.pose = self.pose + step
+            if np.abs(step).max() < 2e-4:
+                break
+        self.covariance = np.linalg.inv(H)
+        return self.pose
+
+    def unexpected(self, points: Array) -> Array:
+        """(u, 2) those scanned points, in the vehicle's frame, that are nowhere near the map's edges."""
+        if not len(points) or not len(self.segments):
+            return points
+        return points[np.linalg.norm(self._offsets(points, self.segments)[0], axis=1) > UNEXPECTED]
+
+    def _facing(self) -> Array:
+        """(s, 2, 2) edges that some scanner sees from outside: the far side of a wall is nearly as near as its face."""
+        start = self.segments[:, 0]
+        before = ((carried(self.pose, self.eyes)[:, None] - start) * self._outward).sum(axis=-1).max(axis=0) > 0
+        return self.segments[before] if before.any() else self.segments
+
+    def _offsets(self, points: Array, segments: Array) -> tuple[Array, Array]:
+        """(h, 2) from the nearest edge to each point, in the world, and (h, 2, 3) how the point moves with the pose."""
+        p = carried(self.pose, points)
+        start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
+        share = np.clip(((p[:, None] - start) * along).sum(axis=-1) / (along * along).sum(axis=-1), 0, 1)
+        off = p[:, None] - start - share[..., None] * along
+        nearest = np.argmin((off * off).sum(axis=-1), axis=1)
+        arm = p - self.pose[:2]
+        J = np.zeros((len(p), 2, 3))
+        J[:, 0, 0] = J[:, 1, 1] = 1.0
+        J[:, 0, 2], J[:, 1, 2] = -arm[:, 1], arm[:, 0]
+        return off[np.arange(len(p)), nearest], J

@@ -1,0 +1,189 @@
+"""Planning: the shortest way of the pair among what stands in a hall, by Dijkstra's method on a lattice of poses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...arrays import Array, frozen
+from .grid import OccupancyGrid
+from .plan_view import checked_pose
+from .vehicle import Vehicle, difference
+
+Nodes = NDArray[np.int64]
+
+MARGIN = 0.1
+"""Kept between the pair and all that stands in the hall [m]."""
+
+_STEP = 0.1          # m between neighbors of the lattice
+_HEADINGS = 16       # of the lattice
+_BETWEEN = 4         # headings looked at from one of them to the next
+_WIDE = 0.4          # m of room beyond which a place costs nothing extra
+_JOIN = 0.45         # m around start and goal where the lattice is joined
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A way, or why there is none.
+
+    poses : (n, 3) from start to goal, straight in between; empty without a way [m, m, rad]
+    reason : '' or what is in the way
+    """
+
+    poses: Array
+    reason: str = ""
+
+    @property
+    def found(self) -> bool:
+        """Whether there is a way."""
+        return not self.reason
+
+    @property
+    def length(self) -> float:
+        """Of the middle's way [m]."""
+        return float(np.linalg.norm(np.diff(self.poses[:, :2], axis=0), axis=1).sum())
+
+
+def inflated_width(grid: OccupancyGrid, vehicle: Vehicle, margin: float = MARGIN) -> float:
+    """A straight gap this wide is certainly found: the discs, the margin, and what cells hide [m]."""
+    return 2 * (float(vehicle.discs[:, 1].max()) + vehicle.radius + margin + grid.slack)
+
+
+def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: ArrayLike, margin: float = MARGIN) -> Plan:
+    """The quickest way from start to goal: min Σ time × (2 − room left, up to where room is plenty).
+
+    grid : of the hall; start, goal : (3,) poses of the vehicle [m, m, rad]
+    margin : kept from all that stands there; from where the pair stands already, as much as there is [m]
+    Returns Plan; without a way its ``reason`` says why.
+    Source: E. W. Dijkstra, Numerische Mathematik 1, 1959, on the costmap of Pedemonte et al. 2020, section 2.3.
+
+    >>> import cdprlab as cl
+    >>> from cdprlab.fastkit.navigation import Hall
+    >>> hall = Hall.of([[0, 0, 0.2, 4, 0]], [[-5, -3], [5, 3]])
+    >>> pair = Vehicle.of(cl.load_world("fastkit_suspended").robot)
+    >>> plan_path(OccupancyGrid.of(hall), pair, [-2.5, 0, 0], [2.5, 0, 0]).reason
+    'there is no way of 1.50 m width from the start to the goal'
+    """
+    a, b = checked_pose(start, "start"), checked_pose(goal, "goal")
+    here, there = grid.room(vehicle, np.stack([a, b])).tolist()
+    if there < margin:
+        return Plan(np.zeros((0, 3)), f"the goal is not free: {_room_text(there)} are left around the pair, "
+                                      f"{margin:g} m are wanted")
+    if here < -grid.slack - vehicle.radius / 2:
+        return Plan(np.zeros((0, 3)), "the pair stands against something: there is no room to drive away")
+    lattice = _Lattice(grid, vehicle, margin)
+    nodes = lattice.way(a, b, min(margin, here))
+    if not len(nodes):
+        wide = inflated_width(grid, vehicle, margin)
+        return Plan(np.zeros((0, 3)), f"there is no way of {wide:.2f} m width from the start to the goal")
+    poses = _shortened(grid, vehicle, np.concatenate([a[None], nodes, b[None]]), min(margin, here))
+    return Plan(frozen(poses))
+
+
+def between(a: ArrayLike, b: ArrayLike, step: float = 0.04, turn_step: float = 0.03) -> Array:
+    """(k, 3) poses from a to b, both included, close enough together to be looked at one by one."""
+    d = difference(b, a)
+    count = int(np.ceil(max(np.linalg.norm(d[:2]) / step, abs(d[2]) / turn_step, 1.0)))
+    return np.asarray(a) + np.linspace(0, 1, count + 1)[:, None] * d
+
+
+class _Lattice:
+    """Poses on a grid of places and headings, those free joined to their free neighbors."""
+
+    def __init__(self, grid: OccupancyGrid, vehicle: Vehicle, margin: float) -> None:
+        self.grid, self.vehicle, self.margin = grid, vehicle, margin
+        size = np.array(grid.occupied.shape) * grid.cell
+        self.xs, self.ys = (grid.corner[i] + np.arange(_STEP / 2, size[i], _STEP) for i in (0, 1))
+        self.headings = np.arange(_HEADINGS * _BETWEEN) * 2 * np.pi / (_HEADINGS * _BETWEEN)
+        # A rectangle that is turned round is the same rectangle: half the headings are enough.
+        half = [grid.room_on(vehicle, self.xs, self.ys, heading) for heading in self.headings[:len(self.headings) // 2]]
+        self.room = np.array(half + half)
+        self.free = self.room[::_BETWEEN] >= margin                                  # (headings, nx, ny)
+        turns = (self.room >= margin).reshape(_HEADINGS, _BETWEEN, *self.room.shape[1:]).all(axis=1)
+        self.turns = turns & np.roll(self.free, -1, axis=0)                          # to the next heading
+
+    def way(self, start: Array, goal: Array, least: float) -> Array:
+        """(n, 3) poses of the best way between the nodes that start and goal join; (0, 3) if there is none."""
+        from scipy.sparse.csgraph import dijkstra
+
+        ends, begins = self._joined(goal, self.margin), self._joined(start, least)
+        if not (len(ends) and len(begins)):
+            return np.zeros((0, 3))
+        times, previous = dijkstra(self._graph(), directed=False, indices=ends[0], return_predecessors=True)
+        best = begins[int(np.argmin(times[begins] + self._joining_times(begins, start)))]
+        if not np.isfinite(times[best]):
+            return np.zeros((0, 3))
+        nodes = [int(best)]
+        while previous[nodes[-1]] >= 0:
+            nodes.append(int(previous[nodes[-1]]))
+        return self._poses(np.array(nodes))
+
+    def _poses(self, nodes: Nodes) -> Array:
+        h, x, y = np.unravel_index(nodes, self.free.shape)
+        return np.stack([self.xs[x], self.ys[y], self.headings[::_BETWEEN][h]], axis=-1)
+
+    def _joining_times(self, nodes: Nodes, pose: Array) -> Array:
+        d = np.abs(difference(self._poses(nodes), pose))
+        return np.asarray((d / self.vehicle.speed_max[[1, 2, 0]]).sum(axis=-1))
+
+    def _joined(self, pose: Array, least: float) -> Nodes:
+        """Free nodes near a pose that a straight free drive reaches, nearest first."""
+        h, x, y = np.nonzero(self.free)
+        nodes = np.ravel_multi_index((h, x, y), self.free.shape)
+        d = np.abs(difference(self._poses(nodes), pose))
+        nodes = nodes[(d[:, :2].max(axis=1) <= _JOIN) & (d[:, 2] <= 2.2 * np.pi / _HEADINGS)]
+        nodes = nodes[np.argsort(self._joining_times(nodes, pose), kind="stable")]
+        kept = [node for node, there in zip(nodes, self._poses(nodes))
+                if (self.grid.room(self.vehicle, between(pose, there)) >= least - 1e-9).all()]
+        return np.array(kept[:40], dtype=int)
+
+    def _graph(self) -> object:
+        from scipy.sparse import csr_array
+
+        index = np.arange(self.free.size).reshape(self.free.shape)
+        wide = 1 + np.clip(1 - (self.room[::_BETWEEN] - self.margin) / _WIDE, 0, 1)
+        starts, ends, times = [], [], []
+        along = _STEP / self.vehicle.speed_max[1:].min()
+        for dx, dy in ((1, 0), (0, 1), (1, 1), (1, -1)):
+            here, there = _shifted(dx, dy)
+            both = self.free[here] & self.free[there]
+            starts.append(index[here][both])
+            ends.append(index[there][both])
+            times.append(np.hypot(dx, dy) * along * (wide[here] + wide[there])[both] / 2)
+        rate = min(self.vehicle.speed_max[0], self.vehicle.speed_max[2] / self.vehicle.arm)
+        starts.append(index[self.turns])
+        ends.append(np.roll(index, -1, axis=0)[self.turns])
+        times.append(2 * np.pi / _HEADINGS / rate * wide[self.turns])
+        i, j, t = map(np.concatenate, (starts, ends, times))
+        return csr_array((t, (i, j)), shape=(index.size, index.size))
+
+
+def _shifted(dx: int, dy: int) -> tuple[tuple[slice, ...], tuple[slice, ...]]:
+    """Slices of (headings, nx, ny) that pair each node with its neighbor."""
+    every = slice(None)
+    x = (slice(0, -1), slice(1, None)) if dx else (every, every)
+    y = (slice(0, -1), slice(1, None)) if dy > 0 else (slice(1, None), slice(0, -1)) if dy < 0 else (every, every)
+    return (every, x[0], y[0]), (every, x[1], y[1])
+
+
+def _shortened(grid: OccupancyGrid, vehicle: Vehicle, poses: Array, margin: float) -> Array:
+    """The way with corners left out, wherever the straight drive is as free as the way around has to be."""
+    kept, k = [poses[0]], 0
+    while k < len(poses) - 1:
+        ahead = min(len(poses) - 1, k + 30)
+        while ahead > k + 1:
+            way = between(poses[k], poses[ahead])
+            # Not through a narrower place than the lattice chose.
+            least = min(grid.room(vehicle, poses[k:ahead + 1]).min(), margin + 0.15)
+            if (grid.room(vehicle, way) >= max(margin, least) - 1e-9).all():
+                break
+            ahead -= 1
+        kept.append(poses[ahead])
+        k = ahead
+    return np.array(kept)
+
+
+def _room_text(room: float) -> str:
+    return "0 m" if room < 0 else f"{room:.2f} m"

@@ -1,0 +1,113 @@
+"""A journey from above: the map, what inflation leaves free, plans, the way driven, what the scanners see."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle, Polygon
+
+from ...arrays import Array
+from ...view.plots import Figure
+from ...view.style import BLUE, GREEN, GREY, INK, ORANGE, SKY, VERMILION, house_style
+from ..navigation import ARRIVED, Hall, Journey, OccupancyGrid, Vehicle
+from ..navigation.plan_view import carried
+
+_SHADE = "#E4E7EB"
+
+
+def plot_journey(journey: Journey) -> Figure:
+    """The map with plan and way, beside it what the scanners see at the end and how wrong the belief was.
+
+    journey : of `navigate`
+    """
+    with house_style():
+        figure = Figure(figsize=(11.0, 5.4), layout="constrained")
+        grid = figure.add_gridspec(2, 2, width_ratios=(1.5, 1), height_ratios=(1.3, 1))
+        plan = figure.add_subplot(grid[:, 0])
+        draw_hall(plan, journey.hall, journey.vehicle)
+        draw_way(plan, journey)
+        # Under all: inside, it would hide the map.
+        figure.legend(*plan.get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=9)
+        scan = figure.add_subplot(grid[0, 1])
+        draw_scan(scan, journey)
+        _draw_errors(figure.add_subplot(grid[1, 1]), journey)
+        end = "reaches its goal" if journey.state == ARRIVED else f"stops: {journey.reason}"
+        figure.alt_text = (f"A hall from above with {len(journey.hall.outlines)} things in it; the coupled bases {end} "
+                           f"after {journey.time[-1]:.0f} s, never nearer than {journey.clearance.min():.2f} m "
+                           "to anything. Beside it the last scan on the map, and the localization error over time.")
+    return figure
+
+
+def draw_hall(axes: Axes, hall: Hall, vehicle: Vehicle | None = None) -> None:
+    """What stands there, and, with a vehicle, how far inflation reaches: the pair's middle line stays out of it."""
+    low, high = hall.bounds
+    if vehicle is not None:
+        cells = OccupancyGrid.of(hall)
+        taken = cells.clearance < vehicle.width / 2
+        axes.imshow(np.where(taken, 1.0, np.nan).T, origin="lower", extent=(low[0], high[0], low[1], high[1]),
+                    cmap=_one_color(_SHADE), interpolation="nearest", zorder=0)
+        axes.plot([], [], "s", color=_SHADE, markersize=9, label="inflated by half the pair's width")
+    for outline, seen in zip(hall.outlines, hall.seen):
+        axes.add_patch(Polygon(outline, facecolor=GREY if seen else "none", edgecolor=INK, linewidth=0.8,
+                               hatch=None if seen else "////", zorder=2))
+    axes.set(xlim=(low[0] - 0.15, high[0] + 0.15), ylim=(low[1] - 0.15, high[1] + 0.15), aspect="equal",
+             xlabel="x [m]", ylabel="y [m]")
+    axes.grid(False)
+
+
+def draw_way(axes: Axes, journey: Journey) -> None:
+    """Plans dashed, the way driven solid, the pair every ten seconds or so, people's ways dotted."""
+    # Over the way driven, which is the same but for corners.
+    for number, plan in enumerate(plan for _, plan in journey.plans if plan.found):
+        axes.plot(*plan.poses[:, :2].T, "--", color=ORANGE, linewidth=1.6, zorder=6,
+                  label="planned way" if number == 0 else None)
+    axes.plot(*journey.poses[:, :2].T, color=BLUE, linewidth=2.0, zorder=5, label="way driven (middle)")
+    period = journey.time[1] if len(journey.time) > 1 else 1.0
+    for k in range(0, len(journey.poses), max(1, round(10 / period))):
+        _draw_pair(axes, journey.vehicle, journey.poses[k], 0.35)
+    _draw_pair(axes, journey.vehicle, journey.poses[-1], 1.0)
+    axes.plot(*journey.goal[:2], "x", color=VERMILION, markersize=9, markeredgewidth=2, zorder=6, label="goal")
+    for person in np.moveaxis(journey.people, 0, 1):
+        axes.plot(*person[:, :2].T, ":", color=GREEN, linewidth=1.5, zorder=3, label="person")
+        axes.add_patch(Circle(tuple(person[-1, :2]), float(person[-1, 2]), facecolor=GREEN, edgecolor=INK, zorder=4))
+
+
+def draw_scan(axes: Axes, journey: Journey) -> None:
+    """The last scan where the pair believes it was taken, over the map."""
+    draw_hall(axes, journey.hall)
+    pose, points = journey.estimates[-1], carried(journey.estimates[-1], journey.points)
+    _draw_pair(axes, journey.vehicle, pose, 1.0)
+    eyes = carried(pose, [[scanner.x, scanner.y] for scanner in journey.vehicle.scanners])
+    axes.plot(*eyes.T, "o", color=BLUE, markersize=6, zorder=6, label="scanners")
+    axes.plot(*points.T, ".", color=VERMILION, markersize=3, zorder=5, label="scanned points")
+    reach = journey.vehicle.scanners[0].range + journey.vehicle.length / 2
+    axes.set(xlim=(pose[0] - reach, pose[0] + reach), ylim=(pose[1] - 0.75 * reach, pose[1] + 0.75 * reach),
+             title="last scan, as believed")
+    axes.legend(loc="lower right", fontsize=8)
+
+
+def _draw_errors(axes: Axes, journey: Journey) -> None:
+    off, sure = journey.errors, journey.deviations
+    axes.plot(journey.time, 1e3 * np.linalg.norm(off[:, :2], axis=1), color=BLUE, label="error")
+    axes.plot(journey.time, 2e3 * np.linalg.norm(sure[:, :2], axis=1), "--", color=GREY, label="two deviations")
+    axes.axhline(50, color=VERMILION, linewidth=1)
+    axes.text(journey.time[-1], 47, "allowed at the shelf", color=VERMILION, ha="right", va="top", fontsize=9)
+    axes.set(xlabel="time [s]", ylabel="position [mm]", title="localization", ylim=(0, None))
+    axes.legend(loc="center right", fontsize=8)
+
+
+def _draw_pair(axes: Axes, vehicle: Vehicle, pose: Array, alpha: float) -> None:
+    """Both bases; the active one, which drives, is filled."""
+    size = vehicle.length - 2 * vehicle.arm
+    for base, active in zip(vehicle.bases(pose), (True, False)):
+        corners = carried(base, np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) / 2 * [size, vehicle.width])
+        axes.add_patch(Polygon(corners, facecolor=SKY if active else "white", edgecolor=INK, linewidth=1.0,
+                               alpha=alpha, zorder=3))
+
+
+def _one_color(color: str) -> Any:
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap([color])

@@ -1,0 +1,111 @@
+"""Pictures of a mission's drives: what the scanners saw on the way, and what wheels, masts and cables had to bear."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ...arrays import Array
+from ...view.plots import Figure
+from ...view.style import BLUE, GREEN, GREY, INK, VERMILION, house_style
+from ..mission import LEANS, Drive, Mission
+from ..navigation import Journey
+from ..navigation.plan_view import carried
+from .hall_figure import _draw_pair, draw_hall
+from .job_figure import least_edge_loads
+
+
+def plot_scans(journey: Journey, moments: int = 6) -> Figure:
+    """What the scanners saw at some moments of the way, on the map and where the pair believed to be.
+
+    journey : of `navigate`; moments : evenly spread over it
+    """
+    with house_style():
+        columns = 3
+        rows = -(-moments // columns)
+        figure = Figure(figsize=(11.0, 3.2 * rows + 0.4), layout="constrained")
+        panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
+        for panel, k in zip(panels, np.linspace(0, len(journey.time) - 1, moments).round().astype(int)):
+            _scan_panel(panel, journey, int(k))
+        for panel in panels[moments:]:
+            panel.set_axis_off()
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=9)
+        figure.alt_text = (f"{moments} plans of the hall, {journey.time[0]:.0f} to {journey.time[-1]:.0f} s: the pair "
+                           "where it believes to be, and the scanned points, which lie on the map's edges and on "
+                           "people.")
+    return figure
+
+
+def plot_drives(mission: Mission) -> Figure:
+    """Room left, least loaded edge of each base, tilt, and tensions on the way there and on the way home.
+
+    mission : Mission with one of the two at least
+    """
+    ways = [(name, way, drive) for name, way, drive in (("way there", mission.journey, mission.drive),
+                                                       ("way home", mission.way_home, mission.drive_home))
+            if way is not None and drive is not None and len(drive.wheels)]
+    with house_style():
+        figure = Figure(figsize=(11.0, 8.0), layout="constrained")
+        panels = figure.subplots(4, max(1, len(ways)), sharex="col", sharey="row", squeeze=False)
+        for column, (name, way, drive) in zip(panels.T, ways):
+            column[0].set_title(name)
+            _room_panel(column[0], way)
+            _bearing_panels(column[1:], mission, way, drive)
+            column[-1].set_xlabel("time [s]")
+        for panel, label in zip(panels[:, 0], ("room left [m]", "least edge\nload [N]", "tilt [°]", "tension [N]")):
+            panel.set_ylabel(label)
+        told = "; ".join(f"{name}: at least {way.clearance.min():.2f} m of room, "
+                         f"{_edges(drive).min():.0f} N on each edge's wheels" for name, way, drive in ways)
+        figure.alt_text = f"Room, wheel loads, tilt and cable tensions over time on the drives. {told}."
+    return figure
+
+
+def _scan_panel(panel: Axes, journey: Journey, k: int) -> None:
+    draw_hall(panel, journey.hall)
+    pose = journey.estimates[k]
+    _draw_pair(panel, journey.vehicle, pose, 1.0)
+    eyes = carried(pose, [[scanner.x, scanner.y] for scanner in journey.vehicle.scanners])
+    panel.plot(*eyes.T, "o", color=BLUE, markersize=5, zorder=6, label="scanners")
+    panel.plot(*carried(pose, journey.scans[k]).T, ".", color=VERMILION, markersize=2, zorder=5, label="scanned points")
+    for x, y in journey.people[k, :, :2].tolist():
+        panel.plot(x, y, "o", color=GREEN, markersize=8, zorder=4, label="person")
+    panel.set(title=f"{journey.time[k]:.0f} s", xlabel="", ylabel="")
+
+
+def _room_panel(panel: Axes, way: Journey) -> None:
+    panel.plot(way.time, way.clearance, color=BLUE)
+    busy = np.logical_or(way.waiting, way.backing)
+    panel.fill_between(way.time, 0, 1, where=busy, transform=panel.get_xaxis_transform(), color=GREEN, alpha=0.2,
+                       linewidth=0, label="waits or backs off")
+    panel.set_ylim(bottom=0)
+    if busy.any():
+        panel.legend(loc="lower right", fontsize=9)
+
+
+def _bearing_panels(panels: Any, mission: Mission, way: Journey, drive: Drive) -> None:
+    loads, tilts, tensions = panels
+    times, robot = way.time[1:], mission.world.robot
+    for line, base, color in zip(_edges(drive).T, robot.bases, (BLUE, VERMILION)):
+        loads.plot(times[_FOUND:], line, color=color, label=base.name)
+    loads.axhline(0, color=INK, linewidth=1.2, linestyle=(0, (1, 2)))
+    loads.annotate("0: a base begins to tip", (0.005, 0), xycoords=("axes fraction", "data"), xytext=(0, 3),
+                   textcoords="offset points", fontsize=9, color=INK)
+    loads.legend(loc="center right", fontsize=9)
+    tilts.plot(times[_FOUND:], np.degrees(drive.tilts[_FOUND:]), color=BLUE)
+    tilts.axhline(np.degrees(LEANS), color=INK, linewidth=1.2, linestyle=(0, (1, 2)))
+    tilts.annotate("more: a base leans", (0.01, 0.86), xycoords="axes fraction", va="top", fontsize=9)
+    tilts.set_ylim(0, 1.1 * np.degrees(LEANS))
+    tensions.plot(times, drive.tensions, color=GREY, linewidth=1)
+    tensions.axhline(robot.tension_min.min(), color=INK, linewidth=1.2, linestyle=(0, (1, 2)))
+    tensions.annotate("no cable moves: all at their least", (0.01, 0.85), xycoords="axes fraction", fontsize=9)
+    tensions.set_ylim(0, 3 * float(robot.tension_min.max()))
+
+
+_FOUND = 3      # rows in which the wheels find the floor
+
+
+def _edges(drive: Drive) -> Array:
+    """(N, p) loads of each base's least loaded edge, once the wheels have found the floor [N]."""
+    return least_edge_loads(drive.wheels[_FOUND:].reshape(len(drive.wheels) - _FOUND, 2, -1))

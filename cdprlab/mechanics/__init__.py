@@ -1,0 +1,1 @@
+"""The equations: cables, kinematics, statics, dynamics, trajectories, redundancy, winches."""

@@ -1,0 +1,176 @@
+"""Forces in balance: wrench matrix, gravity wrench, stiffness, and the moments that tip mobile bases."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array
+from ..errors import InvalidInput
+from ..robot import Base, Robot
+from ..robot.pose import Pose, cross_matrix
+from .cables import anchor_offsets, cable_directions, cable_lengths
+from .kinematics import cross, jacobian
+
+
+def wrench_matrix(robot: Robot, pose: Pose) -> Array:
+    """W = −Jᵀ: column i is [u_i; (R b_i) × u_i], so that equilibrium reads W τ + w_e = 0.
+
+    robot, pose : single or batched
+    Returns (…, n, m); wrench = [f; m] at P in world axes [N, N m].
+    Source: Okoli 2016, eq. (2.10) and (2.15).
+
+    >>> import cdprlab as cl
+    >>> wrench_matrix(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).shape
+    (6, 8)
+    """
+    return -np.swapaxes(jacobian(robot, pose), -1, -2)
+
+
+def gravity_wrench(robot: Robot, pose: Pose) -> Array:
+    """Wrench of the weight at P: [f; (R c) × f] with f = −m g e_up.
+
+    robot, pose : single or batched
+    Returns (…, n) [N, N m].
+    Source: Okoli 2016, eq. (2.24), whose sign (2.17), (6.1) and (6.2) contradict.
+
+    >>> import cdprlab as cl
+    >>> gravity_wrench(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])) + 0.0
+    array([    0. ,     0. , -1471.5,     0. ,     0. ,     0. ])
+    """
+    d = robot.dimension
+    force = np.zeros((*pose.batch_shape, d))
+    force[..., d - 1] = -robot.mass * robot.gravity
+    arm = pose.rotation @ robot.platform.center_of_mass
+    full = np.concatenate([force, cross(arm, force)], axis=-1)
+    return (np.swapaxes(robot.pattern.basis(pose.rotation), -1, -2) @ full[..., None])[..., 0]
+
+
+def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: ArrayLike) -> Array:
+    """K with dw = −K dx for the cables' wrench w = W τ at constant unstrained lengths.
+
+    K = W diag(EA/l) Wᵀ + Σ τ_i K_i, the second (geometric) part from the turning of each cable.
+
+    robot, pose : single or batched
+    tensions : (…, m) [N]
+    axial_stiffness : EA, a number or (m,) [N]
+    Returns (…, n, n) in the twist's axes at the pose [N/m, N, N m/rad].
+    Source: Behzadipour and Khajepour 2006; Okoli 2016, eq. (2.25)–(2.28).
+
+    >>> import cdprlab as cl
+    >>> robot, pose = cl.load_world("caroca").robot, cl.Pose([0, 0, 1])
+    >>> stiffness(robot, pose, np.full(8, 400.0), 1e5).shape
+    (6, 6)
+    """
+    tau = _tensions(robot, pose, tensions)
+    ea = as_array(axial_stiffness, "axial_stiffness", (), "N", batch=True)
+    if ea.shape not in ((), (robot.n_cables,)):
+        raise InvalidInput(f"axial_stiffness must be a number or {robot.n_cables} numbers [N], got shape {ea.shape}")
+    if (ea < 0).any():
+        raise InvalidInput(f"axial_stiffness must not be negative [N], got {float(ea.min()):g}")
+    w = wrench_matrix(robot, pose)
+    elastic = (w * (ea / cable_lengths(robot, pose))[..., None, :]) @ np.swapaxes(w, -1, -2)
+    basis = robot.pattern.basis(pose.rotation)
+    return elastic + np.swapaxes(basis, -1, -2) @ _geometric_stiffness(robot, pose, tau) @ basis
+
+
+class TippingRows(NamedTuple):
+    """One row per footprint edge: ``matrix @ tensions + offset ≤ 0`` where the base stands.
+
+    matrix : (…, edges, m) [m]
+    offset : (…, edges) [N m], the base's own weight
+    """
+
+    matrix: Array
+    offset: Array
+
+
+def tipping_rows(robot: Robot, pose: Pose) -> dict[str, TippingRows]:
+    """For each base with a footprint, the moments about its edges as rows over the tensions.
+
+    robot, pose : single or batched
+    Returns base name → TippingRows; edges counter-clockwise from the first listed contact, and in the
+    plane one row per contact. The cables pull their exit points with −τ u.
+    Source: Pedemonte et al. 2020, eq. (21)–(24), contacts counter-clockwise.
+
+    >>> import cdprlab as cl
+    >>> tipping_rows(cl.load_world("caroca").robot, cl.Pose([0, 0, 1]))
+    {}
+    """
+    directions = cable_directions(robot, pose)
+    return {base.name: _rows_of(robot, base, k, directions)
+            for k, base in enumerate(robot.bases) if base.footprint.shape[0]}
+
+
+def tipping_moments(robot: Robot, pose: Pose, tensions: ArrayLike) -> dict[str, Array]:
+    """Moment about each edge of each base's footprint: it stands while all are ≤ 0.
+
+    robot, pose : single or batched
+    tensions : (…, m) [N]
+    Returns base name → (…, edges) [N m].
+    Source: as `tipping_rows`.
+
+    >>> import cdprlab as cl
+    >>> tipping_moments(cl.load_world("caroca").robot, cl.Pose([0, 0, 1]), np.full(8, 400.0))
+    {}
+    """
+    tau = _tensions(robot, pose, tensions)
+    return {name: (rows.matrix @ tau[..., None])[..., 0] + rows.offset
+            for name, rows in tipping_rows(robot, pose).items()}
+
+
+def _tensions(robot: Robot, pose: Pose, tensions: ArrayLike) -> Array:
+    tau = as_array(tensions, "tensions", (robot.n_cables,), "N", batch=True)
+    try:
+        np.broadcast_shapes(tau.shape[:-1], pose.batch_shape)
+    except ValueError:
+        raise InvalidInput(f"tensions of batch shape {tau.shape[:-1]} and poses of batch shape "
+                           f"{pose.batch_shape} do not fit together") from None
+    return tau
+
+
+def _geometric_stiffness(robot: Robot, pose: Pose, tau: Array) -> Array:
+    """Σ τ_i K_i in full twist coordinates: from du = −(I − u uᵀ)/l (dp + dφ × r) and dr = dφ × r."""
+    r, u = anchor_offsets(robot, pose), cable_directions(robot, pose)
+    swing = (np.eye(robot.dimension) - u[..., :, None] * u[..., None, :]) \
+        * (tau / cable_lengths(robot, pose))[..., None, None]
+    if robot.dimension == 2:
+        arm = np.stack([-r[..., 1], r[..., 0]], axis=-1)[..., None]   # dφ × r = arm dφ
+        turn = -tau[..., None, None] * (r * u).sum(axis=-1)[..., None, None]
+    else:
+        arm = -cross_matrix(r)
+        turn = tau[..., None, None] * (cross_matrix(u) @ cross_matrix(r))
+    moves = np.concatenate([np.broadcast_to(np.eye(robot.dimension), swing.shape), arm], axis=-1)
+    full = np.swapaxes(moves, -1, -2) @ swing @ moves
+    d = robot.dimension
+    full[..., d:, d:] -= turn
+    return full.sum(axis=-3)
+
+
+def _rows_of(robot: Robot, base: Base, k: int, directions: Array) -> TippingRows:
+    contacts, axes = _edges(base)
+    weight = np.zeros(robot.dimension)
+    weight[-1] = -base.mass * robot.gravity
+    center = base.to_world(base.center_of_mass)
+    offset = _moments(center - contacts, weight, axes)
+    matrix = np.zeros((*directions.shape[:-2], contacts.shape[0], robot.n_cables))
+    for i, carrier in enumerate(robot.base_indices):
+        if carrier == k:
+            matrix[..., i] = _moments(robot.exit_points[i] - contacts, -directions[..., i, None, :], axes)
+    return TippingRows(matrix, np.broadcast_to(offset, matrix.shape[:-1]))
+
+
+def _edges(base: Base) -> tuple[Array, Array]:
+    """(k, d) a point and (k, 3 or 1) the axis of each tipping edge, positive moment = tipping outwards."""
+    if base.center_of_mass.shape[0] == 2:
+        outward = np.sign(base.footprint[:, 0] - base.footprint[::-1, 0])
+        return base.to_world(base.footprint), -outward[:, None]
+    contacts = base.to_world(np.pad(base.footprint, ((0, 0), (0, 1))))
+    edges = np.roll(contacts, -1, axis=0) - contacts
+    return contacts, edges / np.linalg.norm(edges, axis=-1, keepdims=True)
+
+
+def _moments(arms: Array, force: Array, axes: Array) -> Array:
+    return (cross(arms, np.broadcast_to(force, np.broadcast_shapes(arms.shape, force.shape))) * axes).sum(axis=-1)

@@ -1,0 +1,175 @@
+"""References over time: quintic motions between poses, and poses held."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array, as_number
+from ..errors import InvalidInput
+from ..robot.pose import (
+    Pose,
+    cross_matrix,
+    rotation_from_vector,
+    rotation_vector,
+    rotation_vector_coefficients,
+    rotation_vector_jacobian,
+)
+
+
+class Reference(NamedTuple):
+    """Where the platform should be: ``pose, twist, acceleration = trajectory(t)``.
+
+    pose : Pose
+    twist : (…, 3 planar or 6 spatial) [v; ω] of P in world axes [m/s, rad/s]
+    acceleration : its time derivative [m/s², rad/s²]
+    """
+
+    pose: Pose
+    twist: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A motion ``(t) → Reference`` that takes single times or arrays; before 0 and after ``duration`` it rests.
+
+    start, end : Pose
+    duration : [s]
+    """
+
+    start: Pose
+    end: Pose
+    duration: float
+    _polynomial: Callable[[Array], tuple[Array, Array, Array]]
+
+    def __call__(self, t: ArrayLike) -> Reference:
+        times = as_array(t, "t", (), "s", batch=True)
+        x, rate, bend = self._polynomial(np.clip(times, 0.0, self.duration))
+        resting = ((times < 0) | (times > self.duration))[..., None]
+        rate, bend = np.where(resting, 0.0, rate), np.where(resting, 0.0, bend)
+        d = self.start.dimension
+        rotation, spin, spin_rate = _turning(self.start.rotation, x[..., d:], rate[..., d:], bend[..., d:])
+        pose = Pose.of(np.asarray(self.start.position + x[..., :d]), rotation)
+        return Reference(pose, np.concatenate([rate[..., :d], spin], axis=-1),
+                         np.concatenate([bend[..., :d], spin_rate], axis=-1))
+
+
+def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike | None = None,
+            end_twist: ArrayLike | None = None, start_acceleration: ArrayLike | None = None,
+            end_acceleration: ArrayLike | None = None) -> Trajectory:
+    """Fifth-degree polynomial between two poses; rest to rest x = x₀ + (x₁ − x₀)(10 s³ − 15 s⁴ + 6 s⁵), s = t/T.
+
+    Position is interpolated in world axes; orientation as R₀ exp([r(t)]×), r quintic, which rest to rest
+    turns about one fixed axis.
+
+    start, end : single poses
+    duration : T [s]
+    start_twist, end_twist : (3 or 6,) [v; ω] in world axes, default rest [m/s, rad/s]
+    start_acceleration, end_acceleration : their time derivatives, default zero [m/s², rad/s²]
+    Returns Trajectory: ``(t) → pose, twist, acceleration``.
+    Raises InvalidInput for poses of different dimension or a duration that is not positive.
+    Source: Okoli 2016, eq. (6.6)–(6.14), solved anew: the printed coefficients (6.19)–(6.21) are wrong.
+
+    >>> path = quintic(Pose([0, 0, 1]), Pose([1, 0, 1]), 2.0)
+    >>> path(1.0).pose.position
+    array([0.5, 0. , 1. ])
+    """
+    period = as_number(duration, "duration", "s", positive=True)
+    _check_ends(start, end)
+    d, n = start.dimension, 3 if start.dimension == 2 else 6
+    ends = [_boundary(value, name, n) for value, name in (
+        (start_twist, "start_twist"), (end_twist, "end_twist"),
+        (start_acceleration, "start_acceleration"), (end_acceleration, "end_acceleration"))]
+    turn = rotation_vector(np.swapaxes(start.rotation, -1, -2) @ end.rotation)
+    step = np.concatenate([end.position - start.position, turn])
+    rate0, bend0 = _vector_rates(start.rotation, np.zeros_like(turn), ends[0], ends[2], d)
+    rate1, bend1 = _vector_rates(start.rotation, turn, ends[1], ends[3], d)
+    coefficients = _coefficients(step, rate0, rate1, bend0, bend1, period)
+    return Trajectory(start, end, period, _Polynomial(coefficients))
+
+
+def hold(pose: Pose, duration: float) -> Trajectory:
+    """Rest at one pose.
+
+    pose : single
+    duration : [s]
+
+    >>> hold(Pose([0, 0, 1]), 2.0)(0.5).twist
+    array([0., 0., 0., 0., 0., 0.])
+    """
+    return quintic(pose, pose, duration)
+
+
+@dataclass(frozen=True)
+class _Polynomial:
+    """Value, first and second derivative of Σ c_k t^k; coefficients (6, n)."""
+
+    coefficients: Array
+
+    def __call__(self, t: Array) -> tuple[Array, Array, Array]:
+        from numpy.polynomial.polynomial import polyder, polyval
+
+        values = [polyval(t, polyder(self.coefficients, order) if order else self.coefficients)
+                  for order in (0, 1, 2)]
+        x, rate, bend = (np.moveaxis(np.asarray(value, dtype=np.float64), 0, -1) for value in values)
+        return x, rate, bend
+
+
+def _coefficients(step: Array, rate0: Array, rate1: Array, bend0: Array, bend1: Array, period: float) -> Array:
+    """(6, n) of the quintic from 0 to ``step`` with these rates and second derivatives at its ends."""
+    powers = np.arange(3, 6)
+    ends = np.stack([period**powers, powers * period**(powers - 1), powers * (powers - 1) * period**(powers - 2)])
+    missing = np.stack([step - rate0 * period - bend0 * period**2 / 2, rate1 - rate0 - bend0 * period, bend1 - bend0])
+    return np.concatenate([[np.zeros_like(step), rate0, bend0 / 2], np.linalg.solve(ends, missing)])
+
+
+def _turning(start: Array, vector: Array, rate: Array, bend: Array) -> tuple[Array, Array, Array]:
+    """R, ω and ω̇ in world axes of R = R₀ exp([r]×): ω = R₀ J ṙ, ω̇ = R₀ (J r̈ + J̇ ṙ)."""
+    rotation = start @ rotation_from_vector(vector)
+    if vector.shape[-1] == 1:
+        return rotation, rate, bend
+    j, j_rate = rotation_vector_jacobian(vector), _jacobian_rate(vector, rate)
+    spin = (j @ rate[..., None])[..., 0]
+    spin_rate = (j @ bend[..., None] + j_rate @ rate[..., None])[..., 0]
+    return rotation, spin @ start.T, spin_rate @ start.T
+
+
+def _jacobian_rate(vector: Array, rate: Array) -> Array:
+    """dJ/dt of J = I + b [r]× + c [r]×², with b, c of the angle θ = ‖r‖ and θ̇ θ = r · ṙ."""
+    angle = np.linalg.norm(vector, axis=-1)
+    b, c = rotation_vector_coefficients(angle)
+    along = (vector * rate).sum(axis=-1)
+    # db/dt = (1 − θ² c − 2b) (r·ṙ)/θ² and dc/dt = (b − 3c) (r·ṙ)/θ², with their limits −1/12 and −1/60 at θ = 0.
+    small = angle < 1e-2
+    square = np.where(small, 1.0, angle**2)
+    b_rate = along * np.where(small, -1 / 12 + angle**2 / 180, (1 - angle**2 * c - 2 * b) / square)
+    c_rate = along * np.where(small, -1 / 60 + angle**2 / 1260, (b - 3 * c) / square)
+    k, k_rate = cross_matrix(vector), cross_matrix(rate)
+    b, c, b_rate, c_rate = (x[..., None, None] for x in (b, c, b_rate, c_rate))
+    return b_rate * k + b * k_rate + c_rate * (k @ k) + c * (k_rate @ k + k @ k_rate)
+
+
+def _vector_rates(start: Array, vector: Array, twist: Array, acceleration: Array, d: int) -> tuple[Array, Array]:
+    """Rates of [p; r] that give this twist and acceleration where the rotation vector is ``vector``."""
+    if d == 2:
+        return twist, acceleration
+    inverse = np.linalg.inv(rotation_vector_jacobian(vector))
+    rate = inverse @ (start.T @ twist[d:])
+    bend = inverse @ (start.T @ acceleration[d:] - _jacobian_rate(vector, rate) @ rate)
+    return np.concatenate([twist[:d], rate]), np.concatenate([acceleration[:d], bend])
+
+
+def _check_ends(start: Pose, end: Pose) -> None:
+    if start.batch_shape or end.batch_shape:
+        raise InvalidInput("a trajectory runs between two single poses, not batches")
+    if start.dimension != end.dimension:
+        raise InvalidInput(f"start has {start.dimension} dimensions, end has {end.dimension}")
+
+
+def _boundary(value: ArrayLike | None, name: str, n: int) -> Array:
+    return np.zeros(n) if value is None else as_array(value, name, (n,))

@@ -1,0 +1,251 @@
+"""Where the platform is: position and orientation, planar or spatial, single or batched."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array, frozen
+from ..errors import InvalidInput
+
+
+class Pose:
+    """Position of the reference point P and rotation of the platform, x_world = position + rotation @ x_platform.
+
+    position : (…, 2) planar or (…, 3) spatial [m]
+    rpy : (…, 3) fixed-axis roll, pitch, yaw [rad], R = Rz(yaw) Ry(pitch) Rx(roll); spatial
+    angle : (…) counter-clockwise [rad]; planar
+    matrix : (…, d, d) rotation matrix
+    Give at most one of the three; none means unrotated. Batch axes broadcast.
+    Raises InvalidInput for a wrong shape, NaN or a matrix that is no rotation.
+
+    >>> Pose([0.0, 0.0, 1.0], rpy=[0, 0, np.pi / 2]).rotation.round(6)[0]
+    array([ 0., -1.,  0.])
+    """
+
+    __slots__ = ("position", "rotation")
+    position: Array
+    rotation: Array
+
+    def __init__(self, position: ArrayLike, rpy: ArrayLike | None = None, *,
+                 angle: ArrayLike | None = None, matrix: ArrayLike | None = None) -> None:
+        place = _position(position)
+        if sum(given is not None for given in (rpy, angle, matrix)) > 1:
+            raise InvalidInput("a Pose takes one orientation: rpy, angle or matrix, not several of them")
+        rotation = _rotation(place.shape[-1], rpy, angle, matrix)
+        batch = _common_batch(place.shape[:-1], rotation.shape[:-2])
+        d = place.shape[-1]
+        self._set(np.broadcast_to(place, (*batch, d)), np.broadcast_to(rotation, (*batch, d, d)))
+
+    def _set(self, position: Array, rotation: Array) -> None:
+        object.__setattr__(self, "position", frozen(position))
+        object.__setattr__(self, "rotation", frozen(rotation))
+
+    @classmethod
+    def of(cls, position: Array, rotation: Array) -> Pose:
+        """A pose from arrays known to be good (no copy, no check): what loops and batches use."""
+        pose = object.__new__(cls)
+        pose._set(position.view(), rotation.view())
+        return pose
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError("a Pose does not change; make a new one")
+
+    @property
+    def dimension(self) -> int:
+        """2 (planar) or 3 (spatial)."""
+        return self.position.shape[-1]
+
+    @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """() for a single pose."""
+        return self.position.shape[:-1]
+
+    @property
+    def rpy(self) -> Array:
+        """(…, 3) fixed-axis roll, pitch, yaw [rad]; spatial poses only."""
+        if self.dimension != 3:
+            raise InvalidInput("a planar pose has an angle, no rpy")
+        return _scipy_rotation().from_matrix(self.rotation).as_euler("xyz", suppress_warnings=True)
+
+    @property
+    def angle(self) -> Any:
+        """(…) counter-clockwise angle [rad]; planar poses only."""
+        if self.dimension != 2:
+            raise InvalidInput("a spatial pose has rpy, no single angle")
+        return np.arctan2(self.rotation[..., 1, 0], self.rotation[..., 0, 0])
+
+    def __len__(self) -> int:
+        if not self.batch_shape:
+            raise TypeError("a single Pose has no length")
+        return self.batch_shape[0]
+
+    def __getitem__(self, index: Any) -> Pose:
+        if not self.batch_shape:
+            raise TypeError("a single Pose cannot be indexed")
+        return Pose._bare(self.position[index], self.rotation[index])
+
+    def __iter__(self) -> Iterator[Pose]:
+        if not self.batch_shape:
+            raise TypeError("a single Pose cannot be iterated")
+        return map(Pose._bare, self.position, self.rotation)
+
+    @classmethod
+    def _bare(cls, position: Array, rotation: Array) -> Pose:
+        """Around the arrays as they are: parts of read-only arrays are read-only already."""
+        pose = object.__new__(cls)
+        object.__setattr__(pose, "position", position)
+        object.__setattr__(pose, "rotation", rotation)
+        return pose
+
+    def __eq__(self, other: object) -> bool:
+        return (isinstance(other, Pose) and np.array_equal(self.position, other.position)
+                and np.array_equal(self.rotation, other.rotation))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Pose.of, (np.array(self.position), np.array(self.rotation))
+
+    def __repr__(self) -> str:
+        if self.batch_shape:
+            return f"Pose(batch {self.batch_shape}, {'planar' if self.dimension == 2 else 'spatial'})"
+        turn = f"angle={float(self.angle):.6g}" if self.dimension == 2 else f"rpy={_short(self.rpy)}"
+        return f"Pose({_short(self.position)}, {turn})"
+
+
+def rotation_vector(rotation: Array) -> Array:
+    """Rotation vector of rotation matrices: R = exp([r]×).
+
+    rotation : (…, 3, 3), or (…, 2, 2) for the planar angle
+    Returns (…, 3) [rad], or (…, 1) in the plane.
+
+    >>> rotation_vector(Pose([0, 0], angle=0.3).rotation)
+    array([0.3])
+    """
+    if rotation.shape[-1] == 2:
+        return np.arctan2(rotation[..., 1, 0], rotation[..., 0, 0])[..., None]
+    return _scipy_rotation().from_matrix(rotation).as_rotvec()
+
+
+def rotation_from_vector(vector: Array) -> Array:
+    """Rotation matrices of rotation vectors, R = exp([r]×).
+
+    vector : (…, 3) [rad], or (…, 1) in the plane
+    Returns (…, 3, 3), or (…, 2, 2) in the plane.
+
+    >>> rotation_from_vector(np.array([0.0, 0.0, np.pi])).round(6)[0, 0]
+    np.float64(-1.0)
+    """
+    if vector.shape[-1] == 1:
+        return _turn(vector[..., 0])
+    return _scipy_rotation().from_rotvec(vector).as_matrix()
+
+
+def cross_matrix(vector: Array) -> Array:
+    """[v]× with [v]× w = v × w.
+
+    vector : (…, 3)
+    Returns (…, 3, 3).
+
+    >>> cross_matrix(np.array([0.0, 0.0, 1.0])) @ [1.0, 0.0, 0.0]
+    array([0., 1., 0.])
+    """
+    matrix = np.zeros((*vector.shape, 3))
+    x, y, z = np.moveaxis(vector, -1, 0)
+    matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -z, y, -x
+    matrix[..., 1, 0], matrix[..., 2, 0], matrix[..., 2, 1] = z, -y, x
+    return matrix
+
+
+def rotation_vector_jacobian(vector: Array) -> Array:
+    """J_l with ω = J_l(r) ṙ for R = exp([r]×), ω in the axes R maps to.
+
+    J_l = I + (1 − cos θ)/θ² [r]× + (θ − sin θ)/θ³ [r]×², θ = ‖r‖
+
+    vector : (…, 3) [rad]
+    Returns (…, 3, 3).
+    Source: Chirikjian 2011, Stochastic Models, Information Theory, and Lie Groups 2, eq. (10.86).
+
+    >>> rotation_vector_jacobian(np.zeros(3))[0]
+    array([1., 0., 0.])
+    """
+    b, c = rotation_vector_coefficients(np.linalg.norm(vector, axis=-1))
+    k = cross_matrix(vector)
+    return np.eye(3) + b[..., None, None] * k + c[..., None, None] * (k @ k)
+
+
+def rotation_vector_coefficients(angle: Array) -> tuple[Array, Array]:
+    """(1 − cos θ)/θ² and (θ − sin θ)/θ³, by their series where the quotients would cancel.
+
+    angle : (…) θ [rad]
+
+    >>> [float(c) for c in rotation_vector_coefficients(np.array(0.0))]
+    [0.5, 0.16666666666666666]
+    """
+    # Below 0.05 rad the next term of each series is under 1e-17 of the first.
+    small = angle < 0.05
+    theta = np.where(small, 1.0, angle)
+    square = angle**2
+    b = np.where(small, (1 - square / 12 * (1 - square / 30 * (1 - square / 56))) / 2,
+                 (1 - np.cos(theta)) / theta**2)
+    c = np.where(small, (1 - square / 20 * (1 - square / 42 * (1 - square / 72))) / 6,
+                 (theta - np.sin(theta)) / theta**3)
+    return b, c
+
+
+def _position(position: ArrayLike) -> Array:
+    array = as_array(position, "position", ("d",), "m", batch=True)
+    if array.shape[-1] not in (2, 3):
+        raise InvalidInput(f"position must be 2 (planar) or 3 (spatial) numbers [m], got {array.shape[-1]}")
+    return array
+
+
+def _rotation(d: int, rpy: ArrayLike | None, angle: ArrayLike | None, matrix: ArrayLike | None) -> Array:
+    if matrix is not None:
+        return _checked_matrix(as_array(matrix, "matrix", (d, d), batch=True))
+    if d == 2:
+        if rpy is not None:
+            raise InvalidInput("a planar Pose takes angle=, not rpy=")
+        return _turn(as_array(0.0 if angle is None else angle, "angle", (), "rad", batch=True))
+    if angle is not None:
+        raise InvalidInput("a spatial Pose takes rpy=, not angle=")
+    if rpy is None:
+        return np.eye(3)
+    return _scipy_rotation().from_euler("xyz", as_array(rpy, "rpy", (3,), "rad", batch=True)).as_matrix()
+
+
+def _checked_matrix(matrix: Array) -> Array:
+    # 1e-6 lets float32 and printed matrices in; anything further off is a mistake, not rounding.
+    error = np.abs(np.swapaxes(matrix, -1, -2) @ matrix - np.eye(matrix.shape[-1])).max(initial=0.0)
+    if error > 1e-6 or (np.linalg.det(matrix) < 0).any():
+        raise InvalidInput("matrix must be a rotation (orthonormal, determinant +1); "
+                           f"it is off by {error:.2g}")
+    return matrix
+
+
+def _turn(angle: Array) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)
+
+
+def _common_batch(position: tuple[int, ...], rotation: tuple[int, ...]) -> tuple[int, ...]:
+    try:
+        return np.broadcast_shapes(position, rotation)
+    except ValueError:
+        raise InvalidInput(f"positions of batch shape {position} and orientations of batch shape "
+                           f"{rotation} do not fit together") from None
+
+
+def _short(values: Array) -> str:
+    # + 0.0 turns -0.0 into 0.0
+    return "[" + ", ".join(f"{v + 0.0:.6g}" for v in values) + "]"
+
+
+def _scipy_rotation() -> Any:
+    # Imported when first needed: scipy would triple the time of `import cdprlab`.
+    from scipy.spatial.transform import Rotation
+    return Rotation

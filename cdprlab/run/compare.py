@@ -1,0 +1,174 @@
+"""Tension distributions side by side along one task: smoothness, effort, distance to the limits, time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..arrays import Array, as_number, frozen
+from ..errors import InvalidInput
+from ..mechanics.dynamics import inverse_dynamics
+from ..mechanics.statics import wrench_matrix
+from ..mechanics.trajectory import Trajectory
+from ..robot import Robot
+from ..tensions import solver_for, tension_methods
+from ..tensions.distribution import checked_distribution
+from ..tensions.method import Solver
+from ..world import World
+
+_FINER = 20
+"""Parts the largest step is cut into: a jump stays whole, a steep slope falls to a twentieth of it."""
+
+
+@dataclass(frozen=True, eq=False)
+class TensionComparison:
+    """One row a method; columns are arrays (k,), taken over the samples where the method is feasible.
+
+    method : names
+    feasible_share : part of the samples
+    smallest, largest : tension [N]
+    energy : ∫ ‖τ‖² dt [N² s]
+    largest_step : largest change of one tension from one sample to the next [N]
+    continuous : whether that change shrinks when sampled more finely
+    margin : smallest distance to a limit [N]
+    solve_time : median of one solve, as the control loop calls it [s]
+
+    Beside the table what it was made of: time (N,) [s], tensions (k, N, m) [N], feasible (k, N).
+    """
+
+    world: World
+    task: str
+    method: tuple[str, ...]
+    feasible_share: Array
+    smallest: Array
+    largest: Array
+    energy: Array
+    largest_step: Array
+    continuous: Any
+    margin: Array
+    solve_time: Array
+    time: Array = field(repr=False)
+    tensions: Array = field(repr=False)
+    feasible: Any = field(repr=False)
+
+    COLUMNS: ClassVar[dict[str, str]] = {
+        "method": "", "feasible_share": "", "smallest": "N", "largest": "N", "energy": "N² s", "largest_step": "N",
+        "continuous": "", "margin": "N", "solve_time": "s"}
+    """Column → unit."""
+
+    def rows(self) -> list[dict[str, Any]]:
+        """One dictionary a method, keys as the columns."""
+        return [{name: getattr(self, name)[k] for name in self.COLUMNS} for k in range(len(self.method))]
+
+    def __str__(self) -> str:
+        head = ("method", "feasible", "τ min [N]", "τ max [N]", "∫‖τ‖² [N² s]", "step [N]", "continuous", "margin [N]",
+                "solve [µs]")
+        lines = [head, *(_line(row) for row in self.rows())]
+        widths = [max(map(len, column)) for column in zip(*lines)]
+        return "\n".join("  ".join(cell.rjust(width) if at else cell.ljust(width)
+                                   for at, (cell, width) in enumerate(zip(line, widths))).rstrip() for line in lines)
+
+
+def compare_tensions(world: World, task: str = "default", methods: str | Iterable[str] | None = None, *,
+                     time_step: float | None = None,
+                     progress: Callable[[int, int], Any] | None = None) -> TensionComparison:
+    """Each method's tensions for W τ = M a + C v − f_g along a task's reference, without an engine.
+
+    world, task : what moves, and one of its tasks' names
+    methods : names; default all that apply to this robot's number of redundant cables
+    time_step : between samples [s]; default 400 of them
+    progress : called as (methods done, methods in all)
+    Raises InvalidInput for unknown names or a time step that is not positive.
+    Source: the comparison of Okoli 2016, ch. 6, on the same path for all.
+
+    >>> import cdprlab as cl
+    >>> table = compare_tensions(cl.load_world("caroca"), methods=["quadratic_program", "pseudo_inverse"])
+    >>> table.method, table.tensions.shape
+    (('quadratic_program', 'pseudo_inverse'), (2, 401, 8))
+    """
+    job, robot = world.task(task), world.robot
+    step = job.duration / 400 if time_step is None else as_number(time_step, "time_step", "s", positive=True)
+    names = _names(methods, robot)
+    times = np.linspace(0.0, job.duration, max(2, round(job.duration / step) + 1))
+    path = job.trajectory()
+    W, w_e = _wrenches(robot, path, times)
+    found = []
+    for name in names:
+        found.append(_follow(robot, path, times, W, w_e, name))
+        if progress is not None:
+            progress(len(found), len(names))
+    columns = {name: frozen(np.array([entry[name] for entry in found])) for name in found[0]}
+    return TensionComparison(world, task, names, time=frozen(times), **columns)
+
+
+def _names(methods: str | Iterable[str] | None, robot: Robot) -> tuple[str, ...]:
+    redundancy = robot.n_cables - robot.n_dof
+    if methods is None:
+        fits = {"kernel": redundancy == 1, "barycenter": redundancy <= 2}
+        return tuple(name for name in tension_methods() if fits.get(name, True))
+    names = (methods,) if isinstance(methods, str) else tuple(methods)
+    if not names:
+        raise InvalidInput(f"methods must name at least one of {', '.join(tension_methods())}, got none")
+    return names
+
+
+def _wrenches(robot: Robot, path: Trajectory, times: Array) -> tuple[Array, Array]:
+    reference = path(times)
+    wanted = [inverse_dynamics(robot, *motion)
+              for motion in zip(reference.pose.rotation, reference.twist, reference.acceleration)]
+    return np.ascontiguousarray(wrench_matrix(robot, reference.pose)), -np.array(wanted)
+
+
+def _follow(robot: Robot, path: Trajectory, times: Array, W: Array, w_e: Array, name: str) -> dict[str, Any]:
+    """One method's row, its tensions and where they are feasible."""
+    low, high = robot.tension_min, robot.tension_max
+    solve = solver_for(name, robot.n_dof, low, high)
+    solve(W[0], w_e[0])   # what is compiled or imported at first use is no part of a solve
+    tensions, elapsed = _timed(solve, W, w_e)
+    judged = checked_distribution(W, w_e, low, high, tensions, "", name)
+    good = judged.feasible
+    row = {"feasible_share": good.mean(), "solve_time": np.median(elapsed), "tensions": judged.tensions,
+           "feasible": good}
+    if not good.any():
+        return row | dict.fromkeys(("smallest", "largest", "energy", "largest_step", "margin"), np.nan) | {
+            "continuous": False}
+    steps = np.abs(np.diff(judged.tensions, axis=0)).max(axis=1)
+    steps = np.where(good[1:] & good[:-1], steps, 0.0)
+    at, used = int(steps.argmax()), judged.tensions[good]
+    return row | {"smallest": used.min(), "largest": used.max(), "margin": judged.margin[good].min(),
+                  "energy": _energy(times, np.where(good, (judged.tensions**2).sum(axis=1), 0.0)),
+                  "largest_step": steps[at],
+                  "continuous": _shrinks(robot, path, times[at:at + 2], solve, steps[at])}
+
+
+def _energy(times: Array, power: Array) -> float:
+    """∫ power dt by trapezoids."""
+    return float((np.diff(times) * (power[1:] + power[:-1])).sum() / 2)
+
+
+def _timed(solve: Solver, W: Array, w_e: Array) -> tuple[Array, Array]:
+    tensions, elapsed = np.empty((W.shape[0], W.shape[2])), np.empty(W.shape[0])
+    for k in range(W.shape[0]):
+        began = time.perf_counter()
+        tensions[k] = solve(W[k], w_e[k])[0]
+        elapsed[k] = time.perf_counter() - began
+    return tensions, elapsed
+
+
+def _shrinks(robot: Robot, path: Trajectory, span: Array, solve: Solver, step: float) -> bool:
+    W, w_e = _wrenches(robot, path, np.linspace(span[0], span[1], _FINER + 1))
+    tensions, _ = _timed(solve, W, w_e)
+    return bool(np.abs(np.diff(tensions, axis=0)).max() <= max(0.5 * step, 1e-6 * robot.tension_max.max()))
+
+
+def _line(row: dict[str, Any]) -> tuple[str, ...]:
+    numbers = [f"{row[name]:.4g}" if np.isfinite(row[name]) else "–" for name in
+               ("smallest", "largest", "energy", "largest_step")]
+    margin = f"{row['margin']:.4g}" if np.isfinite(row["margin"]) else "–"
+    continuous = ("yes" if row["continuous"] else "no") if row["feasible_share"] else "–"
+    return (str(row["method"]), f"{100 * row['feasible_share']:.0f} %", *numbers, continuous, margin,
+            f"{1e6 * row['solve_time']:.1f}")

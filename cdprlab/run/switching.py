@@ -1,0 +1,165 @@
+"""Cable configurations put to work: a sequence followed in the engine, by a robot that is a little off."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..arrays import Array, as_array, as_number, frozen
+from ..configurations.measured import hanging_position
+from ..configurations.sequence import ConfigurationSequence
+from ..configurations.winding import Winding, winding_plan
+from ..errors import SimulationDiverged
+from ..mechanics.trajectory import Reference
+from ..robot import Robot
+from ..robot.pose import Pose
+from ..simulate import open_simulator
+from ..world import World
+from . import Progress, Run
+
+Flags = NDArray[np.bool_]
+
+TAUT = 1.0
+"""[N] a cable that carries less counts as slack."""
+
+
+def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: float = 0.2, speed: float = 0.2,
+                    reeling: float = 0.05, length_errors: ArrayLike = 0.0, exit_errors: ArrayLike = 0.0,
+                    cables: str = "length", dt: float = 1e-3, progress: Progress | None = None) -> Run:
+    """Lead a point mass along a sequence by rope lengths alone, in the engine.
+
+    world : what the planner knows; sequence : from `plan_configurations`
+    slack : let out of every cable that shall not carry; 0 is the naive way, all ropes by inverse kinematics [m]
+    speed, reeling : the load's largest, and of slack taken up and let out [m/s]
+    length_errors : (m,) or one number: ropes are really this much longer than the winches believe [m]
+    exit_errors : (m, 3) or one number: where the exit points really are, minus where they are believed [m]
+    cables : "length" or "elastic"; dt : engine step [s]
+    Returns Run; its reference is the planned motion, its errors what the load was off, and ``taut_cables`` reads off
+    which cables carried.
+    Raises InvalidInput, SimulationDiverged.
+
+    >>> import cdprlab as cl
+    >>> world = cl.load_world("marionet")
+    >>> best = cl.plan_configurations(world.robot, [0.6, 0.8, 0.8], [0.7, 0.8, 0.8])[0]
+    >>> bool(follow_sequence(world, best, slack=0.05).position_errors.max() < 1e-5)
+    True
+    """
+    plan = winding_plan(world.robot, sequence, slack, speed, reeling, dt)
+    m = world.robot.n_cables
+    longer = as_array(np.broadcast_to(np.asarray(length_errors, dtype=float), (m,)), "length_errors", (m,), "m")
+    real = dataclasses.replace(world, robot=_displaced(world.robot, exit_errors))
+    with open_simulator(real, cables, dt) as engine:
+        _hang(engine, plan.lengths[0] + longer)
+        began = time.perf_counter()
+        rows = _wind(engine, plan, longer, progress)
+        factor = len(plan.time) * dt / (time.perf_counter() - began)
+    settings = {"slack": float(slack), "speed": float(speed), "reeling": float(reeling)}
+    return _as_run(real, plan, rows, factor, dt, settings, cables)
+
+
+def taut_cables(run: Run) -> Flags:
+    """(N, m) whether each cable carried more than ``TAUT`` newtons."""
+    return run.measured_tensions > TAUT
+
+
+class Trial(NamedTuple):
+    """How one robot with errors fared, from the moment when the first slack is out: before, chance decides who carries.
+
+    off_path : largest distance from the planned motion [m]
+    under_constrained : longest time with fewer than three taut cables [s]
+    unplanned : longest time during which other cables carried than the plan had [s]
+    """
+
+    off_path: float
+    under_constrained: float
+    unplanned: float
+
+
+def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *, slack: float = 0.2, speed: float = 0.2,
+               reeling: float = 0.05, length_error: float = 0.01, exit_error: float = 0.02, seed: int = 0,
+               progress: Progress | None = None) -> list[Trial]:
+    """The same sequence followed by robots whose ropes and exit points are off, drawn evenly within the errors.
+
+    world, sequence, slack, speed, reeling : as `follow_sequence`
+    trials : how many; length_error, exit_error : half widths, of each rope and each coordinate of each exit [m]
+    seed : of the errors
+    Returns one Trial each; a load that leaves the scene counts as off by infinity.
+    """
+    rng, m = np.random.default_rng(seed), world.robot.n_cables
+    as_number(trials, "trials", "", positive=True)
+    plan = winding_plan(world.robot, sequence, slack, speed, reeling)
+    found = []
+    for k in range(trials):
+        longer = rng.uniform(-length_error, length_error, m)
+        displaced = rng.uniform(-exit_error, exit_error, (m, 3))
+        try:
+            run = follow_sequence(world, sequence, slack=slack, speed=speed, reeling=reeling, length_errors=longer,
+                                  exit_errors=displaced)
+            found.append(_judged(run, plan))
+        except SimulationDiverged:
+            found.append(Trial(np.inf, np.inf, np.inf))
+        if progress is not None:
+            progress(k + 1, trials)
+    return found
+
+
+def _judged(run: Run, plan: Winding) -> Trial:
+    out = int(np.argmin(plan.taut.all(axis=1)))
+    taut, planned = taut_cables(run)[out:], plan.taut[out:]
+    return Trial(float(run.position_errors[out:].max()), _longest(np.sum(taut, axis=1) < 3) * run.dt,
+                 _longest(np.any(taut & ~planned, axis=1)) * run.dt)
+
+
+def _longest(true: Any) -> int:
+    """Length of the longest row of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], true.astype(int), [0]])))
+    return int((edges[1::2] - edges[::2]).max(initial=0))
+
+
+def _displaced(robot: Robot, exit_errors: ArrayLike) -> Robot:
+    shape = (robot.n_cables, 3)
+    errors = as_array(np.broadcast_to(np.asarray(exit_errors, dtype=float), shape), "exit_errors", shape, "m")
+    cables = tuple(dataclasses.replace(cable, exit_point=cable.exit_point + error)
+                   for cable, error in zip(robot.cables, errors))
+    return dataclasses.replace(robot, cables=cables)
+
+
+def _hang(engine: Any, lengths: Array) -> None:
+    """At rest where these ropes hold the load; those that are slack there are let out at their winches' speed."""
+    engine.reset(Pose(hanging_position(engine.robot, lengths)[0]))
+    while not engine.wind(lengths):
+        pass
+
+
+def _wind(engine: Any, plan: Winding, longer: Array, progress: Progress | None) -> Array:
+    """One row a step: position, rotation, twist, lengths, tensions, and whether the winches kept up."""
+    rows: list[Array] = []
+    wind = engine.wind
+    every = max(1, len(plan.time) // 100)
+    for k, wound in enumerate(plan.lengths + longer):
+        kept = wind(wound)
+        rows.append(np.concatenate([engine.position, engine.rotation.ravel(), engine.twist, engine.lengths,
+                                    engine.tensions, [kept]]))
+        if progress is not None and ((k + 1) % every == 0 or k + 1 == len(plan.time)):
+            progress(k + 1, len(plan.time))
+    return np.array(rows)
+
+
+def _as_run(world: World, plan: Winding, rows: Array, factor: float, dt: float, settings: dict[str, Any],
+            cables: str) -> Run:
+    m = world.robot.n_cables
+    positions, rotations, twists, lengths, tensions, kept = np.split(rows, np.cumsum([3, 9, 6, m, m]), axis=1)
+    n = len(plan.time)
+    wanted = Pose.of(frozen(plan.positions), frozen(np.broadcast_to(np.eye(3), (n, 3, 3)).copy()))
+    velocity = np.gradient(plan.positions, dt, axis=0)
+    still = np.zeros((n, 3))
+    reference = Reference(wanted, np.concatenate([velocity, still], axis=1),
+                          np.concatenate([np.gradient(velocity, dt, axis=0), still], axis=1))
+    return Run(world, "sequence", "cable_configurations", cables, frozen(plan.time),
+               Pose.of(frozen(positions.copy()), frozen(rotations.reshape(-1, 3, 3).copy())), twists, reference,
+               frozen(np.full((n, m), np.nan)), frozen(tensions.copy()), frozen(lengths.copy()),
+               frozen(plan.positions - positions), kept[:, 0] > 0, factor, dt, dt, settings, frozen(plan.lengths))

@@ -1,0 +1,93 @@
+"""Placing bases: the present poses, a proof that none serve, a search, and the reason why it found none."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arrays import Array, as_array
+from ...errors import InvalidInput, NoPlacement
+from ...robot import Robot
+from ...robot.pose import Pose
+from .program import Task
+from .proof import why_impossible
+from .reason import why_not_found
+from .search import Search
+
+
+def place_bases(robot: Robot, poses: Pose, wrenches: ArrayLike, *, tipping: bool = True, margin: float = 0.0,
+                evaluations: int = 300) -> Robot:
+    """Base poses for which tensions within the limits balance every wrench at every pose and leave every base standing.
+
+    It maximizes the worst margin s over all poses and wrenches, one linear program a placement: max s with
+    W τ + w_e = 0, τ_min + s h ≤ τ ≤ τ_max − s h and moments ≤ −s M about every footprint edge; h is half the range of
+    each cable, M what each base's own weight holds against tipping, the mean over its edges.
+
+    A pattern search over the directions in which the bases can drive (speed limit above 0), from their present poses
+    and from layouts around the wanted ones. Bases keep clear of each other, and masts of the platform. A placement
+    found does serve. That there is none is proven only where it holds for each base placed freely in its directions,
+    for one pose and wrench at a time ("no base poses can serve"); otherwise the search ends ("none found").
+
+    robot : with mobile bases; returned as it is where its bases serve already
+    poses : single or a batch (N,) of platform poses
+    wrenches : (n,), (k, n) or (N, k, n) external wrenches w_e, gravity included: each of the k at each pose [N, N m]
+    tipping : keep `tipping_moments` ≤ 0, on by default because a base that falls serves no pose; False asks of the
+        cables alone, as for bases on stabilizers, and a base without a footprint is never asked. The tensions exist: a
+        distribution that does not look at the bases may choose others
+    margin : smallest s asked for, 0 to 1
+    evaluations : placements tried at most
+    Returns the robot with its bases moved.
+    Raises NoPlacement with the pose and wrench, and what is short there: tension limits, directions that are held,
+    standing; InvalidInput for a robot without bases that can drive.
+    Source: the task is that of Pedemonte et al. 2020, abstract, with both equilibria of its section 4 (eq. (17)–(24));
+    search and proof are this project's.
+
+    >>> import cdprlab as cl
+    >>> world = cl.load_world("planar_mcdpr")
+    >>> far = cl.Pose([[2.6, 1.2], [3.2, 1.4]])
+    >>> weight = cl.gravity_wrench(world.robot, world.pose)
+    >>> moved = place_bases(world.robot, far, weight)
+    >>> bool(cl.distribute_tensions(cl.wrench_matrix(moved, far), weight, 1, 100).feasible.all())
+    True
+    """
+    if not 0 <= margin <= 1:
+        raise InvalidInput(f"margin must be between 0 and 1, got {margin!r}")
+    if isinstance(evaluations, bool) or not isinstance(evaluations, int) or evaluations < 1:
+        raise InvalidInput(f"evaluations must be a whole number of at least 1, got {evaluations!r}")
+    task = _checked(robot, poses, wrenches, tipping)
+    search = Search(robot, task, evaluations)
+    value, x = search.value(search.here), search.here
+    if value >= margin:
+        return robot
+    proven = why_impossible(robot, task)
+    if proven:
+        raise NoPlacement(f"no base poses can serve every pose: {proven}", robot)
+    value, x = search.best(margin)
+    placed = search.moved(x)
+    if value < margin:
+        raise NoPlacement(f"no base poses were found that serve every pose, none among {search.tried} placements tried "
+                          f"(a search, no proof): {why_not_found(placed, task, value, margin)}", placed)
+    return placed
+
+
+def _checked(robot: Robot, poses: Pose, wrenches: ArrayLike, tipping: bool) -> Task:
+    if not any(base.speed_max.any() for base in robot.bases):
+        raise InvalidInput("this robot has no base that can drive: every speed limit is 0" if robot.bases
+                           else "this robot has no bases")
+    if poses.dimension != robot.dimension:
+        raise InvalidInput(f"a {robot.motion_pattern} robot lives in {robot.dimension} dimensions, "
+                           f"the poses have {poses.dimension}")
+    d = robot.dimension
+    many = Pose.of(poses.position.reshape(-1, d), poses.rotation.reshape(-1, d, d))
+    return Task(many, _loads(robot, len(many), wrenches), tipping)
+
+
+def _loads(robot: Robot, count: int, wrenches: ArrayLike) -> Array:
+    """(N, k, n) from (n,), (k, n) or (N, k, n)."""
+    given = as_array(wrenches, "wrenches", (robot.n_dof,), "N, N m", batch=True)
+    if given.ndim <= 2:
+        given = np.unique(np.atleast_2d(given), axis=0)[None]
+    if given.ndim != 3 or given.shape[0] not in (1, count) or not given.size or not count:
+        raise InvalidInput(f"wrenches must be ({robot.n_dof},), (k, {robot.n_dof}) or "
+                           f"({count}, k, {robot.n_dof}) for {count} poses, got shape {np.shape(wrenches)}")
+    return np.broadcast_to(given, (count, *given.shape[1:]))

@@ -1,0 +1,79 @@
+"""How well a placement serves: one linear program over the tensions at all poses under all wrenches."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from ...mechanics.statics import tipping_rows, wrench_matrix
+from ...robot import Robot
+from ...robot.pose import Pose
+
+UNREACHABLE = -1e3
+"""Margin where the cables cannot exert a wrench at all, whatever their tensions."""
+
+
+class Task(NamedTuple):
+    """What a placement is to serve.
+
+    poses : (N,); loads : (N, k, n) external wrenches [N, N m]; tipping : whether bases must stand
+    """
+
+    poses: Pose
+    loads: Array
+    tipping: bool
+
+    def one(self, i: int, j: int) -> Task:
+        """Its pose i under its wrench j alone."""
+        return self._replace(poses=self.poses[i:i + 1], loads=self.loads[i:i + 1, j:j + 1])
+
+    def each(self) -> Iterator[Task]:
+        """One pose under one wrench after the other, wrenches running faster."""
+        return (self.one(i, j) for i in range(self.loads.shape[0]) for j in range(self.loads.shape[1]))
+
+
+def worst_margin(robot: Robot, task: Task) -> tuple[float, Array]:
+    """The s of `place_bases` over all poses and wrenches at once, and tensions (N, k, m) that have it."""
+    from scipy.optimize import linprog
+
+    (N, k), m = task.loads.shape[:2], robot.n_cables
+    rows, sides = _limits(robot, task)
+    balance = np.zeros((N * k, robot.n_dof, m + 1))
+    balance[..., :m] = np.repeat(wrench_matrix(robot, task.poses), k, axis=0)
+    count = N * k * m + 1
+    cost = np.zeros(count)
+    cost[-1] = -1.0
+    found = linprog(cost, A_ub=_blocks(rows), b_ub=sides.ravel(), A_eq=_blocks(balance), b_eq=-task.loads.ravel(),
+                    bounds=[(None, None)] * (count - 1) + [(None, 1.0)], method="highs")
+    if found.status != 0:
+        return UNREACHABLE, np.full((N, k, m), np.nan)
+    return float(found.x[-1]), found.x[:-1].reshape(N, k, m)
+
+
+def _limits(robot: Robot, task: Task) -> tuple[Array, Array]:
+    """Rows (N k, f, m + 1) and sides (N k, f): tension limits, then footprint edges; the last column is that of s."""
+    k, m = task.loads.shape[1], robot.n_cables
+    half = (robot.tension_max - robot.tension_min) / 2
+    eye = np.eye(m)
+    rows = [np.broadcast_to(np.column_stack([sign * eye, half]), (len(task.poses), m, m + 1)) for sign in (-1.0, 1.0)]
+    sides = [np.broadcast_to(side, (len(task.poses), m)) for side in (-robot.tension_min, robot.tension_max)]
+    for edges in tipping_rows(robot, task.poses).values() if task.tipping else ():
+        holds = np.abs(edges.offset).mean(axis=-1, keepdims=True)
+        rows.append(np.concatenate([edges.matrix, np.broadcast_to(holds, edges.offset.shape)[..., None]], axis=-1))
+        sides.append(-edges.offset)
+    return np.repeat(np.concatenate(rows, axis=1), k, axis=0), np.repeat(np.concatenate(sides, axis=1), k, axis=0)
+
+
+def _blocks(rows: Array) -> Any:
+    """Sparse: each block of rows (B, f, m + 1) over its own m tensions, and over the one s they share, the last."""
+    from scipy.sparse import csr_matrix
+
+    B, f, m = rows.shape[0], rows.shape[1], rows.shape[2] - 1
+    columns = np.empty((B, f, m + 1), dtype=int)
+    columns[..., :m] = (np.arange(B * m).reshape(B, 1, m))
+    columns[..., m] = B * m
+    starts = np.arange(0, rows.size + 1, m + 1)
+    return csr_matrix((rows.ravel(), columns.ravel(), starts), shape=(B * f, B * m + 1))

@@ -1,0 +1,198 @@
+"""That no placement at all can serve a pose and wrench: bounds on what cables pull from wherever their bases stand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from ...mechanics.cables import anchor_offsets, cable_directions, cable_vectors
+from ...mechanics.kinematics import cross
+from ...robot import Base, Robot
+from ...robot.pose import Pose
+from .program import Task
+
+_ROUNDING = 1e-6
+"""Shares of a wrench closer to 1 than this are no proof."""
+
+_INFEASIBLE = 2
+"""scipy's status of a linear program that has no solution."""
+
+
+def why_impossible(robot: Robot, task: Task) -> str:
+    """The first pose and wrench that no placement can serve, and what is short there; '' where none is proven.
+
+    For every cable the force f_i = τ_i u_i lies, wherever its base stands, in a convex set: a cable on a base that
+    cannot move keeps u_i; one on a base that drives along E pulls within {α (A_i − B_i) + E β, α ≥ 0}, |f_i| ≤ τ_max.
+    Standing is a linear bound on the f_i too. The largest share λ ≤ 1 of w_e that Σ [f_i; (R b_i) × f_i] = −λ w_e
+    allows is a linear program; below 1, no placement balances w_e.
+    """
+    for i, pose in enumerate(task.poses):
+        for load in task.loads[i]:
+            share = largest_share(robot, pose, load, task.tipping)
+            if share < 1 - _ROUNDING:
+                return _told(robot, task, i, load, share)
+    return ""
+
+
+def _told(robot: Robot, task: Task, i: int, load: Array, share: float) -> str:
+    """What is short: height, limits with every base free, directions that are held, or standing."""
+    pose = task.poses[i]
+    where = f"pose {i + 1} of {len(task.poses)} (at {np.round(pose.position, 3).tolist()} m)"
+    wrench = f"{where} under the wrench {np.round(load, 3).tolist()}"
+    lift = _lift(robot, pose, load)
+    if lift:
+        return f"{where} {lift}"
+    floor = np.array([1.0, 1.0, 1.0] if robot.dimension == 3 else [0.0, 1.0, 0.0])     # what any base could do
+    held = [base.name for base in robot.bases if (base.speed_max[floor > 0] == 0).any()]
+    free = replace(robot, bases=tuple(replace(base, speed_max=np.maximum(base.speed_max, floor))
+                                      for base in robot.bases))
+    most = largest_share(free, pose, load, False)
+    if most < 1 - _ROUNDING:
+        return f"{wrench}: wherever the bases stand, the tension limits allow {_percent(most)} of it"
+    most = largest_share(robot, pose, load, False)
+    if most < 1 - _ROUNDING:
+        return (f"{wrench}: while {' and '.join(held)} may not drive in every direction (speed limits of 0), the "
+                f"tension limits allow {_percent(most)} of it")
+    return (f"{wrench}: the tension limits would allow it, but with every base standing, wherever that is, "
+            f"{_percent(share)} of it")
+
+
+def _percent(share: float) -> str:
+    return f"at most {100 * share:.4g} %" if share >= 0 else "no part"
+
+
+def _lift(robot: Robot, pose: Pose, load: Array) -> str:
+    """The plainest reason, or '': what must be pulled up, and the cables that pull up at all."""
+    d = robot.dimension
+    if robot.n_dof < d:
+        return ""
+    rises = cable_vectors(robot, pose)[:, -1]
+    lifting = np.array([rise > 0 or bool(_ways(robot, k)[-1].any()) for rise, k in zip(rises, robot.base_indices)])
+    able = float(robot.tension_max[lifting].sum())
+    if -load[d - 1] <= able:
+        return ""
+    return (f"needs {-load[d - 1]:.4g} N upwards; {int(lifting.sum())} of {robot.n_cables} cables have their exit "
+            f"point above their anchor point there and could pull {able:.4g} N at most")
+
+
+def largest_share(robot: Robot, pose: Pose, load: Array, tipping: bool) -> float:
+    """An upper bound on the share λ ≤ 1 of ``load`` that any placement can balance; −1 where not even λ = 0."""
+    from scipy.optimize import linprog
+
+    pulls = _pulls(robot, pose, load)
+    ones = np.broadcast_to(np.eye(robot.dimension), (robot.n_cables, robot.dimension, robot.dimension))
+    arms = np.swapaxes(cross(anchor_offsets(robot, pose)[:, None], ones), 1, 2)     # force → moment about P
+    exerted = robot.pattern.basis(pose.rotation).T @ np.einsum(
+        "ifd,idv->fv", np.concatenate([ones, arms], axis=1), pulls.forces)
+    rows, sides = [pulls.rows], [pulls.sides]
+    for k, base in enumerate(robot.bases) if tipping else ():
+        if len(base.footprint) and not (robot.dimension == 2 and base.speed_max[0]):   # the plane turns footprints up
+            edges, spare = standing_rows(robot, k, cable_vectors(robot, pose)[:, -1])
+            rows.append(np.einsum("eid,idv->ev", edges, pulls.forces))
+            sides.append(spare)
+    A = np.concatenate(rows)
+    count = A.shape[1]
+    found = linprog(-np.eye(count + 1)[-1], A_ub=np.pad(A, ((0, 0), (0, 1))), b_ub=np.concatenate(sides),
+                    A_eq=np.column_stack([exerted, load]), b_eq=np.zeros(robot.n_dof),
+                    bounds=[*zip(pulls.least, pulls.most), (0.0, 1.0)], method="highs")
+    return float(found.x[-1]) if found.status == 0 else -1.0 if found.status == _INFEASIBLE else 1.0
+
+
+class _Pulls(NamedTuple):
+    """What the cables can pull wherever their bases stand: f = forces @ y with least ≤ y ≤ most, rows @ y ≤ sides.
+
+    forces : (m, d, v)
+    least, most : (v,)
+    rows, sides : (f, v), (f,) |f_i| ≤ τ_max as a polytope around the ball: what it does not hold, the ball does not
+    """
+
+    forces: Array
+    least: Array
+    most: Array
+    rows: Array
+    sides: Array
+
+
+def _pulls(robot: Robot, pose: Pose, load: Array) -> _Pulls:
+    m, d = robot.n_cables, robot.dimension
+    ways = [_ways(robot, k) for k in robot.base_indices]
+    cones = [np.column_stack([u, E]) for u, E in zip(cable_directions(robot, pose), ways)]
+    ends = np.cumsum([cone.shape[1] for cone in cones])
+    forces, least, most = np.zeros((m, d, ends[-1])), np.full(ends[-1], -np.inf), np.full(ends[-1], np.inf)
+    for i, (cone, end) in enumerate(zip(cones, ends)):
+        first = end - cone.shape[1]
+        forces[i, :, first:end] = cone
+        least[first] = 0.0
+        if not ways[i].size:
+            least[first], most[first] = robot.tension_min[i], robot.tension_max[i]
+    driven = [i for i in range(m) if ways[i].size]
+    normals = _normals(d, load)
+    rows = (normals @ forces[driven]).reshape(-1, ends[-1])
+    return _Pulls(forces, least, most, rows, np.repeat(robot.tension_max[driven], len(normals)))
+
+
+def _ways(robot: Robot, k: int) -> Array:
+    """(d, 0 to 2) directions in which a base takes its exit points along; a turning one swings them any way."""
+    d = robot.dimension
+    if k < 0:
+        return np.zeros((d, 0))
+    base = robot.bases[k]
+    if base.speed_max[0] > 0:
+        return np.eye(d)[:, :2]
+    return np.asarray(base.rotation[:, :2][:, base.speed_max[1:] > 0])
+
+
+def _normals(d: int, load: Array) -> Array:
+    """(q, d) unit normals of the polytope around a ball, one of them along the force that is needed."""
+    if d == 2:
+        angles = np.arange(32) * np.pi / 16
+        normals = np.column_stack([np.cos(angles), np.sin(angles)])
+    else:
+        normals = np.array([corner for corner in product((-1.0, 0.0, 1.0), repeat=3) if any(corner)])
+    force = np.zeros(d)
+    force[:min(d, load.size)] = -load[:d]
+    normals = np.concatenate([normals, [force]]) if force.any() else normals
+    return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+
+
+def standing_rows(robot: Robot, k: int, rises: Array) -> tuple[Array, Array]:
+    """Rows (e, m, d) over the f_i and sides (e,) [N m] that hold while a base stands, wherever it is driven.
+
+    Its center of pressure p stays inside the footprint: towards e, p·e N = Σ (−z_i f_ie + r_ie f_iz) + G_e m g is at
+    most c_e N, N = m g + Σ f_iz, c the contact. A base that turns may bring r_i, G and c any way round: their lengths.
+    """
+    base, d = robot.bases[k], robot.dimension
+    mine = [i for i, carrier in enumerate(robot.base_indices) if carrier == k]
+    origin = base.to_world(np.zeros(d))
+    arms, center = robot.exit_points[mine] - origin, base.to_world(base.center_of_mass) - origin
+    contacts, outward = _edges(base, origin)
+    reach, ahead, ballast = ((x * outward).sum(axis=-1) for x in (contacts, arms[:, None], center))
+    if base.speed_max[0] > 0:
+        reach = np.full(len(outward), np.linalg.norm(base.footprint, axis=1).max())
+        swing = np.linalg.norm(arms[:, :-1], axis=1) * np.sign(rises[mine])
+        ahead, ballast = np.repeat(-swing[:, None], len(outward), axis=1), -np.linalg.norm(center[:-1])
+    rows = np.zeros((len(outward), robot.n_cables, d))
+    height = arms[:, None, -1] - contacts[:, -1]
+    rows[:, mine] = -np.swapaxes(height[..., None] * outward, 0, 1)
+    rows[:, mine, -1] = (ahead - reach).T
+    return rows, (reach - ballast) * base.mass * robot.gravity
+
+
+def _edges(base: Base, origin: Array) -> tuple[Array, Array]:
+    """(e, d) a contact of each tipping edge from the base's center, and the level direction outwards."""
+    d = origin.size
+    if d == 2:
+        signs = np.sign(base.footprint[:, 0] - base.footprint[::-1, 0])
+        return base.to_world(base.footprint) - origin, np.column_stack([signs, 0 * signs])
+    contacts = base.to_world(np.pad(base.footprint, ((0, 0), (0, 1)))) - origin
+    if base.speed_max[0] > 0:
+        angles = np.arange(16) * np.pi / 8
+        around = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+        return np.zeros_like(around), around
+    along = np.roll(contacts, -1, axis=0) - contacts
+    normals = np.column_stack([along[:, 1], -along[:, 0], 0 * along[:, 0]])
+    return contacts, normals / np.linalg.norm(normals, axis=1, keepdims=True)

@@ -1,0 +1,118 @@
+"""A pattern search for base poses that serve, and where bases must not stand."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from ...robot import Robot
+from ...robot.pose import Pose
+from .program import UNREACHABLE, Task, worst_margin
+
+_SMALLEST_STEP = 0.02
+"""[m, rad] Finer than a mobile base is driven."""
+
+
+class _Direction(NamedTuple):
+    """One coordinate that may change: which base, and 0 θ, 1 ρ₁ or 2 ρ₂."""
+
+    base: int
+    axis: int
+
+
+class Search:
+    """Placements and their values, as changes x of the coordinates in which the bases can drive.
+
+    evaluations : placements tried at most, roughly: a round begun is ended
+    """
+
+    def __init__(self, robot: Robot, task: Task, evaluations: int) -> None:
+        self.robot, self.task, self.evaluations, self.tried = robot, task, evaluations, 0
+        self.directions = [_Direction(k, axis) for k, base in enumerate(robot.bases) for axis in range(3)
+                           if base.speed_max[axis] > 0]
+        self.here = np.zeros(len(self.directions))
+
+    def value(self, x: Array) -> float:
+        """The worst margin at a placement; far below 0 where it is blocked."""
+        self.tried += 1
+        placed = self.moved(x)
+        blocked = overlap(placed, self.task.poses)
+        if blocked > 0:
+            return UNREACHABLE * (1 + blocked)
+        return worst_margin(placed, self.task)[0]
+
+    def best(self, demand: float) -> tuple[float, Array]:
+        """The best placement found, from the most promising start first; ends at one that meets the demand."""
+        starts = _starts(self.robot, self.task.poses, self.directions)
+        values = [self.value(start) for start in starts]
+        found = (-np.inf, starts[0])
+        for i in np.argsort(values)[::-1]:
+            if found[0] < demand:
+                found = max(found, self.climb(starts[i], values[i], demand), key=lambda end: end[0])
+        return found
+
+    def climb(self, start: Array, value: float, demand: float) -> tuple[float, Array]:
+        """Pattern search uphill: one coordinate at a time, the step halved where none helps."""
+        x, best = start, value
+        step = 0.25 * _span(self.robot, self.task.poses)
+        while step > _SMALLEST_STEP and best < demand and self.tried < self.evaluations:
+            here = best
+            for move in step * np.eye(len(x)):
+                x, best = max(((x, best), *((there, self.value(there)) for there in (x + move, x - move))),
+                              key=lambda end: end[1])
+                if best >= demand:
+                    break
+            if best <= here + 1e-9:
+                step /= 2
+        return best, x
+
+    def moved(self, x: Array) -> Robot:
+        """The bases moved from where the robot has them: θ about their own centers, ρ along their present axes."""
+        shifts = np.zeros((len(self.robot.bases), 3))
+        for direction, amount in zip(self.directions, x):
+            shifts[direction.base, direction.axis] = amount
+        return self.robot.with_bases({
+            base.name: (*(base.position + base.rotation[:2, :2] @ shift[1:]), base.heading + shift[0])
+            for base, shift in zip(self.robot.bases, shifts)})
+
+
+def _starts(robot: Robot, poses: Pose, directions: list[_Direction]) -> list[Array]:
+    """Where searches begin: the layout over the middle of the poses, narrower, wider, or to every side of them."""
+    places = np.array([base.position for base in robot.bases])
+    floor = 2 if robot.dimension == 3 else 1
+    middle = (poses.position[:, :floor].min(axis=0) + poses.position[:, :floor].max(axis=0)) / 2
+    center = places.mean(axis=0)
+    over, aside = np.zeros(2), np.zeros((floor, 2))
+    over[:floor] = (middle - center[:floor])
+    aside[:, :floor] = _span(robot, poses) * np.eye(floor)
+    layouts = [over + (factor - 1) * (places - center) for factor in (1.0, 0.7, 1.4, 2.0)]
+    layouts += [over + way + 0 * places for way in (*aside, *-aside)]
+    starts = [np.zeros(len(directions))]
+    for layout in layouts:
+        layout[:, floor:] = 0.0
+        along = [base.rotation[:2, :2].T @ move for base, move in zip(robot.bases, layout)]
+        starts.append(np.array([0.0 if axis == 0 else along[k][axis - 1] for k, axis in directions]))
+    return starts
+
+
+def _span(robot: Robot, poses: Pose) -> float:
+    """How far apart things are on the floor [m]."""
+    floor = 2 if robot.dimension == 3 else 1
+    places = np.concatenate([np.array([base.position[:floor] for base in robot.bases]), poses.position[:, :floor]])
+    return max(float(np.ptp(places, axis=0).max()), 0.5)
+
+
+def overlap(robot: Robot, poses: Pose) -> float:
+    """How far bases stand in each other, or masts in the platform, as circles seen from above [m]."""
+    floor = 2 if robot.dimension == 3 else 1
+    centers = np.array([base.position[:floor] for base in robot.bases])
+    radii = np.array([np.linalg.norm(base.footprint, axis=1).max(initial=0.05) for base in robot.bases])
+    apart = np.linalg.norm(centers[:, None] - centers, axis=-1) - radii[:, None] - radii
+    body = float(np.linalg.norm(robot.platform.size[:floor]) / 2 + np.linalg.norm(robot.platform.center[:floor]))
+    carried = [i for i, k in enumerate(robot.base_indices) if k >= 0]
+    masts = robot.exit_points[carried, :floor]
+    clear = np.linalg.norm(poses.position[:, None, :floor] - masts, axis=-1) - body
+    pairs = apart[np.triu_indices(len(centers), 1)]
+    return max(0.0, -float(np.concatenate([pairs, clear.ravel()]).min(initial=0.0)))
