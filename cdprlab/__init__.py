@@ -39,7 +39,7 @@ from .workspace import (
 from .workspace.placement import place_bases
 from .world import World, load_world, world_names, world_schema
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "Base", "Cable", "CdprError", "ComputedTorque", "ConfigurationSequence", "DynamicEquilibrium", "InterferenceFree",

@@ -87,7 +87,7 @@ class PickAndPlace(Task):
     aside: float = 0.0
 
     def trajectory(self) -> Trajectory:
-        raise InvalidInput("a pick_and_place task is no single motion: use cdprlab.fastkit.job.pick_and_place(world)")
+        raise InvalidInput("a pick_and_place task is no single motion: use cdprlab.fastkit.pick_and_place(world)")
 
 
 @dataclass(frozen=True, eq=False)
