@@ -8,6 +8,7 @@ from scipy.optimize import linprog
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput, NoPlacement
+from cdprlab.mechanics.statics import tipping_rows
 from cdprlab.robot import Base
 from cdprlab.workspace.placement import place_bases
 from cdprlab.workspace.placement.program import Task, worst_margin
@@ -143,8 +144,8 @@ def test_a_margin_can_be_asked_for():
             replace(cable, tension_min=cable.tension_min + b, tension_max=cable.tension_max - b)
             for cable, b in zip(placed.cables, band)))
         for pose in poses:
-            rows = np.concatenate([rows.matrix for rows in cl.statics.tipping_rows(inner, pose).values()])
-            sides = -np.concatenate([rows.offset for rows in cl.statics.tipping_rows(inner, pose).values()])
+            rows = np.concatenate([rows.matrix for rows in tipping_rows(inner, pose).values()])
+            sides = -np.concatenate([rows.offset for rows in tipping_rows(inner, pose).values()])
             for wrench in wrenches:
                 if linprog(np.zeros(4), A_ub=rows, b_ub=sides - spare, A_eq=cl.wrench_matrix(inner, pose), b_eq=-wrench,
                            bounds=[*zip(inner.tension_min, inner.tension_max)], method="highs").status:

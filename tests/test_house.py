@@ -1,7 +1,6 @@
 """The house rules of docs and design: who may import whom, and that what is public is documented."""
 
 import ast
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -39,7 +38,7 @@ def test_the_page_about_the_house_names_every_room_in_order():
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(PACKAGE).as_posix())
 def test_imports_go_down_the_list_only(path: Path):
     here = _room(path)
-    for node, inside_function in _imports(path):
+    for node, _ in _imports(path):
         for there in _rooms_of(path, node):
             if there == here or ROOMS.index(there) < ROOMS.index(here):
                 continue

@@ -14,6 +14,7 @@ from ..errors import InfeasibleTwist, InvalidInput
 from ..robot import Robot
 from ..robot.pose import Pose
 from .kinematics import Pivot, base_jacobian, jacobian
+from .optimization import largest_last
 
 RESOLUTION_METHODS = {
     "quadratic_program": "least weighted norm within the speed limits",
@@ -150,8 +151,6 @@ def _within_limits(B: Array, rates: Array, roots: tuple[Array, Array], bound: tu
 
 def _largest_scale(B: Array, rates: Array, limits: Array) -> float:
     """max s with |q̇| ≤ q̇_max and |s J t − B q̇| ≤ l̇_max, by a linear program."""
-    from scipy.optimize import linprog
-
     if not rates.any():
         return float("inf")
     p = B.shape[1]
@@ -159,9 +158,8 @@ def _largest_scale(B: Array, rates: Array, limits: Array) -> float:
     finite = np.isfinite(limits[p:])
     sides = limits[p:][finite]
     bounds = [(-q, q) for q in limits[:p]] + [(0, None)]
-    found = linprog(-np.eye(p + 1)[-1], A_ub=np.concatenate([rows[finite], -rows[finite]]),
-                    b_ub=np.concatenate([sides, sides]), bounds=bounds, method="highs")
-    return float(found.x[-1]) if found.status == 0 else float("inf")
+    rows, sides = np.concatenate([rows[finite], -rows[finite]]), np.concatenate([sides, sides])
+    return largest_last(rows, sides, bounds=bounds)[0]
 
 
 def _judged(robot: Robot, speeds: Array, scale: Array, limits: Array, method: str) -> TwistResolution:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ..arrays import Array
+from ..mechanics.optimization import largest_last
 from ..robot import Robot
 
 
@@ -15,8 +14,7 @@ def margin_by_program(W: Array, w_e: Array, low: Array, high: Array, at_high: bo
     n, m = W.shape
     identity, ones = np.eye(m), np.ones((m, 1))
     rows = np.block([[-identity, ones], [identity, ones if at_high else 0 * ones]])
-    answer = _largest_last(rows, np.concatenate([-low, high]), np.concatenate([W, np.zeros((n, 1))], axis=1), -w_e)
-    return (-np.inf, np.full(m, np.nan)) if answer is None else (float(answer[-1]), answer[:-1])
+    return largest_last(rows, np.concatenate([-low, high]), np.concatenate([W, np.zeros((n, 1))], axis=1), -w_e)
 
 
 def standing_by_program(W: Array, w_e: Array, A: Array, b: Array, robot: Robot) -> float:
@@ -24,9 +22,8 @@ def standing_by_program(W: Array, w_e: Array, A: Array, b: Array, robot: Robot) 
     n, m = W.shape
     identity, none = np.eye(m), np.zeros((m, 1))
     rows = np.block([[-identity, none], [identity, none], [A, np.ones((len(A), 1))]])
-    answer = _largest_last(rows, np.concatenate([-robot.tension_min, robot.tension_max, b]),
-                           np.concatenate([W, np.zeros((n, 1))], axis=1), -w_e)
-    return -np.inf if answer is None else float(answer[-1])
+    sides = np.concatenate([-robot.tension_min, robot.tension_max, b])
+    return largest_last(rows, sides, np.concatenate([W, np.zeros((n, 1))], axis=1), -w_e)[0]
 
 
 def speed_by_program(rates: Array, B: Array, cables: Array, bases: Array) -> float:
@@ -38,14 +35,4 @@ def speed_by_program(rates: Array, B: Array, cables: Array, bases: Array) -> flo
     identity = np.eye(a, a + 1)
     rows = np.block([[-B, ones], [B, ones], [identity], [-identity]])
     sides = np.concatenate([cables[limited] - rates, cables[limited] + rates, bases, bases])
-    answer = _largest_last(rows, sides, np.zeros((0, a + 1)), np.zeros(0))
-    return -np.inf if answer is None else float(answer[-1])
-
-
-def _largest_last(A: Array, b: Array, A_eq: Array, b_eq: Array) -> Array | None:
-    """The x with the largest last entry; None where nothing satisfies the rows."""
-    from scipy.optimize import linprog
-
-    done: Any = linprog(-np.eye(A.shape[1])[-1], A_ub=A, b_ub=b, A_eq=A_eq if len(A_eq) else None,
-                        b_eq=b_eq if len(A_eq) else None, bounds=(None, None), method="highs")
-    return np.asarray(done.x) if done.status == 0 else None
+    return largest_last(rows, sides)[0]

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array, as_number
 from ...errors import InvalidInput
+from ...mechanics.optimization import largest_last
 from ...mechanics.statics import gravity_wrench, wrench_matrix
 from ...robot import MOTION_PATTERNS, Cable, Platform, Robot
 from ...robot.pose import Pose
@@ -150,7 +151,6 @@ def null_vector(W: Array) -> Array:
     array([1. , 0.5])
     """
     from scipy.linalg import null_space
-    from scipy.optimize import linprog
 
     kernel = null_space(W)
     m, r = kernel.shape
@@ -162,8 +162,7 @@ def null_vector(W: Array) -> Array:
         # h = N z with |h| ≤ 1 and t ≤ h_i, t as large as possible.
         rows = np.block([[-kernel, np.ones((m, 1))], [kernel, np.zeros((m, 1))], [-kernel, np.zeros((m, 1))]])
         bounds = np.concatenate([np.zeros(m), np.ones(2 * m)])
-        best = linprog(np.append(np.zeros(r), -1.0), A_ub=rows, b_ub=bounds, bounds=(None, None))
-        h = kernel @ best.x[:r]
+        h = kernel @ largest_last(rows, bounds)[1]
         if np.abs(h).max() < 1e-9:  # no h ≥ 0 but zero: any direction will do
             h = kernel[:, 0]
     return np.asarray(h / np.abs(h).max())

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arrays import Array
+from ...mechanics.optimization import largest_last
 from ...mechanics.statics import tipping_rows, wrench_matrix
 from ...robot import Robot
 from ...robot.pose import Pose
@@ -37,20 +38,14 @@ class Task(NamedTuple):
 
 def worst_margin(robot: Robot, task: Task) -> tuple[float, Array]:
     """The s of `place_bases` over all poses and wrenches at once, and tensions (N, k, m) that have it."""
-    from scipy.optimize import linprog
-
     (N, k), m = task.loads.shape[:2], robot.n_cables
     rows, sides = _limits(robot, task)
     balance = np.zeros((N * k, robot.n_dof, m + 1))
     balance[..., :m] = np.repeat(wrench_matrix(robot, task.poses), k, axis=0)
     count = N * k * m + 1
-    cost = np.zeros(count)
-    cost[-1] = -1.0
-    found = linprog(cost, A_ub=_blocks(rows), b_ub=sides.ravel(), A_eq=_blocks(balance), b_eq=-task.loads.ravel(),
-                    bounds=[(None, None)] * (count - 1) + [(None, 1.0)], method="highs")
-    if found.status != 0:
-        return UNREACHABLE, np.full((N, k, m), np.nan)
-    return float(found.x[-1]), found.x[:-1].reshape(N, k, m)
+    s, tensions = largest_last(_blocks(rows), sides.ravel(), _blocks(balance), -task.loads.ravel(),
+                               [(None, None)] * (count - 1) + [(None, 1.0)])
+    return s if np.isfinite(s) else UNREACHABLE, tensions.reshape(N, k, m)
 
 
 def _limits(robot: Robot, task: Task) -> tuple[Array, Array]:

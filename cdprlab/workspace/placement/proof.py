@@ -11,15 +11,13 @@ import numpy as np
 from ...arrays import Array
 from ...mechanics.cables import anchor_offsets, cable_directions, cable_vectors
 from ...mechanics.kinematics import cross
+from ...mechanics.optimization import largest_last
 from ...robot import Base, Robot
 from ...robot.pose import Pose
 from .program import Task
 
 _ROUNDING = 1e-6
 """Shares of a wrench closer to 1 than this are no proof."""
-
-_INFEASIBLE = 2
-"""scipy's status of a linear program that has no solution."""
 
 
 def why_impossible(robot: Robot, task: Task) -> str:
@@ -81,8 +79,6 @@ def _lift(robot: Robot, pose: Pose, load: Array) -> str:
 
 def largest_share(robot: Robot, pose: Pose, load: Array, tipping: bool) -> float:
     """An upper bound on the share λ ≤ 1 of ``load`` that any placement can balance; −1 where not even λ = 0."""
-    from scipy.optimize import linprog
-
     pulls = _pulls(robot, pose, load)
     ones = np.broadcast_to(np.eye(robot.dimension), (robot.n_cables, robot.dimension, robot.dimension))
     arms = np.swapaxes(cross(anchor_offsets(robot, pose)[:, None], ones), 1, 2)     # force → moment about P
@@ -94,12 +90,12 @@ def largest_share(robot: Robot, pose: Pose, load: Array, tipping: bool) -> float
             edges, spare = standing_rows(robot, k, cable_vectors(robot, pose)[:, -1])
             rows.append(np.einsum("eid,idv->ev", edges, pulls.forces))
             sides.append(spare)
-    A = np.concatenate(rows)
-    count = A.shape[1]
-    found = linprog(-np.eye(count + 1)[-1], A_ub=np.pad(A, ((0, 0), (0, 1))), b_ub=np.concatenate(sides),
-                    A_eq=np.column_stack([exerted, load]), b_eq=np.zeros(robot.n_dof),
-                    bounds=[*zip(pulls.least, pulls.most), (0.0, 1.0)], method="highs")
-    return float(found.x[-1]) if found.status == 0 else -1.0 if found.status == _INFEASIBLE else 1.0
+    A = np.pad(np.concatenate(rows), ((0, 0), (0, 1)))
+    share, _ = largest_last(A, np.concatenate(sides), np.column_stack([exerted, load]), np.zeros(robot.n_dof),
+                            [*zip(pulls.least, pulls.most), (0.0, 1.0)])
+    if np.isnan(share):   # no answer is no proof
+        return 1.0
+    return max(share, -1.0)
 
 
 class _Pulls(NamedTuple):
