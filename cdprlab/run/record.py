@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +13,7 @@ from ..mechanics.trajectory import Reference
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import World
+from .log import save_record
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,17 +94,8 @@ class Run:
 
         folder : made if missing
         """
-        target = Path(folder)
-        target.mkdir(parents=True, exist_ok=True)
-        columns = self._columns()
-        units = {name: unit for name, (_, unit) in columns.items()}
-        arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}
-        np.savez_compressed(target / "log.npz", units=np.array(json.dumps(units)), **arrays)
-        write_csv(target / "log.csv", columns)
-        self.world.save(target / "world.yaml")
         settings = {"task": self.task, "method": self.method, "cables": self.cables, **self.settings}
-        (target / "settings.json").write_text(json.dumps(settings, indent=1) + "\n", encoding="utf-8")
-        return target
+        return save_record(folder, self._columns(), self.world, settings)
 
     def _columns(self) -> dict[str, tuple[Array, str]]:
         """Name → array, unit of each log column group."""
@@ -130,18 +120,3 @@ class Run:
             **({} if self.base_poses is None else {"base_pose": (self.base_poses, "m, m, rad")}),
             "feasible": (np.asarray(self.feasible), ""),
         }
-
-
-def write_csv(path: Path, columns: dict[str, tuple[Array, str]]) -> None:
-    """One row a step; column groups of several values get numbers, counted from 1, and their unit."""
-    blocks = {name: (values.reshape(values.shape[0], -1), unit) for name, (values, unit) in columns.items()}
-    header = []
-    for name, (values, unit) in blocks.items():
-        suffix = f" [{unit}]" if unit else ""
-        numbers = [""] if values.shape[1] == 1 else [f"_{i + 1}" for i in range(values.shape[1])]
-        header += [f"{name}{number}{suffix}" for number in numbers]
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(header)
-        table = np.concatenate([values.astype(float) for values, _ in blocks.values()], axis=1)
-        writer.writerows([f"{value:.9g}" for value in row] for row in table.tolist())

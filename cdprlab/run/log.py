@@ -1,0 +1,89 @@
+"""What happens, one row a control step: a table of named columns, each with its shape and its unit."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, frozen
+from ..world import World
+
+_ROOM = 1024
+"""Rows a table has room for at first; it doubles when they are full."""
+
+
+class Log:
+    """Rows as they come, columns by name.
+
+    columns : name → (shape of what one row has of it, unit)
+
+    >>> log = Log({"time": ((), "s"), "position": ((2,), "m")})
+    >>> log.keep(0.0, [1.0, 2.0])
+    >>> log.keep(0.5, [1.5, 2.0])
+    >>> log["position"].shape, log.units["time"]
+    ((2, 2), 's')
+    """
+
+    def __init__(self, columns: Mapping[str, tuple[tuple[int, ...], str]]) -> None:
+        self.units = {name: unit for name, (_, unit) in columns.items()}
+        self._shapes = {name: shape for name, (shape, _) in columns.items()}
+        ends = np.cumsum([int(np.prod(shape)) for shape in self._shapes.values()]).tolist()
+        self._slices = dict(zip(self._shapes, map(slice, [0, *ends], ends)))
+        # One table: kept as separate arrays, the log would push a loop out of the processor's cache.
+        self._table, self._rows = np.empty((_ROOM, ends[-1])), 0
+
+    def keep(self, *values: ArrayLike) -> None:
+        """Write down one row: a value a column, in their order."""
+        if self._rows == len(self._table):
+            self._table = np.concatenate([self._table, np.empty_like(self._table)])
+        np.concatenate(values, axis=None, out=self._table[self._rows])
+        self._rows += 1
+
+    def __len__(self) -> int:
+        return self._rows
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._slices
+
+    def __getitem__(self, name: str) -> Array:
+        """(N, …) one column, read-only."""
+        column = np.array(self._table[:self._rows, self._slices[name]])
+        return frozen(column.reshape(self._rows, *self._shapes[name]))
+
+
+def save_record(folder: str | Path, columns: Mapping[str, tuple[Any, str]], world: World,
+                settings: Mapping[str, Any], every: int = 1) -> Path:
+    """Write log.npz (named arrays and their units), log.csv, the world used and the settings.
+
+    folder : made if missing; columns : name → (N, …) array and its unit
+    every : of how many rows log.csv keeps one; log.npz has them all
+    """
+    target = Path(folder)
+    target.mkdir(parents=True, exist_ok=True)
+    units = json.dumps({name: unit for name, (_, unit) in columns.items()})
+    arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}
+    np.savez_compressed(target / "log.npz", units=np.array(units), **arrays)
+    write_csv(target / "log.csv", {name: (values[::every], unit) for name, (values, unit) in columns.items()})
+    world.save(target / "world.yaml")
+    (target / "settings.json").write_text(json.dumps(settings, indent=1) + "\n", encoding="utf-8")
+    return target
+
+
+def write_csv(path: Path, columns: Mapping[str, tuple[Any, str]]) -> None:
+    """One row a step; columns of several values get numbers, counted from 1, and their unit."""
+    header, blocks = [], []
+    for name, (values, unit) in columns.items():
+        block = np.asarray(values, dtype=float).reshape(len(values), -1)
+        numbers = [""] if block.shape[1] == 1 else [f"_{i + 1}" for i in range(block.shape[1])]
+        header += [f"{name}{number} [{unit}]" if unit else name + number for number in numbers]
+        blocks.append(block)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        writer.writerows([f"{value:.9g}" for value in row] for row in np.hstack(blocks).tolist())
