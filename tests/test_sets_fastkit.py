@@ -4,12 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
+import scipy.spatial
 from programs import lp_support
 from scipy.optimize import linprog
 
 import cdprlab as cl
 from cdprlab.errors import NotListable
-from cdprlab.sets import listing
 
 NAMES = ("fastkit_suspended", "fastkit_constrained")
 SHELF = cl.Pose([0.8, 0.0, 0.9])
@@ -67,15 +67,16 @@ def test_wrenches_that_tip_no_base_are_listed_also_where_many_planes_meet_in_a_c
         d = rng.normal(size=(50, 6))
         np.testing.assert_allclose(lp_support(again, d), lp_support(aws, d), rtol=1e-9)
         with monkeypatch.context() as without_qhull:
-            without_qhull.setattr(listing, "_hull", give_up)
-            asked = listing.planes(aws)
-        assert asked.corners is None
-        np.testing.assert_array_equal(asked.normals, aws._planes.normals)
+            without_qhull.setattr(scipy.spatial, "ConvexHull", give_up)
+            asked = cl.available_wrench_set(robot, pose, tipping=True)
+            np.testing.assert_array_equal(asked.normals, aws.normals)
+            with pytest.raises(NotListable, match="too many"):
+                _ = asked.vertices
 
 
 def give_up(points):
     """What Qhull does where too many planes meet."""
-    raise NotListable("too many meet in one corner")
+    raise scipy.spatial.QhullError("too many meet in one corner")
 
 
 def test_no_seven_kilograms_half_way_between_the_bases_and_high():

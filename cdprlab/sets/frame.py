@@ -1,16 +1,13 @@
-"""Where a `Polytope` lies and how large it is: the coordinates in which its facets and vertices are listed."""
+"""Where a convex set lies and how large it is: the coordinates in which its facets and vertices are listed."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array, frozen
-from ..errors import NotListable
-
-if TYPE_CHECKING:
-    from .polytope import Polytope
 
 _FLAT = 1e-9
 """A set is flat across a direction in which it is narrower than this share of its size."""
@@ -33,82 +30,62 @@ class Frame(NamedTuple):
 
     @property
     def dimension(self) -> int:
-        """Of the set; −1 when it is empty."""
-        return -1 if np.isnan(self.center).any() else self.basis.shape[1]
+        """Of the set."""
+        return self.basis.shape[1]
 
     @property
     def span(self) -> Array:
         """(n, dimension) orthonormal directions of x in which the set extends."""
-        if self.dimension < 1:
-            return np.zeros((len(self.center), 0))
         return np.asarray(np.linalg.qr(self.scales[:, None] * self.basis)[0])
+
+    @property
+    def back(self) -> Array:
+        """(dimension, n): z = back (x − center), and the support in direction d of z is that in direction d·back."""
+        return self.basis.T / self.scales
 
     def outside(self, z: Array) -> Array:
         """(…, n) points of the set from their coordinates in the frame."""
         return self.center + self.scales * (z @ self.basis.T)
 
+    def inside(self, x: Array) -> Array:
+        """(…, dimension) coordinates in the frame of points of the set."""
+        return (x - self.center) @ self.back.T
+
     def rows(self, normals: Array, offsets: Array) -> tuple[Array, Array]:
-        """Unit rows over x from rows over z."""
-        n = normals @ self.basis.T / self.scales
-        d = offsets + n @ self.center
+        """Unit rows over x from rows over z, two opposite ones added for each missing direction."""
+        n = normals @ self.back
         size = np.linalg.norm(n, axis=1)
-        return n / size[:, None], d / size
+        n, level = n / size[:, None], self.center @ self.missing
+        return (np.concatenate([n, self.missing.T, -self.missing.T]),
+                np.concatenate([offsets / size + n @ self.center, level, -level]))
 
 
-def frame(polytope: Polytope) -> Frame:
-    """The affine hull of the set, found by asking how wide it is: n directions, each extends it or is missing.
+def affine_hull(ends: Array, support_point: Callable[[Array], Array]) -> Frame:
+    """The affine hull of a bounded set, found by asking how wide it is: n directions, each extends it or is missing.
 
-    Raises NotListable where the set is unbounded.
+    ends : (2, n, n) its points farthest along −e_i and e_i; support_point : d → its point farthest along d
     """
-    if (known := _symmetric(polytope)) is not None:
-        return known
-    n, eye = polytope.n, np.eye(polytope.n)
-    ends = polytope.support_point(np.concatenate([-eye, eye])).reshape(2, n, n)
-    reach = polytope.component_range() if np.isnan(ends).any() else np.diagonal(ends, axis1=1, axis2=2).T
-    if np.isinf(reach).any():
-        raise NotListable("the set is unbounded (a cable without a speed limit, or too few cables), so it has no list "
-                          "of vertices and facets; contains, support and the ranges still answer")
-    if np.isnan(reach).any():
-        return Frame(np.full(n, np.nan), np.ones(n), np.zeros((n, 0)), np.eye(n))
+    n = ends.shape[-1]
+    reach = np.diagonal(ends, axis1=1, axis2=2).T
     half = (reach[:, 1] - reach[:, 0]) / 2
     scales = np.where(half > _FLAT * np.abs(reach).max(axis=1), half, 1.0)
     points = ends.reshape(-1, n)
+    basis, missing, seen = np.zeros((n, 0)), np.zeros((n, 0)), [points]
     if np.linalg.svd((points - points.mean(axis=0)) / scales, compute_uv=False)[-1] > _SOLID:
-        return Frame(frozen(points.mean(axis=0)), frozen(scales), frozen(eye), frozen(np.zeros((n, 0))))
-    return _probed(polytope, scales, float(np.abs(reach / scales[:, None]).max()))
-
-
-def _symmetric(polytope: Polytope) -> Frame | None:
-    """Without a program: rows N x ≤ d and −N x ≤ d with d > 0 and N of full rank enclose a solid around the origin."""
-    if polytope._outer_rows is None:
-        return None
-    normals, offsets = polytope._outer_rows
-    normals, offsets = normals[np.isfinite(offsets)], offsets[np.isfinite(offsets)]
-    half, n = len(offsets) // 2, polytope.n
-    if not half or (offsets <= 0).any() or not (np.array_equal(normals[:half], -normals[half:])
-                                                and np.array_equal(offsets[:half], offsets[half:])):
-        return None
-    near = np.abs(normals[:half] / offsets[:half, None]).max(axis=0)    # 1 / distance to the border along each axis
-    spread = np.linalg.svd(normals[:half] / offsets[:half, None] / np.where(near > 0, near, 1.0), compute_uv=False)
-    if len(spread) < n or spread[-1] < _SOLID:
-        return None
-    return Frame(frozen(np.zeros(n)), frozen(1 / near), frozen(np.eye(n)), frozen(np.zeros((n, 0))))
-
-
-def _probed(polytope: Polytope, scales: Array, size: float) -> Frame:
-    """Direction by direction: across each the set extends, or it is flat."""
-    n = polytope.n
-    basis, missing, seen = np.zeros((n, 0)), np.zeros((n, 0)), []
-    for _ in range(n):
-        way = _unused(np.concatenate([basis, missing], axis=1))
-        ends = polytope.support_point(np.stack([way, -way]) / scales) / scales
-        step = (ends[0] - ends[1]) - basis @ (basis.T @ (ends[0] - ends[1]))
-        seen.append(ends * scales)
-        if abs(way @ (ends[0] - ends[1])) > _FLAT * max(1.0, size):
-            basis = np.concatenate([basis, (step / np.linalg.norm(step))[:, None]], axis=1)
-        else:
-            missing = np.concatenate([missing, way[:, None]], axis=1)
-    across = np.linalg.qr(missing / scales[:, None])[0] if missing.shape[1] else missing
+        basis = np.eye(n)
+    else:
+        size = max(1.0, float(np.abs(reach / scales[:, None]).max()))
+        seen = []
+        while basis.shape[1] + missing.shape[1] < n:
+            way = _unused(np.concatenate([basis, missing], axis=1))
+            seen.append(support_point(np.stack([way, -way]) / scales))
+            step = (seen[-1][0] - seen[-1][1]) / scales
+            if abs(way @ step) > _FLAT * size:
+                step = step - basis @ (basis.T @ step)
+                basis = np.concatenate([basis, (step / np.linalg.norm(step))[:, None]], axis=1)
+            else:
+                missing = np.concatenate([missing, way[:, None]], axis=1)
+    across = np.linalg.qr(missing / scales[:, None])[0]
     return Frame(frozen(np.concatenate(seen).mean(axis=0)), frozen(scales), frozen(basis), frozen(across))
 
 

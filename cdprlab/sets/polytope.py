@@ -1,31 +1,38 @@
-"""`Polytope`: the image {shift + M q : A q ≤ b} of what limits allow, asked by linear programs, listed on demand."""
+"""`Polytope`: the image {shift + M q : A q ≤ b} of what limits allow, asked by linear programs, listed on demand.
+
+One face, and three kinds that answer it: the image of any limits, the zonotope, and the set given by its own rows.
+They differ in how facets are found; a zonotope answers its support by a formula besides.
+"""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import comb
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array, as_array, frozen
-from ..errors import InvalidInput
+from ..errors import InvalidInput, NotListable
 from .elimination import can_eliminate, eliminate
-from .frame import Frame, frame
-from .line import line_ends
-from .listing import Planes, corners, facets, planes, volume
+from .frame import Frame, affine_hull
+from .listing import Planes, asked_hull, candidates, hull, meetings, tips, without_superfluous
 from .simplex import TOLERANCE, Program, maximize
 from .subspace import null_space, solve
+from .zonotope import MOST_COMBINATIONS, box_corners, hyperplane_shifting, zonotope_volume
+
+_MOST_SIGNS = 12
+"""Generators up to which a zonotope's corners are sought among all 2ᵏ sign combinations."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Polytope:
+class Polytope(ABC):
     """The convex set {shift + M q : A q ≤ b}; make one by `from_image`, `from_rows` or `from_box`.
 
     map : M, (n, k); rows : A, (r, k); limits : b, (r,), inf where a row is no limit; shift : (n,)
-    box : (lower, upper) of q where the rows are just that, which makes the set a zonotope
-    outer : makes rows (N, d) with the set = {x : N x ≤ d}, superfluous ones allowed, where they are known
 
     >>> square = Polytope.from_rows([[1, 0], [0, 1], [-1, 0], [0, -1]], [1, 1, 1, 1])
     >>> square.contains([[0.5, 1.0], [0.5, 1.1]]), square.volume
@@ -36,11 +43,9 @@ class Polytope:
     rows: Array
     limits: Array
     shift: Array
-    box: tuple[Array, Array] | None = None
-    outer: Callable[[], tuple[Array, Array]] | None = None
 
-    @classmethod
-    def from_image(cls, M: ArrayLike, A: ArrayLike, b: ArrayLike) -> Polytope:
+    @staticmethod
+    def from_image(M: ArrayLike, A: ArrayLike, b: ArrayLike) -> Image:
         """{M q : A q ≤ b}: what a machine can do whose actuators q, shared or not, obey A q ≤ b.
 
         M : (n, k); A : (r, k); b : (r,), inf where a row is no limit
@@ -49,22 +54,20 @@ class Polytope:
         a = as_array(A, "A", ("r", m.shape[1]))
         limits = _limits(b, "b", a.shape[0])
         known = m.shape[0] > 3 and can_eliminate(m, a)      # up to 3-D support points are quicker
-        return cls(m, a, limits, frozen(np.zeros(m.shape[0])),
-                   outer=(lambda: eliminate(m, a, limits)) if known else None)
+        return Image(m, a, limits, frozen(np.zeros(m.shape[0])), (lambda: eliminate(m, a, limits)) if known else None)
 
-    @classmethod
-    def from_rows(cls, normals: ArrayLike, offsets: ArrayLike) -> Polytope:
+    @staticmethod
+    def from_rows(normals: ArrayLike, offsets: ArrayLike) -> Halfspaces:
         """{x : N x ≤ d}; superfluous rows are allowed.
 
         normals : N, (r, n); offsets : d, (r,), inf where a row is no limit
         """
         rows = as_array(normals, "normals", ("r", "n"))
-        limits = _limits(offsets, "offsets", rows.shape[0])
         n = rows.shape[1]
-        return cls(frozen(np.eye(n)), rows, limits, frozen(np.zeros(n)), outer=lambda: (rows, limits))
+        return Halfspaces(frozen(np.eye(n)), rows, _limits(offsets, "offsets", rows.shape[0]), frozen(np.zeros(n)))
 
-    @classmethod
-    def from_box(cls, M: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> Polytope:
+    @staticmethod
+    def from_box(M: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> Zonotope:
         """The zonotope {M q : lower ≤ q ≤ upper}.
 
         M : (n, k); lower, upper : (k,), finite
@@ -74,8 +77,8 @@ class Polytope:
         if (low > high).any():
             raise InvalidInput(f"lower must not exceed upper, got {low.tolist()} and {high.tolist()}")
         eye = np.eye(m.shape[1])
-        return cls(m, frozen(np.concatenate([eye, -eye])), frozen(np.concatenate([high, -low])),
-                   frozen(np.zeros(m.shape[0])), box=(low, high))
+        return Zonotope(m, frozen(np.concatenate([eye, -eye])), frozen(np.concatenate([high, -low])),
+                        frozen(np.zeros(m.shape[0])))
 
     # --- questions that always have an answer -----------------------------------------------------
     @property
@@ -95,17 +98,11 @@ class Polytope:
         Returns (…).
         """
         d = self._points(direction, "direction")
-        if self.box is not None:
-            center, half = self.center_and_generators
-            return np.asarray(d @ center + np.abs(d @ half).sum(axis=-1))
         return np.asarray(self._program.maximize(d @ self.map).values + d @ self.shift)
 
     def support_point(self, direction: ArrayLike) -> Array:
         """(…, n) a point of the set where d·x is largest; nan where there is none."""
         d = self._points(direction, "direction")
-        if self.box is not None:
-            center, half = self.center_and_generators
-            return np.asarray(center + np.where(d @ half < 0, -1.0, 1.0) @ half.T)
         return np.asarray(self._program.maximize(d @ self.map).points @ self.map.T + self.shift)
 
     def contains(self, x: ArrayLike) -> NDArray[np.bool_]:
@@ -139,7 +136,7 @@ class Polytope:
         start = self._origin(origin)
         if not self.contains(start):
             return np.full((self.n, 2), np.nan)
-        ends = np.array([line_ends(self, start, axis) for axis in np.eye(self.n)])
+        ends = np.array([self._line_ends(start, axis) for axis in np.eye(self.n)])
         ends = np.where(np.isnan(ends), 0.0, ends)     # inside by less than rounding
         return np.stack([np.minimum(ends[:, 0], 0.0), np.maximum(ends[:, 1], 0.0)], axis=1)
 
@@ -151,13 +148,32 @@ class Polytope:
         """
         points, start = self._points(x, "x"), self._origin(origin)
         flat = (points - start).reshape(-1, self.n)
-        return np.array([line_ends(self, start, way)[1] for way in flat]).reshape(points.shape[:-1])[()]
+        return np.array([self._line_ends(start, way)[1] for way in flat]).reshape(points.shape[:-1])[()]
+
+    def _line_ends(self, start: Array, way: Array) -> tuple[float, float]:
+        """Smallest and largest s with start + s way inside, nan where no s is.
+
+        A program over s and what the map forgets: M q = start + s way is solved by q = q₀ + s q₁ + K y.
+        """
+        q, reached = solve(self.map, np.stack([start - self.shift, way]))
+        if not reached[1]:      # the set does not extend that way at all
+            return (0.0, 0.0) if self.contains(start) else (np.nan, np.nan)
+        rows = self.rows @ np.concatenate([self._null, q[1][:, None]], axis=1)
+        goals = np.zeros((2, rows.shape[1]))
+        goals[:, -1] = -1.0, 1.0
+        low, high = maximize(rows, self.limits - self.rows @ q[0], goals).values
+        if not reached[0] or np.isneginf(low):
+            return np.nan, np.nan
+        if not way.any():
+            return -np.inf, np.inf
+        return -float(low), float(high)
 
     # --- parts of it ------------------------------------------------------------------------------
     def project(self, components: Sequence[int]) -> Polytope:
         """The shadow: the chosen components of every point."""
         chosen = self._chosen(components)
-        return Polytope(frozen(self.map[chosen]), self.rows, self.limits, frozen(self.shift[chosen]), box=self.box)
+        kind = Zonotope if isinstance(self, Zonotope) else Image
+        return kind(frozen(self.map[chosen]), self.rows, self.limits, frozen(self.shift[chosen]))
 
     def slice(self, components: Sequence[int], origin: ArrayLike = 0.0) -> Polytope:
         """The cut: the chosen components of the points whose others are those of ``origin``.
@@ -171,14 +187,14 @@ class Polytope:
         null = null_space(fixed)
         limits = self.limits - self.rows @ q if reached else np.full(self.limits.shape, -1.0)
         rows = self.rows @ null if reached else np.zeros((len(limits), null.shape[1]))
-        return Polytope(frozen(self.map[chosen] @ null), frozen(rows), frozen(limits),
-                        frozen(self.shift[chosen] + self.map[chosen] @ q))
+        return Image(frozen(self.map[chosen] @ null), frozen(rows), frozen(limits),
+                     frozen(self.shift[chosen] + self.map[chosen] @ q))
 
     # --- lists, made when first asked for ---------------------------------------------------------
     @property
     def dimension(self) -> int:
         """Of the set itself: below n where it is flat, −1 when it is empty."""
-        return self._frame.dimension
+        return -1 if self.is_empty else self._frame.dimension
 
     @property
     def span(self) -> Array:
@@ -188,8 +204,12 @@ class Polytope:
     @cached_property
     def vertices(self) -> Array:
         """(v, n) corners; in the plane counter-clockwise. Raises NotListable where there are too many."""
-        at = self._frame
-        return frozen(at.outside(self._corners) if at.dimension >= 0 else np.zeros((0, self.n)))
+        at, found = self._frame, self._planes
+        points = self._meetings(found) if found.corners is None else found.corners
+        if at.dimension == 2:
+            x, y = (points - points.mean(axis=0)).T
+            points = points[np.argsort(np.arctan2(y, x))]
+        return frozen(at.outside(points))
 
     @property
     def normals(self) -> Array:
@@ -204,44 +224,57 @@ class Polytope:
     @property
     def volume(self) -> float:
         """n-dimensional volume (area in the plane), in the product of the components' units; 0 when flat or empty."""
-        return volume(self)
+        if self.dimension < self.n:
+            return 0.0
+        at = self._frame
+        corners = at.inside(self.vertices)      # of size 1, which suits Qhull
+        size = np.ptp(corners) if self.n == 1 else hull(corners).volume
+        return float(size * at.scales.prod())
 
     def __repr__(self) -> str:
-        kind = "zonotope" if self.box is not None else "polytope"
+        kind = "zonotope" if isinstance(self, Zonotope) else "polytope"
         if self.is_empty:
             return f"Polytope(empty, {self.n}-D)"
         flat = f", flat: dimension {self.dimension}" if self.dimension < self.n else ""
         return f"Polytope({self.n}-D {kind}{flat})"
 
+    # --- what a kind answers ----------------------------------------------------------------------
+    @abstractmethod
+    def _list(self, at: Frame) -> Planes:
+        """Facets in coordinates of the frame, which are two at least."""
+
+    def _meetings(self, found: Planes) -> Array:
+        """(v, k) where the facets meet."""
+        return meetings(found.normals, found.offsets)
+
     # --- inside -----------------------------------------------------------------------------------
     @cached_property
-    def _outer_rows(self) -> tuple[Array, Array] | None:
-        return None if self.outer is None else self.outer()
-
-    @cached_property
     def _frame(self) -> Frame:
-        return frame(self)
+        eye = np.eye(self.n)
+        ends = self.support_point(np.stack([-eye, eye]))
+        if not np.isnan(ends).any():
+            return affine_hull(ends, self.support_point)
+        if self.is_empty:
+            return Frame(np.zeros(self.n), np.ones(self.n), np.zeros((self.n, 0)), eye)
+        raise NotListable("the set is unbounded (a cable without a speed limit, or too few cables), so it has no list "
+                          "of vertices and facets; contains, support and the ranges still answer")
 
     @cached_property
     def _planes(self) -> Planes:
-        return planes(self)
-
-    @cached_property
-    def _corners(self) -> Array:
-        return corners(self)
+        at = self._frame
+        if at.dimension > 1:
+            return self._list(at)
+        if at.dimension == 1:
+            first, last = at.inside(self.support_point(np.concatenate([at.back, -at.back])))[:, 0]
+            return Planes(np.array([[1.0], [-1.0]]), np.array([first, -last]), np.array([[last], [first]]))
+        return Planes(np.zeros((0, 0)), np.zeros(0), np.zeros((0 if self.is_empty else 1, 0)))
 
     @cached_property
     def _facets(self) -> tuple[Array, Array]:
-        normals, offsets = facets(self)
+        if self.is_empty:
+            return np.zeros((1, self.n)), -np.ones(1)
+        normals, offsets = self._frame.rows(*self._planes[:2])
         return frozen(normals), frozen(offsets)
-
-    @cached_property
-    def center_and_generators(self) -> tuple[Array, Array]:
-        """(n,) and (n, k) of a zonotope {center + G z : |z| ≤ 1}; raises InvalidInput for other sets."""
-        if self.box is None:
-            raise InvalidInput("only the image of a box has generators; this set has other limits too")
-        low, high = self.box
-        return frozen(self.shift + self.map @ ((high + low) / 2)), frozen(self.map * ((high - low) / 2))
 
     @cached_property
     def _program(self) -> Program:
@@ -273,6 +306,77 @@ class Polytope:
                 or chosen.dtype.kind not in "iu" or chosen.min() < 0 or chosen.max() >= self.n:
             raise InvalidInput(f"components must be different numbers from 0 to {self.n - 1}, got {components!r}")
         return chosen
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Image(Polytope):
+    """{shift + M q : A q ≤ b}: facets from rows that are known, or up to 3-D from support points.
+
+    outer : makes rows (N, d) with the set = {x : N x ≤ d}, superfluous ones allowed, where they are known
+    """
+
+    outer: Callable[[], tuple[Array, Array]] | None = None
+
+    def _list(self, at: Frame) -> Planes:
+        if self.outer is not None:
+            return without_superfluous(*candidates(at, *self.outer(), self.support))
+        if at.dimension > 3:
+            raise NotListable(f"the facets of this {at.dimension}-dimensional image cannot be listed at sensible cost; "
+                              "ask contains, support or axis_section, or list a part of it: project([0, 1, 2]) or "
+                              "slice([0, 1, 2])")
+        return asked_hull(lambda d: at.inside(self.support_point(d @ at.back)), at.dimension)
+
+
+class Halfspaces(Polytope):
+    """{x : N x ≤ d}: facets are the rows without the superfluous ones."""
+
+    def _list(self, at: Frame) -> Planes:
+        return without_superfluous(*candidates(at, self.rows, self.limits, self.support))
+
+
+class Zonotope(Polytope):
+    """{center + G z : |z| ≤ 1}, the image of a box: facets by hyperplane shifting, the support by a formula."""
+
+    @cached_property
+    def center(self) -> Array:
+        """(n,) of the set."""
+        high, low = self.limits.reshape(2, -1)
+        return frozen(self.shift + self.map @ ((high - low) / 2))
+
+    @cached_property
+    def generators(self) -> Array:
+        """G, (n, k)."""
+        high, low = self.limits.reshape(2, -1)
+        return frozen(self.map * ((high + low) / 2))
+
+    @property
+    def is_empty(self) -> bool:
+        return False
+
+    def support(self, direction: ArrayLike) -> Array:
+        d = self._points(direction, "direction")
+        return np.asarray(d @ self.center + np.abs(d @ self.generators).sum(axis=-1))
+
+    def support_point(self, direction: ArrayLike) -> Array:
+        d = self._points(direction, "direction")
+        return np.asarray(self.center + np.where(d @ self.generators < 0, -1.0, 1.0) @ self.generators.T)
+
+    @property
+    def volume(self) -> float:
+        n, k = self.generators.shape
+        if self.dimension == n and comb(k, n) <= MOST_COMBINATIONS:
+            return zonotope_volume(self.generators)
+        return super().volume
+
+    def _list(self, at: Frame) -> Planes:
+        return Planes(*hyperplane_shifting(at.inside(self.center), at.back @ self.generators))
+
+    def _meetings(self, found: Planes) -> Array:
+        k = self.generators.shape[1]
+        if k > _MOST_SIGNS:
+            return super()._meetings(found)
+        signs = box_corners(-np.ones(k), np.ones(k))
+        return tips(self._frame.inside(self.center + signs @ self.generators.T), found.normals, found.offsets)
 
 
 def _limits(value: ArrayLike, name: str, count: int) -> Array:

@@ -14,9 +14,9 @@ from ..errors import InvalidInput
 from ..mechanics.kinematics import Pivot, base_jacobian, jacobian
 from ..robot import Robot
 from ..robot.pose import Pose
-from .polytope import Polytope
+from .polytope import Image, Polytope
 from .subspace import null_space
-from .zonotope import MOST_COMBINATIONS, hyperplane_shifting, n_choices, shifting_normals
+from .zonotope import MOST_COMBINATIONS, hyperplane_shifting, n_choices
 
 
 def available_twist_set(robot: Robot, pose: Pose, moving: str | Sequence[str] = "all",
@@ -54,8 +54,8 @@ def twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike, base_speed_max: 
         return Polytope.from_rows(np.concatenate([j, -j]), np.concatenate([cable, cable]))
     rows = np.block([[j, -b], [-j, b], [np.zeros((a, n)), np.eye(a)], [np.zeros((a, n)), -np.eye(a)]])
     known = n_choices(m, m + a) <= MOST_COMBINATIONS
-    return Polytope(frozen(np.eye(n, n + a)), frozen(rows), frozen(np.concatenate([cable, cable, base, base])),
-                    frozen(np.zeros(n)), outer=(lambda: _outer_rows(j, b, cable, base)) if known else None)
+    return Image(frozen(np.eye(n, n + a)), frozen(rows), frozen(np.concatenate([cable, cable, base, base])),
+                 frozen(np.zeros(n)), (lambda: _outer_rows(j, b, cable, base)) if known else None)
 
 
 class SubmatrixTwistSet(NamedTuple):
@@ -144,10 +144,8 @@ def _outer_rows(J: Array, B: Array, cable: Array, base: Array) -> tuple[Array, A
     """
     limited = np.isfinite(cable)
     generators = np.concatenate([np.diag(cable[limited]), (B * base)[limited]], axis=1)
-    normals = shifting_normals(generators)
-    reach = np.abs(normals @ generators).sum(axis=1)
-    rows = normals @ J[limited]
-    return np.concatenate([rows, -rows]), np.concatenate([reach, reach])
+    normals, offsets = hyperplane_shifting(np.zeros(len(generators)), generators)
+    return normals @ J[limited], offsets
 
 
 def _why_not_exact(J: Array, B: Array) -> str:

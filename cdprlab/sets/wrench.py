@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Array, as_number, frozen
+from ..arrays import Array, as_number
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_directions
 from ..mechanics.statics import tipping_rows, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
-from .elimination import can_eliminate, eliminate
 from .polytope import Polytope
 from .twist import one_pose
 
@@ -42,10 +41,8 @@ def available_wrench_set(robot: Robot, pose: Pose, tipping: bool = False, fricti
     if not sum(len(limit) for _, limit in standing):
         return Polytope.from_box(W, low, high)
     eye = np.eye(robot.n_cables)
-    A = np.concatenate([eye, -eye, *(matrix for matrix, _ in standing)])
-    b = np.concatenate([high, -low, *(limit for _, limit in standing)])
-    return Polytope(frozen(W), frozen(A), frozen(b), frozen(np.zeros(len(W))),
-                    outer=(lambda: eliminate(W, A, b)) if can_eliminate(W, A) else None)
+    return Polytope.from_image(W, np.concatenate([eye, -eye, *(matrix for matrix, _ in standing)]),
+                               np.concatenate([high, -low, *(limit for _, limit in standing)]))
 
 
 def sliding_rows(robot: Robot, pose: Pose, friction: float, sides: int = 8) -> tuple[Array, Array]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
+from ..errors import NotListable
 
 PARALLEL = 1e-9
 """Unit normals this close together are one; generators shorter than this share of the longest are none."""
@@ -25,31 +26,38 @@ def hyperplane_shifting(center: Array, generators: Array) -> tuple[Array, Array]
     Σ |n·g_i|.
 
     center : (n,); generators : G, (n, k)
+    Raises NotListable where the choices of n − 1 generators are more than ``MOST_COMBINATIONS``.
     Source: Gouttefarde and Krut 2010; Bouchard et al. 2010.
 
     >>> normals, offsets = hyperplane_shifting(np.zeros(2), np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]))
     >>> len(normals), float(offsets.max().round(6))
     (6, 2.0)
     """
-    normals = shifting_normals(generators)
+    n, k = generators.shape
+    choices = n_choices(n, k)
+    if choices > MOST_COMBINATIONS:
+        raise NotListable(f"{k} cables in {n} dimensions make {choices} candidate planes, more than "
+                          f"{MOST_COMBINATIONS}; ask contains and support instead, of a workspace by='tensions'")
+    normals = np.ones((1, 1)) if n == 1 else _shifting_normals(generators)
     reach = np.abs(normals @ generators).sum(axis=1)
     middle = normals @ center
     return np.concatenate([normals, -normals]), np.concatenate([reach + middle, reach - middle])
 
 
-def shifting_normals(generators: Array) -> Array:
+def _shifting_normals(generators: Array) -> Array:
     """(f, n) one unit normal a pair of opposite facets: orthogonal to n − 1 independent columns of G."""
     n, k = generators.shape
     lengths = np.linalg.norm(generators, axis=0)
     unit = (generators / np.where(lengths > PARALLEL * lengths.max(), lengths, np.inf)).T
-    if n == 1:
-        return np.ones((1, 1))
     # One normal a choice of n − 1 generators: R of the transposed choice is triangular, its last row's null vector
     # follows from cofactors; QR by columns is what LAPACK batches best.
     chosen = unit[_choices(k, n - 1)]
     q, r = np.linalg.qr(np.swapaxes(chosen, -1, -2), mode="complete")
     pivots = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
-    return _distinct(q[pivots.min(axis=-1) > PARALLEL, :, -1])
+    normals = q[pivots.min(axis=-1) > PARALLEL, :, -1]
+    # Each line once, its first entry that is not small positive.
+    normals = normals * np.sign(np.take_along_axis(normals, (np.abs(normals) > 1e-7).argmax(axis=1)[:, None], axis=1))
+    return normals[first_of_each(normals)]
 
 
 def zonotope_volume(generators: Array) -> float:
@@ -83,13 +91,6 @@ def n_choices(n: int, k: int) -> int:
 @lru_cache(maxsize=16)
 def _choices(k: int, size: int) -> NDArray[np.intp]:
     return np.array(list(combinations(range(k), size)), dtype=np.intp).reshape(-1, size)
-
-
-def _distinct(normals: Array) -> Array:
-    """Each line once, its first entry that is not small positive."""
-    leading = np.take_along_axis(normals, (np.abs(normals) > 1e-7).argmax(axis=1)[:, None], axis=1)
-    signed = normals * np.sign(leading)
-    return signed[first_of_each(signed)]
 
 
 def first_of_each(rows: Array, tolerance: float = 1e-8) -> NDArray[np.intp]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array
-from ..sets.zonotope import MOST_COMBINATIONS, hyperplane_shifting, n_choices
+from ..sets.zonotope import hyperplane_shifting
 from ..tensions.feasible_polygon import plain
 
 
@@ -41,13 +41,9 @@ def capacity_margins(W: Array, w_e: Array, loads: Array, half: Array, low: Array
 
 def _one_by_one(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: Array) -> tuple[float, Array]:
     """By the planes of one pose; where W loses rank, by the corners."""
-    from ..errors import NotListable
-
-    n, m = W.shape
+    n = W.shape[0]
     if np.linalg.matrix_rank(W) < n:
         return _flat(W, w_e, loads, half, low, high), np.full(n, np.nan)
-    if n_choices(n, m) > MOST_COMBINATIONS:
-        raise NotListable(f"{n_choices(n, m)} facets a pose are too many to list; ask by='tensions'")
     normals, offsets = hyperplane_shifting(W @ (high + low) / 2, W * (high - low) / 2)
     left = (offsets - (normals @ -(w_e + loads).T).max(axis=1)) - np.abs(normals) @ half
     worst = int(np.argmin(left))
