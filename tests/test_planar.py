@@ -334,7 +334,7 @@ def test_push_moves_a_free_body_by_newton():
         simulator.push([50.0, -30.0, 5.0])
         simulator.step(np.zeros(4))
         twist = simulator.twist
-    wanted = cl.control.inverse_dynamics(robot, np.eye(2), np.zeros(3), twist / 1e-3)
+    wanted = cl.mechanics.dynamics.inverse_dynamics(robot, np.eye(2), np.zeros(3), twist / 1e-3)
     # By the step's end the arm of 0.1 m has turned by ω dt = 1e-6 rad under 60 N.
     np.testing.assert_allclose(wanted, [50, -30, 5], atol=1e-5)
 

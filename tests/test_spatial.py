@@ -86,7 +86,7 @@ def test_push_moves_a_free_body_by_newton():
         simulator.push([50.0, -30.0, 20.0, 5.0, 4.0, -3.0])
         simulator.step(np.zeros(8))
         twist = simulator.state().twist
-    wanted = cl.control.inverse_dynamics(robot, np.eye(3), np.zeros(6), twist / 1e-3)
+    wanted = cl.mechanics.dynamics.inverse_dynamics(robot, np.eye(3), np.zeros(6), twist / 1e-3)
     np.testing.assert_allclose(wanted, [50, -30, 20, 5, 4, -3], atol=1e-6)
 
 

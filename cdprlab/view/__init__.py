@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
-from ..run import Run
 from ..run.compare import TensionComparison
 
 if TYPE_CHECKING:
@@ -16,7 +15,8 @@ __all__ = ["plot", "plot_tensions", "plot_tracking", "save_figure", "save_film",
 
 
 def plot(run_or_table: Any) -> Figure:
-    """One figure of a whole run: motion, errors, tensions. Or a comparison's tensions over the path.
+    """One figure of a whole run: motion, errors, tensions. Or a comparison's tensions; anything
+    with a ``plot()`` of its own draws itself.
 
     run_or_table : Run or TensionComparison
     Raises InvalidInput for anything else.
@@ -25,17 +25,20 @@ def plot(run_or_table: Any) -> Figure:
     >>> plot(42)
     Traceback (most recent call last):
     ...
-    cdprlab.errors.InvalidInput: plot takes a Run or a TensionComparison, got int
+    cdprlab.errors.InvalidInput: plot takes a Run, a TensionComparison or what has a plot method, got int
     """
-    if isinstance(run_or_table, Run):
-        from .plots import plot_run
-
-        return plot_run(run_or_table)
     if isinstance(run_or_table, TensionComparison):
         from .tension_comparison import plot_tension_comparison
 
         return plot_tension_comparison(run_or_table)
-    raise InvalidInput(f"plot takes a Run or a TensionComparison, got {type(run_or_table).__name__}")
+    if hasattr(run_or_table, "commanded_tensions"):
+        from .plots import plot_run
+
+        return plot_run(run_or_table)
+    if callable(getattr(run_or_table, "plot", None)):
+        return run_or_table.plot()
+    raise InvalidInput("plot takes a Run, a TensionComparison or what has a plot method, "
+                       f"got {type(run_or_table).__name__}")
 
 
 def plot_tracking(run: Any) -> Figure:
