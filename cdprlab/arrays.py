@@ -43,6 +43,11 @@ def frozen(array: Array) -> Array:
     return array
 
 
+def plain(array: Any) -> Any:
+    """Contiguous and read-only, a copy only where it must be: what is compiled is compiled for this kind of array."""
+    return frozen(np.ascontiguousarray(array).view())
+
+
 def as_number(value: Any, name: str, unit: str = "", *, minimum: float | None = None,
               positive: bool = False, location: Location = ()) -> float:
     """A finite float, optionally positive or at least ``minimum``.

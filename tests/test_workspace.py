@@ -11,8 +11,7 @@ import cdprlab as cl
 from cdprlab.errors import InvalidInput
 from cdprlab.workspace import AllOrientations, AnyOrientation, position_grid
 from cdprlab.workspace.tensions import mass_matrix, tension_margins
-from cdprlab.workspace.wrenches import wrench_matrices
-from robots import ROBOTS, case, random_poses, robot_1r2t, robot_3r3t, two_bases
+from robots import case, random_poses, robot_1r2t, robot_3r3t, two_bases
 
 WORLDS = ("caroca", "planar_rigid", "ipanema3", "planar_point", "kntu_planar", "cogiro", "robocrane")
 
@@ -89,13 +88,6 @@ def test_verdict_without_margin_is_the_margin_s_sign(name):
     full, quick = (cl.workspace(robot, poses, cl.WrenchFeasible(), margin=margin) for margin in (True, False))
     sure = np.abs(full.margin) > 1e-7 * robot.tension_max.max()
     assert (full.inside == quick.inside)[sure].all() and np.isnan(quick.margin).all()
-
-
-@pytest.mark.parametrize("name", sorted(ROBOTS))
-def test_compiled_wrench_matrices_are_those_of_statics(name):
-    robot = ROBOTS[name]()
-    poses = random_poses(robot, 20, 3)
-    np.testing.assert_allclose(wrench_matrices(robot, poses), cl.wrench_matrix(robot, poses), rtol=0, atol=1e-14)
 
 
 def test_a_cable_without_length_is_named_and_puts_its_pose_outside():

@@ -1,37 +1,48 @@
-"""The compiled wrench matrix, the same as in `statics`."""
+"""The columns of W, cable after cable, and the cables' lengths: what every loop, sweep, engine and set asks for."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..arrays import Array
-from .polygon import compiled
+from .jit import compiled
 
 
 @compiled
-def columns(exits: Array, anchors: Array, position: Array, rotation: Array, n: int) -> tuple[Array, bool]:
-    """(k, n, m) of [u; r × u] as far as there are rows, and whether every cable has a length."""
-    count, d = position.shape
-    m = exits.shape[0]
-    W, r, u, whole = np.empty((count, n, m)), np.zeros(3), np.zeros(3), True
+def cables(exit_points: Array, anchor_points: Array, positions: Array, rotations: Array) -> tuple[Array, Array]:
+    """Lengths l (k, m) and whole wrench matrices W (k, 3 planar or 6 spatial, m) at k poses.
+
+    exit_points A, anchor_points B : (m, d) [m]; positions p : (k, d) [m]; rotations R : (k, d, d)
+    Column i of W is [u_i; r_i × u_i]: its first d rows are the directions. Of a cable without length it is NaN.
+    """
+    count, d = positions.shape
+    m = exit_points.shape[0]
+    lengths, W = np.empty((count, m)), np.empty((count, 3 * (d - 1), m))
+    rz = vz = 0.0   # in the plane
     for k in range(count):
+        R, p = rotations[k], positions[k]
         for i in range(m):
-            square = 0.0
-            for a in range(d):
-                r[a] = 0.0
-                for b in range(d):
-                    r[a] += rotation[k, a, b] * anchors[i, b]
-                u[a] = exits[i, a] - position[k, a] - r[a]
-                square += u[a] * u[a]
-            whole &= square > 0.0
-            inverse = 1.0 / np.sqrt(square)
-            for a in range(d):
-                u[a] *= inverse
-            for a in range(min(d, n)):
-                W[k, a, i] = u[a]
-            if n == 6:
-                W[k, 3, i] = r[1] * u[2] - r[2] * u[1]
-                W[k, 4, i] = r[2] * u[0] - r[0] * u[2]
-            if n == 6 or (n == 3 and d == 2):
-                W[k, n - 1, i] = r[0] * u[1] - r[1] * u[0]
-    return W, whole
+            A, B = exit_points[i], anchor_points[i]
+            # r = R B
+            rx = R[0, 0] * B[0] + R[0, 1] * B[1]
+            ry = R[1, 0] * B[0] + R[1, 1] * B[1]
+            if d == 3:
+                rx += R[0, 2] * B[2]
+                ry += R[1, 2] * B[2]
+                rz = R[2, 0] * B[0] + R[2, 1] * B[1] + R[2, 2] * B[2]
+                vz = A[2] - p[2] - rz
+            # v = A − p − r, l = ‖v‖, u = v / l
+            vx = A[0] - p[0] - rx
+            vy = A[1] - p[1] - ry
+            length = np.sqrt(vx * vx + vy * vy + vz * vz)
+            ux, uy, uz = vx / length, vy / length, vz / length
+            lengths[k, i] = length
+            W[k, 0, i] = ux
+            W[k, 1, i] = uy
+            # r × u
+            W[k, -1, i] = rx * uy - ry * ux
+            if d == 3:
+                W[k, 2, i] = uz
+                W[k, 3, i] = ry * uz - rz * uy
+                W[k, 4, i] = rz * ux - rx * uz
+    return lengths, W

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from .polygon import _reduce, _spread, compiled
+from .jit import compiled
+from .polygon import _reduce, _spread
 
 FOUND, UNREACHABLE, TOO_REDUNDANT, UNSETTLED = 0, 1, 2, 3
 

@@ -2,24 +2,18 @@
 
 Gauss–Jordan elimination makes D the identity in the free cables, so that λ are these cables' own tensions and the
 polygon of feasible λ starts as a rectangle. Nothing chosen here (the nearest tensions, the centroid, a vertex)
-depends on which basis of W's null space that is. This is the one module that imports numba.
+depends on which basis of W's null space that is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar, cast
+from typing import Any
 
-import numba
 import numpy as np
 
 from ..arrays import Array
 from ..tensions.feasible_polygon import CENTROID, LOWEST
-
-Function = TypeVar("Function", bound=Callable[..., Any])
-
-# Fused multiply-adds, and divisions by zero that give inf: nothing that would let NaN or rounding pass.
-_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
+from .jit import compiled
 
 FOUND, EMPTY, OUT_OF_RANGE, TOO_REDUNDANT, SPENT = 0, 1, 2, 3, 4
 """Why there is no answer: no tensions inside the limits, none at all, more than a polygon (r > 2), no cable left."""
@@ -33,14 +27,6 @@ _OFF_RANGE = 1e-8
 _FIXED, _BROKEN = 1e-9, 1e-12
 # A polygon of less area than this, relative to its length squared, is a segment: rounding leaves about 1e-16.
 _THIN = 1e-12
-
-
-def compiled(function: Function) -> Function:
-    """Compiled on first use; kept on disk where a folder can be written, else compiled anew in each process."""
-    try:
-        return cast(Function, numba.njit(cache=True, **_OPTIONS)(function))
-    except RuntimeError:   # numba found no folder for its cache
-        return cast(Function, numba.njit(**_OPTIONS)(function))
 
 
 @compiled

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from .polygon import _BORDER, _ROUNDING, _polygon, _reduce, _spread, compiled
+from .jit import compiled
+from .polygon import _BORDER, _ROUNDING, _polygon, _reduce, _spread
 
 OUTSIDE, INSIDE, TOO_REDUNDANT = 0, 1, 2
 

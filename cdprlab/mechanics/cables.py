@@ -1,13 +1,48 @@
-"""Cable vectors, directions and lengths: inverse kinematics of positions."""
+"""Cables at a pose: vectors, directions, lengths (inverse kinematics of positions) and the columns they give W."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, plain
 from ..errors import InvalidInput
 from ..robot import Robot
 from ..robot.pose import Pose
+
+
+class Cables(NamedTuple):
+    """What there is to know of a robot's cables at a pose.
+
+    directions : (…, m, d) u, unit vectors from anchor point to exit point, in world axes
+    lengths : (…, m) l [m]
+    wrench_matrix : (…, n, m) W, columns [u; (R b) × u] in the motion pattern's rows
+    """
+
+    directions: Array
+    lengths: Array
+    wrench_matrix: Array
+
+
+def cables_at(robot: Robot, pose: Pose) -> Cables:
+    """Directions, lengths and wrench matrix together: the one place where they are asked for.
+
+    robot, pose : single or batched
+    Raises InvalidInput when robot and pose have different dimensions, or where a cable has no length.
+
+    >>> import cdprlab as cl
+    >>> directions, lengths, W = cables_at(cl.load_world("caroca").robot, cl.Pose([0, 0, 1]))
+    >>> directions.shape, lengths.shape, W.shape
+    ((8, 3), (8,), (6, 8))
+    """
+    lengths, W = _lengths_and_wrenches(robot, pose)
+    if not lengths.all():
+        cable = int(np.argwhere(lengths == 0)[0][-1]) + 1
+        raise InvalidInput(f"cable {cable} has no length at this pose: its anchor point is on its exit point, "
+                           "so it has no direction")
+    directions = np.swapaxes(W[..., :robot.dimension, :], -1, -2)
+    return Cables(directions, lengths, robot.pattern.project(W, pose.rotation))
 
 
 def anchor_offsets(robot: Robot, pose: Pose) -> Array:
@@ -21,9 +56,7 @@ def anchor_offsets(robot: Robot, pose: Pose) -> Array:
     >>> anchor_offsets(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).shape
     (8, 3)
     """
-    if pose.dimension != robot.dimension:
-        raise InvalidInput(f"a {robot.motion_pattern} robot lives in {robot.dimension} dimensions, "
-                           f"the pose has {pose.dimension}")
+    _check_dimension(robot, pose)
     return robot.anchor_points @ np.swapaxes(pose.rotation, -1, -2)
 
 
@@ -51,7 +84,7 @@ def cable_lengths(robot: Robot, pose: Pose) -> Array:
     >>> cable_lengths(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).round(3)[:2]
     array([5.195, 4.358])
     """
-    return np.linalg.norm(cable_vectors(robot, pose), axis=-1)
+    return _lengths_and_wrenches(robot, pose)[0]
 
 
 def cable_directions(robot: Robot, pose: Pose) -> Array:
@@ -66,14 +99,21 @@ def cable_directions(robot: Robot, pose: Pose) -> Array:
     >>> np.allclose((u * u).sum(axis=-1), 1)
     True
     """
-    vectors = cable_vectors(robot, pose)
-    return vectors / _checked_lengths(vectors)[..., None]
+    return cables_at(robot, pose).directions
 
 
-def _checked_lengths(vectors: Array) -> Array:
-    lengths = np.linalg.norm(vectors, axis=-1)
-    if not lengths.all():
-        cable = int(np.argwhere(lengths == 0)[0][-1]) + 1
-        raise InvalidInput(f"cable {cable} has no length at this pose: its anchor point is on its exit point, "
-                           "so it has no direction")
-    return lengths
+def _lengths_and_wrenches(robot: Robot, pose: Pose) -> tuple[Array, Array]:
+    """l (…, m) and the whole W (…, 3 planar or 6 spatial, m)."""
+    from ..compiled.columns import cables
+
+    _check_dimension(robot, pose)
+    d, batch = robot.dimension, pose.batch_shape
+    lengths, W = cables(robot.exit_points, robot.anchor_points, plain(pose.position.reshape(-1, d)),
+                        plain(pose.rotation.reshape(-1, d, d)))
+    return lengths.reshape(*batch, *lengths.shape[1:]), W.reshape(*batch, *W.shape[1:])
+
+
+def _check_dimension(robot: Robot, pose: Pose) -> None:
+    if pose.dimension != robot.dimension:
+        raise InvalidInput(f"a {robot.motion_pattern} robot lives in {robot.dimension} dimensions, "
+                           f"the pose has {pose.dimension}")

@@ -11,7 +11,7 @@ from ..arrays import Array, as_array
 from ..errors import InvalidInput, NoConvergence
 from ..robot import Base, Robot
 from ..robot.pose import Pose, rotation_from_vector, rotation_vector_jacobian
-from .cables import anchor_offsets, cable_directions, cable_lengths
+from .cables import cable_directions, cable_lengths, cables_at
 
 Pivot = Literal["base", "world"]
 
@@ -27,12 +27,7 @@ def jacobian(robot: Robot, pose: Pose) -> Array:
     >>> jacobian(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).shape
     (8, 6)
     """
-    directions = cable_directions(robot, pose)
-    moments = cross(anchor_offsets(robot, pose), directions)
-    full = -np.concatenate([directions, moments], axis=-1)
-    if robot.motion_pattern == "2R3T":
-        return full @ robot.pattern.basis(pose.rotation)
-    return full[..., :robot.n_dof]
+    return -np.swapaxes(cables_at(robot, pose).wrench_matrix, -1, -2)
 
 
 def base_jacobian(robot: Robot, pose: Pose, pivot: Pivot = "base") -> Array:

@@ -11,8 +11,8 @@ from ..arrays import Array, as_array
 from ..errors import InvalidInput
 from ..robot import Base, Robot
 from ..robot.pose import Pose, cross_matrix
-from .cables import anchor_offsets, cable_directions, cable_lengths
-from .kinematics import cross, jacobian
+from .cables import anchor_offsets, cable_directions, cables_at
+from .kinematics import cross
 
 
 def wrench_matrix(robot: Robot, pose: Pose) -> Array:
@@ -26,7 +26,7 @@ def wrench_matrix(robot: Robot, pose: Pose) -> Array:
     >>> wrench_matrix(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).shape
     (6, 8)
     """
-    return -np.swapaxes(jacobian(robot, pose), -1, -2)
+    return cables_at(robot, pose).wrench_matrix
 
 
 def gravity_wrench(robot: Robot, pose: Pose) -> Array:
@@ -45,7 +45,7 @@ def gravity_wrench(robot: Robot, pose: Pose) -> Array:
     force[..., d - 1] = -robot.mass * robot.gravity
     arm = pose.rotation @ robot.platform.center_of_mass
     full = np.concatenate([force, cross(arm, force)], axis=-1)
-    return (np.swapaxes(robot.pattern.basis(pose.rotation), -1, -2) @ full[..., None])[..., 0]
+    return robot.pattern.project(full[..., None], pose.rotation)[..., 0]
 
 
 def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: ArrayLike) -> Array:
@@ -70,10 +70,11 @@ def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: Ar
         raise InvalidInput(f"axial_stiffness must be a number or {robot.n_cables} numbers [N], got shape {ea.shape}")
     if (ea < 0).any():
         raise InvalidInput(f"axial_stiffness must not be negative [N], got {float(ea.min()):g}")
-    w = wrench_matrix(robot, pose)
-    elastic = (w * (ea / cable_lengths(robot, pose))[..., None, :]) @ np.swapaxes(w, -1, -2)
+    directions, lengths, W = cables_at(robot, pose)
+    elastic = (W * (ea / lengths)[..., None, :]) @ np.swapaxes(W, -1, -2)
     basis = robot.pattern.basis(pose.rotation)
-    return elastic + np.swapaxes(basis, -1, -2) @ _geometric_stiffness(robot, pose, tau) @ basis
+    geometric = _geometric_stiffness(anchor_offsets(robot, pose), directions, tau, lengths)
+    return elastic + np.swapaxes(basis, -1, -2) @ geometric @ basis
 
 
 class TippingRows(NamedTuple):
@@ -85,6 +86,45 @@ class TippingRows(NamedTuple):
 
     matrix: Array
     offset: Array
+
+
+class Footing(NamedTuple):
+    """How forces tip one base, seen from the base itself: the same wherever it stands.
+
+    base : which one
+    levers : (edges, m, d): cable i's moment about an edge is lever · u_i per newton, zero for other bases' cables [m]
+    center : (edges, d): the weight's is center · f [m]
+    weight : (d,) f in the world [N]
+    """
+
+    base: int
+    levers: Array
+    center: Array
+    weight: Array
+
+    def rows(self, directions: Array, rotation: Array) -> TippingRows:
+        """The edges' rows, given the cables' directions (…, m, d) and the base's rotation (d, d)."""
+        matrix = (self.levers * (directions @ rotation)[..., None, :, :]).sum(axis=-1)
+        offset = self.center @ (self.weight @ rotation)
+        return TippingRows(matrix, np.broadcast_to(offset, matrix.shape[:-1]))
+
+
+def footings(robot: Robot) -> list[Footing]:
+    """The footing of each base that has a footprint, in file order."""
+    found = []
+    for k, base in enumerate(robot.bases):
+        if not base.footprint.shape[0]:
+            continue
+        contacts, axes = _edges(base)
+        # The moment of a force f at p about an edge: axis · ((p − contact) × f) = (axis × (p − contact)) · f.
+        levers = np.zeros((len(contacts), robot.n_cables, robot.dimension))
+        for i, carrier in enumerate(robot.base_indices):
+            if carrier == k:   # the cable pulls its exit point with −τ u
+                levers[:, i] = -_turned(axes, robot.cables[i].exit_point - contacts)
+        weight = np.zeros(robot.dimension)
+        weight[-1] = -base.mass * robot.gravity
+        found.append(Footing(k, levers, _turned(axes, base.center_of_mass - contacts), weight))
+    return found
 
 
 def tipping_rows(robot: Robot, pose: Pose) -> dict[str, TippingRows]:
@@ -100,8 +140,8 @@ def tipping_rows(robot: Robot, pose: Pose) -> dict[str, TippingRows]:
     {}
     """
     directions = cable_directions(robot, pose)
-    return {base.name: _rows_of(robot, base, k, directions)
-            for k, base in enumerate(robot.bases) if base.footprint.shape[0]}
+    return {robot.bases[footing.base].name: footing.rows(directions, robot.bases[footing.base].rotation)
+            for footing in footings(robot)}
 
 
 def tipping_moments(robot: Robot, pose: Pose, tensions: ArrayLike) -> dict[str, Array]:
@@ -131,46 +171,34 @@ def _tensions(robot: Robot, pose: Pose, tensions: ArrayLike) -> Array:
     return tau
 
 
-def _geometric_stiffness(robot: Robot, pose: Pose, tau: Array) -> Array:
+def _geometric_stiffness(r: Array, u: Array, tau: Array, lengths: Array) -> Array:
     """Σ τ_i K_i in full twist coordinates: from du = −(I − u uᵀ)/l (dp + dφ × r) and dr = dφ × r."""
-    r, u = anchor_offsets(robot, pose), cable_directions(robot, pose)
-    swing = (np.eye(robot.dimension) - u[..., :, None] * u[..., None, :]) \
-        * (tau / cable_lengths(robot, pose))[..., None, None]
-    if robot.dimension == 2:
+    d = r.shape[-1]
+    swing = (np.eye(d) - u[..., :, None] * u[..., None, :]) * (tau / lengths)[..., None, None]
+    if d == 2:
         arm = np.stack([-r[..., 1], r[..., 0]], axis=-1)[..., None]   # dφ × r = arm dφ
         turn = -tau[..., None, None] * (r * u).sum(axis=-1)[..., None, None]
     else:
         arm = -cross_matrix(r)
         turn = tau[..., None, None] * (cross_matrix(u) @ cross_matrix(r))
-    moves = np.concatenate([np.broadcast_to(np.eye(robot.dimension), swing.shape), arm], axis=-1)
+    moves = np.concatenate([np.broadcast_to(np.eye(d), swing.shape), arm], axis=-1)
     full = np.swapaxes(moves, -1, -2) @ swing @ moves
-    d = robot.dimension
     full[..., d:, d:] -= turn
     return full.sum(axis=-3)
 
 
-def _rows_of(robot: Robot, base: Base, k: int, directions: Array) -> TippingRows:
-    contacts, axes = _edges(base)
-    weight = np.zeros(robot.dimension)
-    weight[-1] = -base.mass * robot.gravity
-    center = base.to_world(base.center_of_mass)
-    offset = _moments(center - contacts, weight, axes)
-    matrix = np.zeros((*directions.shape[:-2], contacts.shape[0], robot.n_cables))
-    for i, carrier in enumerate(robot.base_indices):
-        if carrier == k:
-            matrix[..., i] = _moments(robot.exit_points[i] - contacts, -directions[..., i, None, :], axes)
-    return TippingRows(matrix, np.broadcast_to(offset, matrix.shape[:-1]))
-
-
 def _edges(base: Base) -> tuple[Array, Array]:
-    """(k, d) a point and (k, 3 or 1) the axis of each tipping edge, positive moment = tipping outwards."""
+    """(k, d) a point and (k, 3 or 1) the axis of each edge, seen from the base; positive moments tip outwards."""
     if base.center_of_mass.shape[0] == 2:
         outward = np.sign(base.footprint[:, 0] - base.footprint[::-1, 0])
-        return base.to_world(base.footprint), -outward[:, None]
-    contacts = base.to_world(np.pad(base.footprint, ((0, 0), (0, 1))))
+        return base.footprint, -outward[:, None]
+    contacts = np.pad(base.footprint, ((0, 0), (0, 1)))
     edges = np.roll(contacts, -1, axis=0) - contacts
     return contacts, edges / np.linalg.norm(edges, axis=-1, keepdims=True)
 
 
-def _moments(arms: Array, force: Array, axes: Array) -> Array:
-    return (cross(arms, np.broadcast_to(force, np.broadcast_shapes(arms.shape, force.shape))) * axes).sum(axis=-1)
+def _turned(axes: Array, arms: Array) -> Array:
+    """axis × arm, (k, d); in the plane the axis is along z."""
+    if arms.shape[-1] == 2:
+        return axes * np.stack([-arms[:, 1], arms[:, 0]], axis=-1)
+    return np.cross(axes, arms)

@@ -116,10 +116,7 @@ class Base:
     @property
     def rotation(self) -> Array:
         """(d, d) from the base's frame to the world."""
-        c, s = np.cos(self.heading), np.sin(self.heading)
-        rotation = np.eye(self.center_of_mass.shape[0])
-        rotation[:2, :2] = [[c, -s], [s, c]]
-        return rotation
+        return turned_to(self.heading, self.center_of_mass.shape[0])
 
     @property
     def origin(self) -> Array:
@@ -162,6 +159,19 @@ class Elasticity:
 
     axial_stiffness: float
     damping: float = 0.0
+
+
+def turned_to(heading: float, d: int) -> Array:
+    """(d, d) rotation of what stands on the floor at this heading [rad].
+
+    >>> turned_to(0.0, 2)
+    array([[ 1., -0.],
+           [ 0.,  1.]])
+    """
+    c, s = np.cos(heading), np.sin(heading)
+    rotation = np.eye(d)
+    rotation[:2, :2] = [[c, -s], [s, c]]
+    return rotation
 
 
 def inertia_matrix(values: ArrayLike, location: tuple[str | int, ...] = ()) -> Array:

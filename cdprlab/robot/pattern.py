@@ -48,6 +48,16 @@ class MotionPattern(NamedTuple):
         basis[..., 3:, 3:] = rotation[..., :, 1:]
         return basis
 
+    def project(self, wrenches: Array, rotation: Array) -> Array:
+        """Sᵀ wrenches: of whole wrenches, side by side, the rows that the pattern controls.
+
+        wrenches : (…, 3 or 6, k) in world axes; rotation : (…, d, d)
+        Returns (…, n, k).
+        """
+        if self.name != "2R3T":
+            return wrenches[..., :self.n_dof, :]
+        return np.swapaxes(self.basis(rotation), -1, -2) @ wrenches
+
 
 MOTION_PATTERNS: dict[str, MotionPattern] = {
     pattern.name: pattern for pattern in (

@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import InvalidInput
 from ..mechanics.fast_control import mass_and_bias, turn_between
-from ..mechanics.fast_statics import standing_rows
+from ..mechanics.statics import TippingRows, footings
 from ..mechanics.trajectory import Reference
 from ..mechanics.winch import (
     Friction,
@@ -24,7 +24,7 @@ from ..mechanics.winch import (
     motor_speed,
     motor_torque,
 )
-from ..robot import Robot, Winch
+from ..robot import Robot, Winch, turned_to
 from ..simulate.mobile import MobileSimulator
 from ..tensions.distribution import solver_for
 from ..tensions.standing import standing_tensions
@@ -67,11 +67,18 @@ class WinchControl(ABC):
 
     def start(self, engine: MobileSimulator) -> None:
         """Get ready for an engine that has just been reset."""
-        self.winch = _winch_of(engine.world.robot)
+        self.winch, self.footings = _winch_of(engine.world.robot), footings(engine.world.robot)
 
     @abstractmethod
     def step(self, engine: MobileSimulator, order: Order) -> Effort:
         """Advance the engine by one control step."""
+
+    def standing_rows(self, engine: MobileSimulator) -> TippingRows:
+        """G τ + g ≤ 0 of all bases' edges, one below the other, where the bases are now."""
+        rows = [TippingRows(np.zeros((0, engine.tensions.size)), np.zeros(0))]
+        for footing in self.footings:
+            rows.append(footing.rows(engine.directions, turned_to(engine.base_poses[footing.base, 2], 3)))
+        return TippingRows(*map(np.concatenate, zip(*rows)))
 
 
 class TorqueControl(WinchControl):
@@ -101,7 +108,6 @@ class TorqueControl(WinchControl):
         self.relaxed = solver_for("relaxed", robot.n_dof, self.low, self.high)
         self.believed = _identified(self.winch) if self.friction is None else self.friction
         self.real = Friction.of(self.winch)
-        self.edges = standing_rows(robot)
 
     def step(self, engine: MobileSimulator, order: Order) -> Effort:
         W, wish = engine.wrench_matrix, order.reference
@@ -128,7 +134,7 @@ class TorqueControl(WinchControl):
     def _tensions(self, engine: MobileSimulator, W: Array, wrench: Array) -> tuple[Array, bool]:
         rows, offset = np.zeros((0, W.shape[1])), np.zeros(0)
         if self.standing:
-            rows, offset = self.edges(engine.directions, engine.base_poses[:, 2])
+            rows, offset = self.standing_rows(engine)
             offset = offset + self.reserve
         tau, reason = standing_tensions(W, -wrench, self.low, self.high, rows, offset, toward=self.toward)
         return (self.relaxed(W, -wrench)[0], False) if reason else (tau, True)
@@ -157,11 +163,11 @@ class VelocityControl(WinchControl):
         self.lengths, self.stiffness = np.array(engine.rope_lengths), _elasticity(robot)
         self.fastest = np.minimum(robot.speed_max, self.winch.speed * self.winch.drum_radius / self.winch.gear_ratio)
         self.low, self.high = robot.tension_min + self.margin, robot.tension_max - self.margin
-        self.edges, self.wanted, self.friction = standing_rows(robot), engine.tensions, Friction.of(self.winch)
+        self.wanted, self.friction = engine.tensions, Friction.of(self.winch)
 
     def step(self, engine: MobileSimulator, order: Order) -> Effort:
         wish = order.reference
-        directions, W, lengths = engine.cables_at(wish.pose)
+        directions, lengths, W = engine.cables_at(wish.pose)
         # J t − B_b q̇_b: −Wᵀ t, and what driving bases pay of the cables.
         rates = -wish.twist @ W + (directions * engine.exit_velocities).sum(axis=1)
         feasible = self._distribute(engine, order, W)
@@ -177,7 +183,7 @@ class VelocityControl(WinchControl):
         """The tensions that hold platform and load where they should be."""
         wish = order.reference
         mass, bias = mass_and_bias(order.robot, wish.pose.rotation, wish.twist)
-        rows, offset = self.edges(engine.directions, engine.base_poses[:, 2])
+        rows, offset = self.standing_rows(engine)
         tau, reason = standing_tensions(W, -(mass @ wish.acceleration + bias), self.low, self.high, rows,
                                         offset + self.reserve)
         self.wanted = self.wanted if reason else tau

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, frozen
+from ..arrays import Array, as_array, frozen, plain
 from ..errors import InvalidInput
-from ..mechanics.fast_statics import CYCLE, CableStatics, cyclic
+from ..mechanics.cables import Cables
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import World
@@ -80,11 +80,11 @@ class MobileSimulator(BoxSimulator):
     @property
     def exit_velocities(self) -> Array:
         """(m, 3) of the exit points during the last step [m/s]."""
-        return self._exit_steps.T / (self.dt * self._substeps)
+        return self._exit_steps / (self.dt * self._substeps)
 
-    def cables_at(self, pose: Pose) -> CableStatics:
-        """Directions, wrench matrix and lengths if the platform were at a pose, the bases where they are."""
-        return self._statics(*cyclic(pose.position, pose.rotation))
+    def cables_at(self, pose: Pose) -> Cables:
+        """Directions, lengths and wrench matrix if the platform were at a pose, the bases where they are."""
+        return self._cables(plain(pose.position), plain(pose.rotation))
 
     @property
     def tilts(self) -> Array:
@@ -179,7 +179,7 @@ class MobileSimulator(BoxSimulator):
         """The law of ropes whose exit points move: a base that drives away in the step needs that much more rope."""
         def tensions(W: Array, rotation: Array, twist: Array, lengths: Array, now: Array, wound: Array,
                      push: Any) -> Array:
-            leaving = (self.directions.T * self._exit_steps).sum(axis=0)
+            leaving = (self.directions * self._exit_steps).sum(axis=1)
             return law(W, rotation, twist, lengths, now, wound - leaving, push)
 
         return tensions
@@ -195,9 +195,9 @@ class MobileSimulator(BoxSimulator):
         # Per base, rotation and center of mass side by side.
         self._frames = frames = np.concatenate([values[:, :9].reshape(-1, 3, 3), values[:, 9:, None]], axis=2)
         still, local = self._mounted
-        exits = frames.transpose(1, 0, 2).reshape(3, -1).dot(local) + still
-        self._exit_steps = exits - self._exits[:3]
-        self._exits[:] = exits[CYCLE]
+        exits = local.dot(frames.transpose(0, 2, 1).reshape(-1, 3)) + still
+        self._exit_steps = exits - self._exits
+        self._exits = frozen(exits)
         super()._read()
 
     def render(self, width: int = 640, height: int = 480) -> Any:
@@ -232,13 +232,12 @@ def _places(robot: Robot) -> list[list[float]]:
 
 
 def _mounted(robot: Robot) -> tuple[Array, Array]:
-    """Where exit points are fixed: (3, m) in the world, and (4p, m) for [R c] of every base, side by side, to take."""
-    names, m = [base.name for base in robot.bases], robot.n_cables
-    still, local = np.zeros((3, m)), np.zeros((len(names), 4, m))
-    for i, cable in enumerate(robot.cables):
-        if cable.base is None:
-            still[:, i] = cable.exit_point
+    """Where exit points are fixed: (m, 3) in the world, and (m, 4p) for [R c]ᵀ of every base, one below the other."""
+    m = robot.n_cables
+    still, local = np.zeros((m, 3)), np.zeros((m, len(robot.bases), 4))
+    for i, (cable, k) in enumerate(zip(robot.cables, robot.base_indices)):
+        if k < 0:
+            still[i] = cable.exit_point
         else:
-            k = names.index(cable.base)
-            local[k, :, i] = [*(cable.exit_point - robot.bases[k].center_of_mass), 1.0]
-    return still, local.reshape(-1, m)
+            local[i, k] = [*(cable.exit_point - robot.bases[k].center_of_mass), 1.0]
+    return still, local.reshape(m, -1)

@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array, as_array, frozen
+from ..compiled.columns import cables as compiled_cables
 from ..errors import InvalidInput, MissingDependency, SimulationDiverged
-from ..mechanics.fast_statics import cable_statics, cyclic, cyclic_exits
+from ..mechanics.cables import Cables
 from ..mechanics.statics import gravity_wrench
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -59,8 +60,7 @@ class SpatialSimulator(Simulator):
         with quiet():  # connect() prints its arguments
             self._client = self._bullet.connect(self._bullet.DIRECT)
         self._camera: Any = None
-        self._exits = cyclic_exits(self.robot)
-        self._statics = cable_statics(self.robot, self._exits)
+        self._exits = world.robot.exit_points
         self._ropes = self._make_ropes()
         self._reel_limits = world.robot.speed_max
         self._step_limits = self._reel_limits * self.dt + _ROUNDING
@@ -232,12 +232,17 @@ class SpatialSimulator(Simulator):
             self._diverged()
         matrix = b.getMatrixFromQuaternion(quaternion)
         # One array for all that was read: each conversion costs more than cutting it up.
-        values = np.array(matrix + matrix[:6] + place + (x, y) + linear + angular)
-        turn, where, self.twist = values[:15].reshape(5, 3), values[15:20].reshape(5, 1), values[20:]
+        values = frozen(np.array(place + matrix + linear + angular))
+        self.position, self.rotation, self.twist = values[:3], values[3:12].reshape(3, 3), values[12:]
         if not self._frame.is_platform_frame:
-            where, turn = self._frame.to_platform(values[15:18], turn[:3], self.twist)
-        self.position, self.rotation = where[:3, 0], turn[:3]
-        self.directions, self.wrench_matrix, self.lengths = self._statics(where, turn)
+            self.position, self.rotation, self.twist = self._frame.to_platform(self.position, self.rotation, self.twist)
+        self.directions, self.lengths, self.wrench_matrix = self._cables(self.position, self.rotation)
+
+    def _cables(self, position: Array, rotation: Array) -> Cables:
+        """`cables_at`, the exit points where they are now."""
+        robot = self.world.robot
+        lengths, W = compiled_cables(self._exits, robot.anchor_points, position[None], rotation[None])
+        return Cables(W[0, :3].T, lengths[0], robot.pattern.project(W[0], rotation))
 
     def _diverged(self) -> None:
         now = self._steps * self.dt
@@ -368,12 +373,12 @@ class _BodyFrame:
         position = pose.position + pose.rotation @ self.center
         return position.tolist(), quaternion_of(pose.rotation @ self.axes)
 
-    def to_platform(self, place: Array, rotation: Array, twist: Array) -> tuple[Array, Array]:
-        """`cyclic` position of P and platform rotation from the body's; makes ``twist`` that of P."""
-        turned = rotation @ self.axes.T
+    def to_platform(self, place: Array, rotation: Array, twist: Array) -> tuple[Array, Array, Array]:
+        """Position of P, platform rotation and twist of P from the body's."""
+        turned = frozen(rotation @ self.axes.T)
         arm = turned @ self.center
-        twist[:3] -= np.cross(twist[3:], arm)
-        return cyclic(place - arm, turned)
+        velocity = twist[:3] - np.cross(twist[3:], arm)
+        return frozen(place - arm), turned, frozen(np.concatenate([velocity, twist[3:]]))
 
 
 @cache

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, plain
 from .method import INFEASIBLE, OUT_OF_RANGE, Texts, fixed_cables, no_reasons
 
 CENTROID, LOWEST, HIGHEST = 0, 1, 2
@@ -60,10 +58,3 @@ def closest_tensions(W: Array, w_e: Array, low: Array, high: Array, share: float
         free = np.where(fixed[:, None, :], 0.0, W[off])
         tensions[off] = wish - (np.linalg.pinv(free) @ missed[..., None])[..., 0]
     return tensions, reasons
-
-
-def plain(array: Any) -> Any:
-    """Contiguous and read-only: the kernels are compiled for one kind of array."""
-    plain = np.ascontiguousarray(array).view()
-    plain.setflags(write=False)
-    return plain

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, plain
 from ..sets.zonotope import hyperplane_shifting
-from ..tensions.feasible_polygon import plain
 
 
 def capacity_margins(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: Array, *,

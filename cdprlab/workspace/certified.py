@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array, as_number
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
-from ..mechanics.statics import gravity_wrench
+from ..mechanics.statics import gravity_wrench, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
 from .capacity import capacity_margins
@@ -19,7 +19,6 @@ from .interval_arrays import Intervals
 from .interval_statics import PoseBoxes, centers, certainly_inside, certainly_outside
 from .sweep import Progress
 from .tensions import best_tensions, external_wrenches
-from .wrenches import wrench_matrices
 
 _MOST_BOXES = 2_000_000
 
@@ -131,7 +130,7 @@ def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array | None, loa
         if sound.any():
             verdict[sound] = _verdicts(robot, low[sound], high[sound], rotation, loads)
         return verdict
-    W, weight = wrench_matrices(robot, poses), np.broadcast_to(gravity_wrench(robot, poses), (len(low), robot.n_dof))
+    W, weight = wrench_matrix(robot, poses), np.broadcast_to(gravity_wrench(robot, poses), (len(low), robot.n_dof))
     inside, outside = np.ones(len(low), dtype=bool), np.zeros(len(low), dtype=bool)
     for load in loads:
         s, tau = best_tensions(W, weight + load, robot.tension_min, robot.tension_max)

@@ -8,12 +8,11 @@ import numpy as np
 
 from ..arrays import Array, as_number
 from ..errors import InvalidInput
-from ..mechanics.statics import gravity_wrench, stiffness
+from ..mechanics.statics import gravity_wrench, stiffness, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose, cross_matrix
 from ..tensions import distribute_tensions
 from .criterion import Criterion, Judgement
-from .wrenches import wrench_matrices
 
 
 @dataclass(frozen=True)
@@ -37,7 +36,7 @@ class StaticallyStable(Criterion):
     unit = "N/m"
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
-        W, weight = wrench_matrices(robot, poses), gravity_wrench(robot, poses)
+        W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
         found = distribute_tensions(W, np.broadcast_to(weight, W.shape[:-1]), robot.tension_min, robot.tension_max,
                                     self.method)
         smallest = np.full(poses.batch_shape, np.nan)

@@ -8,16 +8,14 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array, as_array, plain
 from ..errors import InvalidInput
-from ..mechanics.statics import gravity_wrench, tipping_rows
+from ..mechanics.statics import gravity_wrench, tipping_rows, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
-from ..tensions.feasible_polygon import plain
 from .capacity import capacity_margins
 from .criterion import Criterion, Flags, Judgement, unknown, verdict
 from .programs import margin_by_program, standing_by_program
-from .wrenches import wrench_matrices
 
 ROUNDING = 1e-9
 """Of the largest limit: margins this far below zero are rounding."""
@@ -34,7 +32,7 @@ class WrenchClosure(Criterion):
     unit = ""
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
-        W = wrench_matrices(robot, poses)
+        W = wrench_matrix(robot, poses)
         n, m = W.shape[-2:]
         s = tension_margins(W, np.zeros((len(W), n)), np.zeros(m), np.ones(m), at_high=False)
         s = np.where(np.linalg.matrix_rank(W) == n, s, 0.0)
@@ -62,7 +60,7 @@ class WrenchFeasible(Criterion):
     unit = "N"
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
-        W, weight = wrench_matrices(robot, poses), _weights(robot, poses)
+        W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
         low, high = robot.tension_min, robot.tension_max
         loads, half = external_wrenches(self.wrenches, robot.n_dof), self._half(robot.n_dof)
         if self._by_facets():
@@ -98,7 +96,7 @@ class StaticEquilibrium(Criterion):
     unit = "N"
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
-        W, weight = wrench_matrices(robot, poses), _weights(robot, poses)
+        W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
         most = np.full(robot.n_cables, 100 * robot.mass * max(robot.gravity, 1.0))
         s = tension_margins(W, weight, np.zeros(robot.n_cables), most, at_high=False)
         return Judgement(s >= -ROUNDING * most.max(), s)
@@ -118,7 +116,7 @@ class DynamicEquilibrium(Criterion):
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         half = as_array(self.accelerations, "accelerations", (robot.n_dof,), "m/s², rad/s²")
-        W, weight, M = wrench_matrices(robot, poses), _weights(robot, poses), mass_matrix(robot, poses)
+        W, weight, M = wrench_matrix(robot, poses), _weights(robot, poses), mass_matrix(robot, poses)
         low, high = robot.tension_min, robot.tension_max
         # Wrenches are convex in the acceleration: the corners decide, and directions that are held make none.
         wanted = [weight - M @ corner for corner in box_loads(np.zeros((1, half.size)), half)]
@@ -145,7 +143,7 @@ class TippingSafe(Criterion):
             raise InvalidInput("tipping needs bases with a footprint; this robot has none")
         A = np.concatenate([edge.matrix for edge in rows.values()], axis=-2)
         b = -np.concatenate([edge.offset for edge in rows.values()], axis=-1)
-        W, weight = wrench_matrices(robot, poses), _weights(robot, poses)
+        W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
         return verdict(np.array([standing_by_program(*pose, robot) for pose in zip(W, weight, A, b)]))
 
 
