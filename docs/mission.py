@@ -14,9 +14,18 @@ from PIL.PngImagePlugin import PngInfo
 
 import cdprlab as cl
 from cdprlab.cli.mission_command import BOUNDS, PALLETS, PEOPLE, START
-from cdprlab.fastkit.mission import Trip, in_hall, mission_states, run_mission
-from cdprlab.fastkit.navigation import KinematicPair, Vehicle, navigate, practice_hall
-from cdprlab.fastkit.pictures.hall_figure import plot_journey
+from cdprlab.fastkit import (
+    KinematicPair,
+    Trip,
+    Vehicle,
+    in_hall,
+    mission_states,
+    navigate,
+    plot_journey,
+    practice_hall,
+    run_mission,
+)
+from cdprlab.fastkit.events import spans
 from cdprlab.fastkit.pictures.mission_figure import plot_drives
 from cdprlab.fastkit.pictures.mission_film import MissionFilm
 
@@ -61,11 +70,10 @@ def halls():
 
 def strip(mission):
     """Six pictures, each in the middle of its state."""
-    film, starts = MissionFilm(mission), [event.time for event in mission.events]
-    spans = {event.state: (start, end) for event, start, end in zip(mission.events, starts, [*starts[1:], mission.now])}
-    moments = [0.3 * spans["navigation"][1], spans["navigation"][1] - 0.1, np.mean(spans["deployed"]),
-               np.mean(spans["pick and place"]), 0.2 * spans["return"][0] + 0.8 * spans["return"][1],
-               np.mean(spans["home"])]
+    film = MissionFilm(mission)
+    of = {state: (start, end) for start, end, state in spans(mission.events, mission.now)}
+    moments = [0.3 * of["navigation"][1], of["navigation"][1] - 0.1, np.mean(of["deployed"]),
+               np.mean(of["pick and place"]), 0.2 * of["return"][0] + 0.8 * of["return"][1], np.mean(of["home"])]
     frames = [np.asarray(film.frame_at(float(t))) for t in moments]
     return Image.fromarray(np.concatenate([np.concatenate(frames[i:i + 2], axis=1) for i in range(0, 6, 2)]))
 

@@ -15,9 +15,9 @@ from PIL.PngImagePlugin import PngInfo
 
 import cdprlab as cl
 from cdprlab import TorqueControl
-from cdprlab.fastkit import pick_and_place, plot_job
+from cdprlab.fastkit import frame_at, least_edge_loads, pick_and_place, plot_job
+from cdprlab.fastkit.events import spans
 from cdprlab.fastkit.job.phases import job_phases
-from cdprlab.fastkit.pictures.job_figure import frame_at, least_edge_loads
 from cdprlab.view import save_figure
 
 DOCS = Path(__file__).parent
@@ -28,8 +28,7 @@ STIFF = 45.0    # N
 
 def strip(job):
     """Six pictures of a job, each in the middle of its phase."""
-    starts = [event.time for event in job.events] + [float(job.time[-1])]
-    moments = [(start + end) / 2 for start, end, event in zip(starts, starts[1:], job.events) if event.state in SHOWN]
+    moments = [(start + end) / 2 for start, end, state in spans(job.events, job.time[-1]) if state in SHOWN]
     frames = [np.asarray(frame_at(job, t)) for t in moments]
     rows = [np.concatenate(frames[i:i + 2], axis=1) for i in range(0, len(frames), 2)]
     return Image.fromarray(np.concatenate(rows))

@@ -8,7 +8,7 @@ import pytest
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.fastkit.job import DONE, STOPPED, Machine, Phase, Sensors, pick_and_place
+from cdprlab.fastkit import DONE, STOPPED, Machine, Phase, Sensors, pick_and_place
 from cdprlab.fastkit.job.phases import driving_speed, driving_time, job_phases
 from cdprlab.mechanics.fast_control import mass_and_bias, turn_between
 from cdprlab.mechanics.winch import (

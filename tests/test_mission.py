@@ -11,22 +11,26 @@ from cdprlab.errors import InvalidInput
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
 
-from cdprlab.fastkit.job import pick_and_place
-from cdprlab.fastkit.job.phases import job_phases
-from cdprlab.fastkit.mission import (
+from cdprlab.fastkit import (
+    ARRIVED,
     DONE,
     STOPPED,
     EnginePair,
+    Hall,
     Mission,
-    State,
-    at_the_shelf,
+    Stage,
+    Vehicle,
+    Walker,
+    cast,
     in_hall,
-    moved_pair,
     pair_pose,
+    pick_and_place,
     run_mission,
     walk_through,
 )
-from cdprlab.fastkit.navigation import ARRIVED, Hall, Vehicle, Walker, cast
+from cdprlab.fastkit.job.phases import job_phases
+from cdprlab.fastkit.mission.engine_pair import moved_pair
+from cdprlab.fastkit.mission.guards import at_the_shelf
 from cdprlab.simulate.scanner import ray_distances
 
 BOUNDS = [[-5, -6], [7, 2]]
@@ -91,8 +95,7 @@ def test_the_pair_drives_in_the_engine_as_its_kinematics_say(world):
 
 def test_a_moved_pair_is_the_same_pair(world):
     berth, spacing = pair_pose(coupled(world))
-    pair = Vehicle.of(world.robot, spacing)
-    there = moved_pair(coupled(world), pair, START)
+    there = moved_pair(coupled(world), START)
     np.testing.assert_allclose(pair_pose(there)[0], START, atol=1e-12)
     np.testing.assert_allclose(cl.cable_lengths(there.robot, there.pose),
                                cl.cable_lengths(coupled(world).robot, coupled(world).pose), atol=1e-12)
@@ -168,10 +171,10 @@ def test_who_has_nothing_to_fold_is_told():
 
 def test_no_wheel_lifts_and_no_cable_moves_on_the_way(mission, world):
     # The first rows are wheels finding the floor.
-    assert mission.drive.wheels[3:].min() > 10 and mission.drive.tilts.max() < np.radians(0.5)
-    np.testing.assert_allclose(mission.drive.tensions, world.robot.tension_min[0], atol=0.05)  # tips weigh 1e-3 N
-    assert mission.drive_home.wheels[3:].min() > 10 and mission.drive_home.tilts.max() < np.radians(0.5)
-    assert len(mission.drive_home.tilts) == len(mission.way_home.time) - 1
+    assert mission.drive["wheels"][3:].min() > 10 and mission.drive["tilts"].max() < np.radians(0.5)
+    np.testing.assert_allclose(mission.drive["tensions"], world.robot.tension_min[0], atol=0.05)  # tips weigh 1e-3 N
+    assert mission.drive_home["wheels"][3:].min() > 10 and mission.drive_home["tilts"].max() < np.radians(0.5)
+    assert len(mission.drive_home) == len(mission.way_home.time) - 1
 
 
 def test_the_work_begins_where_the_pair_stands(mission, world):
@@ -199,9 +202,9 @@ def test_the_mission_repeated_is_identical(mission, world):
                         walkers=(Walker([[2.5, -1.0], [6.0, -1.0]]),))
     np.testing.assert_array_equal(again.journey.poses, mission.journey.poses)
     np.testing.assert_array_equal(again.journey.estimates, mission.journey.estimates)
-    np.testing.assert_array_equal(again.drive.wheels, mission.drive.wheels)
+    np.testing.assert_array_equal(again.drive["wheels"], mission.drive["wheels"])
     np.testing.assert_array_equal(again.way_home.poses, mission.way_home.poses)
-    np.testing.assert_array_equal(again.drive_home.wheels, mission.drive_home.wheels)
+    np.testing.assert_array_equal(again.drive_home["wheels"], mission.drive_home["wheels"])
     assert again.events == mission.events
 
 
@@ -222,7 +225,7 @@ def test_no_room_to_dock_stops_with_the_reason(world):
 def test_a_shut_guard_ends_in_the_safe_state_and_nothing_further_is_done(world, failing):
     done = []
     names = ("first", "second", "third")
-    states = tuple(State(name, name, lambda _, name=name: done.append(name),
+    states = tuple(Stage(name, name, lambda _, name=name: done.append(name),
                          lambda _, name=name: "the door is shut" if name == failing else "") for name in names)
     events = list(walk_through(Mission(world, "pick_and_place", 0), states))
     assert done == list(names[:names.index(failing) + 1])

@@ -6,9 +6,8 @@ import pytest
 import cdprlab as cl
 from cdprlab import course
 from cdprlab.errors import InvalidInput
-from cdprlab.fastkit.navigation import Vehicle, inflated_width
+from cdprlab.fastkit import OccupancyGrid, Vehicle, inflated_width
 from cdprlab.fastkit.navigation.driving import clearance
-from cdprlab.fastkit.navigation.grid import OccupancyGrid
 from cdprlab.fastkit.navigation.planner import between
 
 PAIR = Vehicle.of(cl.load_world("fastkit_suspended").robot, 1.6)

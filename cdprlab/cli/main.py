@@ -143,7 +143,7 @@ def _mission(options: argparse.Namespace, world: World) -> int:
 
 
 def _pick_and_place(options: argparse.Namespace, world: World) -> int:
-    from ..fastkit.job import pick_and_place
+    from ..fastkit import pick_and_place, plot_job, save_job_film
 
     _say_no(options, (*_NO_SAY, "method"), "has no say in a pick_and_place task, which flies under --control")
     print(f"{world.title or world.name}: task {options.task}, {options.control} control")
@@ -157,7 +157,6 @@ def _pick_and_place(options: argparse.Namespace, world: World) -> int:
     folder = options.out or Path("out") / world.name
     job.save(folder)
     if not options.no_pictures:
-        from ..fastkit.pictures.job_figure import plot_job, save_job_film
         from ..view import save_figure
 
         save_figure(plot_job(job), folder / "job.png")

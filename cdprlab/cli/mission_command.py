@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ..fastkit.job import Job
-from ..fastkit.mission import DONE, Mission, in_hall, run_mission
-from ..fastkit.navigation import Walker
+from ..fastkit import DONE, Job, Mission, Walker, in_hall, plot_job, plot_journey, run_mission
 from ..world import World
 
 BOUNDS = ((-5.0, -6.0), (7.0, 2.0))
@@ -35,8 +33,6 @@ def fly_mission(world: World, folder: Path, pictures: bool, work: Any = None) ->
 
 
 def _pictures(mission: Mission, folder: Path) -> None:
-    from ..fastkit.pictures.hall_figure import plot_journey
-    from ..fastkit.pictures.job_figure import plot_job
     from ..fastkit.pictures.mission_figure import plot_drives, plot_scans
     from ..fastkit.pictures.mission_film import save_mission_film
     from ..view import save_figure

@@ -1,52 +1,75 @@
-"""FASTKIT's wing: a job of many phases, the mission around it, and driving in a hall.
+"""FASTKIT's wing: a job of many phases, the mission around it, driving in a hall, and their pictures.
 
-The library knows nothing of it. Pictures load when first used.
+The library knows nothing of it. This is its one door; the folders behind it have none of their own.
 """
 
-from __future__ import annotations
-
-from importlib import import_module
-from typing import Any
-
-from .job import Job, Machine, Phase, Sensors, pick_and_place
-from .mission import Mission, Trip, in_hall, mission_states, pair_pose, run_mission, walk_through
-from .navigation import (
-    Hall,
-    Journey,
-    KinematicPair,
-    Localization,
-    OccupancyGrid,
-    Plan,
-    Scanner,
-    Vehicle,
-    Walker,
-    navigate,
-    plan_path,
-    practice_hall,
-)
-from .navigation.plan_view import carried
-from .navigation.vehicle import difference
-
-_PICTURES = {
-    "Camera": "..view.camera",
-    "draw_hall": ".pictures.hall_figure",
-    "draw_way": ".pictures.hall_figure",
-    "plot_journey": ".pictures.hall_figure",
-    "frame_at": ".pictures.job_figure",
-    "least_edge_loads": ".pictures.job_figure",
-    "plot_job": ".pictures.job_figure",
-    "save_job_film": ".pictures.job_figure",
-}
-"""Name → its file; they load matplotlib."""
+from ..view.camera import Camera
+from .events import DONE, STOPPED, Event
+from .job.job import pick_and_place
+from .job.job_record import Job
+from .job.machine import Machine, Phase, Sensors
+from .mission.engine_pair import EnginePair, pair_pose
+from .mission.mission_record import Mission
+from .mission.scenery import in_hall
+from .mission.states import Stage, mission_states, run_mission, walk_through
+from .mission.trip import Trip
+from .navigation.driving import KinematicPair, Walker
+from .navigation.follower import Follower
+from .navigation.hall import Hall
+from .navigation.journey import ARRIVED, Journey, navigate
+from .navigation.laser import Scanner, cast
+from .navigation.localization import Localization, Odometry
+from .navigation.occupancy import OccupancyGrid
+from .navigation.planner import Plan, inflated_width, plan_path
+from .navigation.practice import practice_hall
+from .navigation.vehicle import Vehicle
+from .pictures.hall_figure import draw_hall, draw_way, plot_journey
+from .pictures.job_figure import frame_at, least_edge_loads, plot_job, save_job_film
+from .plane import carried, difference
 
 __all__ = [
-    "Hall", "Job", "Journey", "KinematicPair", "Localization", "Machine", "Mission", "OccupancyGrid", "Phase", "Plan",
-    "Scanner", "Sensors", "Trip", "Vehicle", "Walker", "carried", "difference", "in_hall", "mission_states", "navigate",
-    "pair_pose", "pick_and_place", "plan_path", "practice_hall", "run_mission", "walk_through", *_PICTURES,
+    "ARRIVED",
+    "DONE",
+    "STOPPED",
+    "Camera",
+    "EnginePair",
+    "Event",
+    "Follower",
+    "Hall",
+    "Job",
+    "Journey",
+    "KinematicPair",
+    "Localization",
+    "Machine",
+    "Mission",
+    "OccupancyGrid",
+    "Odometry",
+    "Phase",
+    "Plan",
+    "Scanner",
+    "Sensors",
+    "Stage",
+    "Trip",
+    "Vehicle",
+    "Walker",
+    "carried",
+    "cast",
+    "difference",
+    "draw_hall",
+    "draw_way",
+    "frame_at",
+    "in_hall",
+    "inflated_width",
+    "least_edge_loads",
+    "mission_states",
+    "navigate",
+    "pair_pose",
+    "pick_and_place",
+    "plan_path",
+    "plot_job",
+    "plot_journey",
+    "practice_hall",
+    "run_mission",
+    "save_job_film",
+    "walk_through",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _PICTURES:
-        raise AttributeError(f"cdprlab.fastkit has no {name!r}; it has {', '.join(sorted(__all__))}")
-    return getattr(import_module(_PICTURES[name], __name__), name)

@@ -137,6 +137,10 @@ class MobileSimulator(BoxSimulator):
             self._targets[1] = self.base_poses[1].tolist()
             self._link = -1
 
+    def lock_platform(self) -> None:
+        """Fix the platform to the first base until the next reset, as for a drive on which no cable moves."""
+        self._fixed(self._bodies[0], BODY, self._platform, -1)
+
     def lower_stabilizers(self) -> None:
         """Stand on feet, which are where the wheels are: every base stays as it is, and does not drive."""
         self.is_stabilized = True

@@ -15,11 +15,7 @@ from PIL import Image
 
 import cdprlab as cl
 from cdprlab.cli.mission_command import BOUNDS, PALLETS, START
-from cdprlab.fastkit.mission import Mission, in_hall, run_mission
-from cdprlab.fastkit.navigation.plan_view import carried
-from cdprlab.fastkit.pictures.hall_figure import draw_hall, draw_way
-from cdprlab.fastkit.pictures.job_figure import frame_at
-from cdprlab.view.camera import Camera
+from cdprlab.fastkit import Camera, Mission, carried, draw_hall, draw_way, frame_at, in_hall, run_mission
 from cdprlab.view.style import VERMILION, house_style
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import cdprlab as cl
-from cdprlab.fastkit.job import pick_and_place
+from cdprlab.fastkit import pick_and_place
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
 CONTROLS = ["torque", "velocity"]

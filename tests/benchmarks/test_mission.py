@@ -8,7 +8,7 @@ import time
 import pytest
 
 import cdprlab as cl
-from cdprlab.fastkit.navigation import KinematicPair, Vehicle, Walker, navigate, practice_hall
+from cdprlab.fastkit import KinematicPair, Vehicle, Walker, navigate, practice_hall
 
 BOUNDS = [[-5, -6], [7, 2]]
 PALLETS = [[2.6, -3.0, 0.8, 1.2, 0.3], [-1.5, -2.2, 1.2, 0.8, 0.0]]
@@ -32,7 +32,7 @@ def test_navigation_by_kinematics(benchmark, report):
 @pytest.mark.parametrize("whole", [False, True], ids=["navigation", "mission"])
 def test_mission_in_the_engine(benchmark, report, whole):
     pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
-    from cdprlab.fastkit.mission import in_hall, run_mission
+    from cdprlab.fastkit import in_hall, run_mission
 
     world = in_hall(cl.load_world("fastkit_suspended"), BOUNDS, PALLETS)
     work = {} if whole else {"work": lambda *_: None}

@@ -11,10 +11,9 @@ from matplotlib.figure import Figure
 
 from ...arrays import Array
 from ...errors import InvalidInput
-from ...fastkit.navigation import Hall, OccupancyGrid, Plan, Vehicle, inflated_width, plan_path
-from ...fastkit.navigation.plan_view import carried, turn
+from ...fastkit import Hall, OccupancyGrid, Plan, Vehicle, carried, inflated_width, plan_path
 from ...fastkit.navigation.planner import between
-from ...fastkit.navigation.vehicle import difference
+from ...fastkit.plane import step_between
 from ...view.style import BLUE, GREY, INK, VERMILION, house_style
 from .explorer import Explorer, Slider, Values
 
@@ -93,9 +92,10 @@ class PlanningExplorer(Explorer):
             return {**found, "way": f"none: {self._plan.reason}"}
         poses = self._plan.poses
         every = np.concatenate([between(a, b) for a, b in zip(poses, poses[1:])])
+        seconds = pair.quickest(step_between(poses[:-1], poses[1:])).sum()
         return {**found, "goes through": f"the {'upper' if self._upper() else 'lower'} gap",
                 "way of its middle [m]": f"{self._plan.length:.2f}",
-                "time at the bases' speed limits [s]": f"{_seconds(pair, poses):.0f}",
+                "time at the bases' speed limits [s]": f"{seconds:.0f}",
                 "least room beside it, as cells tell [m]": f"{self._grid.room(pair, every).min():.2f}"}
 
     def draw(self, values: Values) -> None:
@@ -139,18 +139,6 @@ def planning_explorer(vehicle: Vehicle) -> PlanningExplorer:
     goes through                             the upper gap
     """
     return PlanningExplorer(vehicle)
-
-
-def _seconds(vehicle: Vehicle, poses: Array) -> float:
-    """Of a way, each piece as fast as the slower base allows [s]."""
-    d = difference(poses[1:], poses[:-1])
-    total = 0.0
-    for (*step, spin), heading in zip(d, poses[:-1, 2]):
-        piece = np.array([*(turn(heading + spin / 2).T @ step), spin])
-        # Told to drive it in a second, the pair slows down by as much as it is too fast.
-        share = float(np.linalg.norm(vehicle.within_limits(1e3 * piece)) / np.linalg.norm(1e3 * piece))
-        total += 1e-3 / share
-    return total
 
 
 def _stations(poses: Array, step: float = 0.9, turn_step: float = 0.8) -> Array:

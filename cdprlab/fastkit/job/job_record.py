@@ -18,7 +18,8 @@ from ...run.winches import Effort
 from ...simulate.mobile import MobileSimulator
 from ...world import World
 from ...world.model import PickAndPlace
-from .machine import SETTLING, Event, Machine, Sensors
+from ..events import Event
+from .machine import SETTLING, Machine, Sensors
 from .phases import BOX
 
 _UNITS = {

@@ -10,11 +10,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...robot.pose import Pose
-
-STOPPED = "stopped"
-"""The safe state: bases brake and stand still, the platform holds where it is, the gripper stays as it is."""
-
-DONE = "done"
+from ..events import DONE, STOPPED, Event
 
 SETTLING = 0.1
 """[s] the engine's wheels take to find the floor."""
@@ -92,14 +88,6 @@ class Phase:
     drives: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     begin: Callable[[Any], None] = _nothing
     guard: Guard = settled
-
-
-class Event(NamedTuple):
-    """A state was entered: when [s], which, and why (faults only)."""
-
-    time: float
-    state: str
-    why: str = ""
 
 
 class Machine:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import Array
-from ..navigation import ARRIVED, Journey
-from ..navigation.vehicle import difference
-from .mission_record import DONE, Mission
+from ..events import DONE
+from ..navigation.journey import ARRIVED, Journey
+from ..plane import difference
+from .mission_record import Mission
 
 AT_THE_SHELF = np.array([0.05, 0.05, np.radians(2.0)])
 """As far as the pair may be off its berth, by its own belief and what that is worth [m, m, rad]."""
@@ -30,11 +31,11 @@ def at_the_shelf(mission: Mission) -> str:
 def stands_still(mission: Mission) -> str:
     """undeployed → deployed: all wheels carry, no base leans."""
     drive = mission.drive
-    if drive is None or not len(drive.wheels):
+    if drive is None or not len(drive):
         return ""
-    if drive.wheels[-1].min() < 1.0:
+    if drive["wheels"][-1].min() < 1.0:
         return "a wheel carries nothing"
-    return "a base leans" if drive.tilts[-1] > LEANS else ""
+    return "a base leans" if drive["tilts"][-1] > LEANS else ""
 
 
 def base_in_place(mission: Mission) -> str:

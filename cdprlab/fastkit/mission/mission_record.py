@@ -3,24 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
+from ...run.log import Log
 from ...world import World
-from ..job import Job
-from ..navigation import Journey
-from .engine_pair import Drive
-
-DONE, STOPPED = "done", "stopped"
-
-
-class Event(NamedTuple):
-    """A state was entered: when [s], which, and why (where it is not as planned)."""
-
-    time: float
-    state: str
-    why: str = ""
+from ..events import Event
+from ..job.job_record import Job
+from ..navigation.journey import Journey
 
 
 @dataclass
@@ -30,7 +20,7 @@ class Mission:
     world, task : what was to be done; seed : of all noise
     state, reason : "done", or "stopped" and why
     events : states in order
-    journey, drive : the way to the shelf, and what the engine measured on it
+    journey, drive : the way to the shelf, and what the engine measured on it: tensions, wheels, tilts
     job : what happened there
     way_home, drive_home : the way back, and what the engine measured on it
     real_time_factor : simulated over elapsed time
@@ -41,10 +31,10 @@ class Mission:
     seed: int
     events: list[Event] = field(default_factory=list)
     journey: Journey | None = None
-    drive: Drive | None = None
+    drive: Log | None = None
     job: Job | None = None
     way_home: Journey | None = None
-    drive_home: Drive | None = None
+    drive_home: Log | None = None
     real_time_factor: float = np.nan
 
     @property

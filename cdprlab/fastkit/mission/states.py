@@ -19,13 +19,14 @@ from ...arrays import as_array
 from ...errors import InvalidInput
 from ...world import World
 from ...world.model import PickAndPlace
-from ..navigation import Walker
+from ..events import DONE, STOPPED, Event
+from ..navigation.driving import Walker
 from .guards import at_home, at_the_shelf, base_in_place, box_in_place, coupled_again, stands_still
-from .mission_record import DONE, STOPPED, Event, Mission
+from .mission_record import Mission
 from .trip import Progress, Trip, Work, go_on, stand, work_there
 
 
-class State(NamedTuple):
+class Stage(NamedTuple):
     """One state of the mission.
 
     name : of it; what : the same in words
@@ -42,7 +43,7 @@ class State(NamedTuple):
 
 def run_mission(world: World, bounds: ArrayLike, start: ArrayLike, task: str = "pick_and_place", *,
                 station: ArrayLike = (0.2, -0.4, 0.0), walkers: tuple[Walker, ...] = (), seed: int = 0,
-                beams: int = 271, work: Work | None = None, states: tuple[State, ...] | None = None,
+                beams: int = 271, work: Work | None = None, states: tuple[Stage, ...] | None = None,
                 progress: Progress | None = None) -> Mission:
     """From somewhere in a hall to the shelf, the task there, and back to where it began.
 
@@ -76,7 +77,7 @@ def run_mission(world: World, bounds: ArrayLike, start: ArrayLike, task: str = "
     return mission
 
 
-def walk_through(mission: Mission, states: tuple[State, ...]) -> Iterator[Event]:
+def walk_through(mission: Mission, states: tuple[Stage, ...]) -> Iterator[Event]:
     """The whole machine: enter a state, act, ask its guard, go on or stop."""
     for state in states:
         yield Event(mission.when(state.begins), state.name)
@@ -88,13 +89,13 @@ def walk_through(mission: Mission, states: tuple[State, ...]) -> Iterator[Event]
     yield Event(mission.now, DONE)
 
 
-def mission_states(trip: Trip, work: Work | None = None) -> tuple[State, ...]:
+def mission_states(trip: Trip, work: Work | None = None) -> tuple[Stage, ...]:
     """The states of Fig. 3 and what is between them, in order; ``work`` is one act that three of them watch."""
     return (
-        State("navigation", "coupled, the pair drives to its berth; no cable moves", trip.drive_there, at_the_shelf),
-        State("undeployed", "at the berth, still coupled", stand, stands_still),
-        State("deployed", "the link opens, the active base drives away", work_there(work, trip), base_in_place),
-        State("pick and place", "the box from its place to the other", go_on, box_in_place, "approach"),
-        State("return", "the platform goes back, the bases fold, the link closes", go_on, coupled_again, "return"),
-        State("home", "coupled, the pair leaves its berth and drives back", trip.drive_home, at_home),
+        Stage("navigation", "coupled, the pair drives to its berth; no cable moves", trip.drive_there, at_the_shelf),
+        Stage("undeployed", "at the berth, still coupled", stand, stands_still),
+        Stage("deployed", "the link opens, the active base drives away", work_there(work, trip), base_in_place),
+        Stage("pick and place", "the box from its place to the other", go_on, box_in_place, "approach"),
+        Stage("return", "the platform goes back, the bases fold, the link closes", go_on, coupled_again, "return"),
+        Stage("home", "coupled, the pair leaves its berth and drives back", trip.drive_home, at_home),
     )

@@ -10,13 +10,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
+from ...run.log import Log
 from ...world import World
 from ...world.model import PickAndPlace
-from ..job import Job, pick_and_place
-from ..navigation import Hall, Journey, Vehicle, Walker, navigate
-from ..navigation.plan_view import carried
-from ..navigation.vehicle import difference
-from .engine_pair import Drive, EnginePair, pair_pose
+from ..job.job import pick_and_place
+from ..job.job_record import Job
+from ..navigation.driving import Walker
+from ..navigation.hall import Hall
+from ..navigation.journey import Journey, navigate
+from ..navigation.vehicle import Vehicle
+from ..plane import placed
+from .engine_pair import EnginePair, pair_pose, shifted
 from .guards import COUPLED
 from .mission_record import Mission
 
@@ -61,7 +65,7 @@ class Trip:
     @property
     def gate(self) -> Array:
         """(3,) where the straight way into the berth, and out of it, begins [m, m, rad]."""
-        return np.array([*carried(self.berth, [self.station[:2]])[0], self.berth[2] + self.station[2]])
+        return np.asarray(placed(self.berth, [self.station])[0])
 
     def drive_there(self, mission: Mission) -> None:
         """Navigate to the berth in the engine, the true start a little off the one told."""
@@ -79,12 +83,12 @@ class Trip:
                                                               seed=mission.seed + 1)
 
     def _navigate(self, mission: Mission, truly: Array, believed: Array, goal: Array, *, seed: int,
-                  **how: ArrayLike) -> tuple[Journey, Drive]:
+                  **how: ArrayLike) -> tuple[Journey, Log]:
         hall, pair = Hall.of_world(self.world, self.bounds), self._pair
         walkers = tuple(replace(walker, hall=hall) for walker in self.walkers)
         with EnginePair(self.coupled, pair, hall, truly, walkers, seed=seed) as bases:
             way = navigate(bases, hall, believed, goal, progress=self.told(mission), **how)     # type: ignore[arg-type]
-            return way, bases.measured()
+            return way, bases.log
 
     @property
     def _pair(self) -> Vehicle:
@@ -102,18 +106,11 @@ class Trip:
         """
         assert mission.journey is not None
         berth, stands = self.berth, mission.journey.poses[-1]
-        coupled = {name: _shifted(place, berth, stands) for name, place in self.task.coupled.items()}
-        deployed = {base.name: _shifted((*base.position.tolist(), base.heading), berth, stands)
+        coupled = {name: shifted(place, berth, stands) for name, place in self.task.coupled.items()}
+        deployed = {base.name: shifted((*base.position, base.heading), berth, stands)
                     for base in self.world.robot.bases}
         return replace(self.world, robot=self.world.robot.with_bases(deployed),
                        tasks={mission.task: replace(self.task, coupled=coupled)})
-
-
-def _shifted(place: tuple[float, ...], berth: Array, stands: Array) -> tuple[float, float, float]:
-    """A place on the floor as it is when all that belongs to the berth is where the pair stands."""
-    spin = float(difference(stands, berth)[2])
-    x, y = carried([*stands[:2], spin], [np.array(place[:2]) - berth[:2]])[0].tolist()
-    return x, y, place[2] + spin
 
 
 def work_there(work: Work | None, trip: Trip) -> Callable[[Mission], None]:

@@ -1,41 +1,19 @@
-"""What drives: the interface of a pair of bases, real or simulated, and a purely kinematic one with people about."""
+"""What drives: a pair of bases among people, whatever moves it, and one that moves as its kinematics say."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array
-from .laser import cast
+from ..plane import checked_pose, edges, moved, off_segments, point_distance, rectangle_distance, step_between, turn
+from .hall import Hall
+from .laser import Scanner, cast
 from .localization import Odometry
-from .plan_view import Hall, checked_pose, edges, outline_distance, segment_distance, turn
-from .vehicle import Vehicle, difference, moved
-
-
-class Pair(Protocol):
-    """A coupled pair that can be told to drive, and tells what it notices."""
-
-    vehicle: Vehicle
-
-    @property
-    def pose(self) -> Array:
-        """(3,) where it truly is: for records and options, not for navigation."""
-
-    def drive(self, twist: Array, period: float) -> Array:
-        """Drive on for a while; returns the step (dx, dy, dθ) the wheels say it was."""
-
-    def scan(self) -> Array:
-        """(h, 2) points of all scanners in the vehicle's frame [m]."""
-
-    def clearance(self) -> float:
-        """Distance to the nearest thing, by exact geometry; 0 is contact [m]."""
-
-    @property
-    def people(self) -> Array:
-        """(c, 3) center and radius of who walks about [m]."""
+from .vehicle import Vehicle
 
 
 @dataclass
@@ -67,7 +45,7 @@ class Walker:
             self.onward = 1 - self.onward
             return
         then = self.place + left * min(1.0, self.speed * period / far)
-        near, now = (_disc_distance(machine, place, self.radius) for place in (then, self.place))
+        near, now = self._gap(then, machine), self._gap(self.place, machine)
         # Along a machine one walks on, but not ever closer.
         along = 0.2 * float(np.linalg.norm(then - self.place)) if near > self.care / 2 else 0.0
         if near < self.care and near < now - along:
@@ -82,20 +60,75 @@ class Walker:
         if self.waited > self.patience:
             self.onward, self.waited, self.turned = 1 - self.onward, 0.0, self.turned + 1
         if self.turned > 1 and now < self.care:      # turned round and could not walk that way either
-            away = _away(machine, self.place) * self.speed * period
+            off = off_segments(self.place, edges(machine))
+            far = np.linalg.norm(off, axis=1)
+            away = off[far.argmin()] / max(far.min(), 1e-9) * self.speed * period
             for angle in (0.0, 0.8, -0.8, 1.5, -1.5):            # straight back, or past what stands there
                 back = self.place + turn(angle) @ away
                 roomy = self._room(back) >= min(self._room(self.place), 0.2)
-                if roomy and _disc_distance(machine, back, self.radius) >= now:
+                if roomy and self._gap(back, machine) >= now:
                     self.place = back
                     return
+
+    def _gap(self, place: Array, machine: Array) -> float:
+        """Between the person, standing there, and the machine's outline [m]."""
+        return float(point_distance(place, machine[None])[0]) - self.radius
 
     def _room(self, place: Array) -> float:
         """Between the person and what stands in the hall [m]."""
         return np.inf if self.hall is None else float(self.hall.distance(place)) - self.radius
 
 
-class KinematicPair:
+class Pair(ABC):
+    """A coupled pair among people, which can be told to drive, and tells what it notices.
+
+    vehicle : Vehicle; hall : what truly stands there; walkers : people
+    odometry : how wrong the wheels are; seed : of all noise
+    """
+
+    def __init__(self, vehicle: Vehicle, hall: Hall, walkers: tuple[Walker, ...] = (),
+                 odometry: Odometry | None = None, seed: int = 0) -> None:
+        self.vehicle, self.hall, self.walkers = vehicle, hall, walkers
+        self.odometry = Odometry() if odometry is None else odometry
+        self._random = np.random.default_rng(seed)
+
+    @property
+    @abstractmethod
+    def pose(self) -> Array:
+        """(3,) where it truly is: for records and options, not for navigation."""
+
+    @abstractmethod
+    def move(self, twist: Array, period: float) -> None:
+        """Drive on at (v_x, v_y, ω) for a while."""
+
+    @abstractmethod
+    def rays(self, scanner: Scanner) -> Array:
+        """(beams,) how far the scanner's beams truly go, inf beyond its range [m]."""
+
+    def drive(self, twist: Array, period: float) -> Array:
+        """Drive on for a while, people walking; returns the step (dx, dy, dθ) the wheels say it was."""
+        before = self.pose
+        self.move(twist, period)
+        for walker in self.walkers:
+            walker.walk(period, self.vehicle.outline(self.pose))
+        return self.odometry.measured(step_between(before, self.pose), self._random)
+
+    def scan(self) -> Array:
+        """(h, 2) points of all scanners in the vehicle's frame [m]."""
+        return np.concatenate([scanner.points(scanner.measured(self.rays(scanner), self._random))
+                               for scanner in self.vehicle.scanners])
+
+    def clearance(self) -> float:
+        """Distance to the nearest thing, by exact geometry; 0 is contact [m]."""
+        return float(clearance(self.vehicle, self.pose, self.hall, self.people))
+
+    @property
+    def people(self) -> Array:
+        """(c, 3) center and radius of who walks about [m]."""
+        return np.array([[*walker.place, walker.radius] for walker in self.walkers]).reshape(-1, 3)
+
+
+class KinematicPair(Pair):
     """A pair that drives exactly as told, in a hall where people may walk and things stand that no map shows.
 
     vehicle : Vehicle; hall : what truly stands there; pose : (3,) at first [m, m, rad]
@@ -104,72 +137,25 @@ class KinematicPair:
 
     def __init__(self, vehicle: Vehicle, hall: Hall, pose: ArrayLike, walkers: tuple[Walker, ...] = (),
                  odometry: Odometry | None = None, seed: int = 0) -> None:
-        self.vehicle, self.hall, self.walkers = vehicle, hall, walkers
-        self.odometry = Odometry() if odometry is None else odometry
-        self._pose = np.array(checked_pose(pose, "pose"))
-        self._segments = hall.segments
-        self._random = np.random.default_rng(seed)
+        super().__init__(vehicle, hall, walkers, odometry, seed)
+        self._pose = checked_pose(pose, "pose")
 
     @property
     def pose(self) -> Array:
         return self._pose
 
-    @property
-    def people(self) -> Array:
-        return np.array([[*walker.place, walker.radius] for walker in self.walkers]).reshape(-1, 3)
+    def move(self, twist: Array, period: float) -> None:
+        self._pose = moved(self._pose, self.vehicle.within_limits(twist), period)
 
-    def drive(self, twist: Array, period: float) -> Array:
-        before = self._pose
-        self._pose = moved(before, self.vehicle.within_limits(twist), period)
-        for walker in self.walkers:
-            walker.walk(period, self.vehicle.outline(self._pose))
-        return self.odometry.measured(step_between(before, self._pose), self._random)
-
-    def scan(self) -> Array:
-        points, people = [], self.people
-        for scanner in self.vehicle.scanners:
-            origin, directions = scanner.beams_from(self._pose)
-            near = self._segments[segment_distance(origin, self._segments) < scanner.range]
-            points.append(scanner.points(scanner.measured(cast(origin, directions, near, people), self._random)))
-        return np.concatenate(points)
-
-    def clearance(self) -> float:
-        return clearance(self.vehicle, self._pose, self.hall, self.people)
+    def rays(self, scanner: Scanner) -> Array:
+        return cast(*scanner.beams_from(self._pose), self.hall.segments, self.people)
 
 
-def step_between(before: ArrayLike, after: ArrayLike) -> Array:
-    """(3,) (dx, dy, dθ) in the vehicle's frame, as `Localization.drive` takes it."""
-    d = difference(after, before)
-    return np.array([*(turn(np.asarray(before)[2] + d[2] / 2).T @ d[:2]), d[2]])
-
-
-def clearance(vehicle: Vehicle, pose: ArrayLike, hall: Hall, people: ArrayLike = ()) -> float:
-    """Exact distance of the pair's rectangle to what stands and walks there; 0 is contact [m]."""
-    outline = vehicle.outline(pose)
-    low, high = hall.bounds
-    to_edge = float(min((outline - low).min(), (high - outline).min()))
-    reach = float(np.hypot(vehicle.length, vehicle.width)) / 2
-    middle, near = np.asarray(pose, dtype=float)[:2], max(to_edge, 0.0)
-    for other in hall.outlines:
-        # Whoever is farther than the nearest so far need not be looked at exactly.
-        if segment_distance(middle, edges(other)).min() - reach < near:
-            near = min(near, outline_distance(outline, other))
-    discs = [_disc_distance(outline, np.array([x, y]), r) for x, y, r in np.reshape(people, (-1, 3)).tolist()]
-    return max(0.0, min([near, *discs]))
-
-
-def _disc_distance(outline: Array, center: Array, radius: float) -> float:
-    sides = edges(outline)
-    along, off = sides[:, 1] - sides[:, 0], center - sides[:, 0]
-    inside = (along[:, 0] * off[:, 1] - along[:, 1] * off[:, 0] >= 0).all()
-    return 0.0 if inside else float(segment_distance(center, sides).min()) - radius
-
-
-def _away(outline: Array, place: Array) -> Array:
-    """(2,) unit vector from an outline's nearest point to a place outside it."""
-    start, end = np.moveaxis(edges(outline), 1, 0)
-    along = end - start
-    share = np.clip(((place - start) * along).sum(axis=1) / (along * along).sum(axis=1), 0, 1)
-    off = place - start - share[:, None] * along
-    distances = np.linalg.norm(off, axis=1)
-    return np.asarray(off[distances.argmin()] / max(distances.min(), 1e-9))
+def clearance(vehicle: Vehicle, poses: ArrayLike, hall: Hall, people: ArrayLike = ()) -> Array:
+    """(…) exact distance of the pair's rectangle at (…, 3) to what stands and walks there; 0 is contact [m]."""
+    q, walking = np.asarray(poses, dtype=float), np.reshape(people, (-1, 3))
+    outline, (low, high) = vehicle.outline(q), hall.bounds
+    to_edge = np.minimum(outline - low, high - outline).min(axis=-1)
+    to_things = rectangle_distance(q, vehicle.size, hall.outlines)
+    to_people = vehicle.distances(q, walking[:, :2]) - walking[:, 2]
+    return np.maximum(np.concatenate([to_edge, to_things, to_people], axis=-1).min(axis=-1), 0.0)

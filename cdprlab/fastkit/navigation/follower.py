@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
-from .plan_view import carried, turn
+from ..plane import carried, difference, moved, relative
 from .planner import between
-from .vehicle import Vehicle, difference, moved
+from .vehicle import Vehicle
 
 STOP_DISTANCE = 0.3
 """The pair does not come closer than this to anything that is not on its map and may walk [m]."""
@@ -65,15 +65,15 @@ class Follower:
         pose : (3,) where the vehicle believes to be; unexpected : (u, 2) points in its frame that are not on the map
         period : [s]
         """
-        while self.aim < len(self.way) - 1 and self._distance(self.way[self.aim], pose) < _AHEAD:
+        while self.aim < len(self.way) - 1 and self.vehicle.way(self.way[self.aim], pose) < _AHEAD:
             self.aim += 1
-        d = difference(self.way[self.aim], pose)
-        wish = self.vehicle.within_limits(_GAIN * np.array([*(turn(np.asarray(pose)[2]).T @ d[:2]), d[2]]))
+        wish = self.vehicle.within_limits(_GAIN * relative(self.way[self.aim], pose))
         # Slow enough to stop at the end, v = √(2 a s).
-        left = self._distance(self.way[-1], pose) + 0.01 * (len(self.way) - 1 - self.aim)
+        left = self.vehicle.way(self.way[-1], pose) + 0.01 * (len(self.way) - 1 - self.aim)
         speed = max(float(np.linalg.norm(wish[:2])), self.vehicle.arm * abs(float(wish[2])), 1e-9)
         wish = wish * min(1.0, np.sqrt(1.6 * _ACCELERATION * left) / speed)
-        wish = self._softened(wish, period)
+        most = _ACCELERATION * period * np.array([1, 1, 1 / self.vehicle.arm])
+        wish = self.twist + np.clip(wish - self.twist, -most, most)
         distances = self._wanted_distances(pose, unexpected)
         for share in (1.0, 0.5, 0.2):
             if self._keeps_away(share * wish, unexpected, distances):
@@ -81,15 +81,6 @@ class Follower:
                 return Command(self.twist, False)
         self.twist = np.zeros(3)
         return Command(self.twist, True)
-
-    def _distance(self, a: Array, b: ArrayLike) -> float:
-        """The way from one pose to another of the base that has farther to go, about [m]."""
-        d = np.abs(difference(a, b))
-        return float(np.hypot(d[0], d[1]) + self.vehicle.arm * d[2])
-
-    def _softened(self, wish: Array, period: float) -> Array:
-        most = _ACCELERATION * period * np.array([1, 1, 1 / self.vehicle.arm])
-        return self.twist + np.clip(wish - self.twist, -most, most)
 
     def _wanted_distances(self, pose: ArrayLike, points: Array) -> Array:
         """(u,) how far to stay from each point [m]."""
@@ -99,17 +90,7 @@ class Follower:
         return np.where(np.linalg.norm(off, axis=-1).min(axis=1) < _STILL, STANDING_DISTANCE, STOP_DISTANCE)
 
     def _keeps_away(self, twist: Array, points: Array, distances: Array) -> bool:
-        if not len(points):
-            return True
-        now = self.distances(np.zeros(3), points)
-        for t in _HORIZON:
-            then = self.distances(moved(np.zeros(3), twist, t), points)
-            if (then < np.minimum(distances, now - 1e-4)).any():
-                return False
-        return True
-
-    def distances(self, pose: Array, points: Array) -> Array:
-        """(u,) of points from the vehicle's rectangle at a pose, both in one frame [m]."""
-        local = (points - pose[:2]) @ turn(pose[2])
-        beyond = np.maximum(np.abs(local) - np.array([self.vehicle.length, self.vehicle.width]) / 2, 0)
-        return np.asarray(np.linalg.norm(beyond, axis=-1))
+        here = np.zeros(3)
+        now = self.vehicle.distances(here, points)
+        then = [self.vehicle.distances(moved(here, twist, t), points) for t in _HORIZON]
+        return bool((np.array(then) >= np.minimum(distances, now - 1e-4)).all())

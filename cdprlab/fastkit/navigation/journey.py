@@ -10,15 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array, as_number, frozen
+from ...run.log import Log
+from ..events import STOPPED
+from ..plane import carried, checked_pose, difference
 from .driving import Pair, clearance
 from .follower import Follower
-from .grid import OccupancyGrid
+from .hall import Hall
 from .localization import Localization, Odometry
-from .plan_view import Hall, carried, checked_pose
+from .occupancy import OccupancyGrid
 from .planner import MARGIN, Plan, between, plan_path
-from .vehicle import Vehicle, difference
+from .vehicle import Vehicle
 
-ARRIVED, STOPPED = "arrived", "stopped"
+ARRIVED = "arrived"
 DOCKING_MARGIN = 0.06
 """Kept from the map on the last straight drive to a berth; the localization is that good three times over [m]."""
 
@@ -106,36 +109,34 @@ def navigate(pair: Pair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
     """
     as_number(period, "period", "s", positive=True)
     doubt = as_array(uncertainty, "uncertainty", (3,), "m, m, rad")
-    eyes = [(scanner.x, scanner.y) for scanner in pair.vehicle.scanners]
-    where = Localization(hall, checked_pose(start, "start"), doubt, odometry, eyes)
+    where = Localization(hall, checked_pose(start, "start"), doubt, odometry, pair.vehicle.eyes)
     stops = [checked_pose(goal, "goal")] + ([] if berth is None else [checked_pose(berth, "berth")])
     out = None if leaving is None else checked_pose(leaving, "leaving")
-    loop = _Loop(pair, hall, stops, out, where, margin, period, truth)
-    return loop.run(longest, progress)
+    return _Driver(pair, hall, stops, out, where, margin, period, truth).run(longest, progress)
 
 
 def docking(hall: Hall, vehicle: Vehicle, plan: Plan, berth: Array, margin: float = DOCKING_MARGIN) -> Plan:
     """The plan and a straight drive from its end to the berth, if that keeps ``margin`` [m] from the map, exactly."""
     narrow = _too_narrow(hall, vehicle, plan.poses[-1], berth, margin)
-    return (Plan(np.zeros((0, 3)), f"no room to dock: {narrow}") if narrow else
-            Plan(frozen(np.concatenate([plan.poses, berth[None]]))))
+    return Plan.none(f"no room to dock: {narrow}") if narrow else Plan(frozen(np.vstack([plan.poses, berth])))
 
 
 def undocking(hall: Hall, vehicle: Vehicle, berth: Array, plan: Plan, margin: float = DOCKING_MARGIN) -> Plan:
     """A straight drive from the berth to the plan's begin, and the plan, if that keeps ``margin`` [m] from the map."""
     narrow = _too_narrow(hall, vehicle, berth, plan.poses[0], margin)
-    return (Plan(np.zeros((0, 3)), f"no room to leave: {narrow}") if narrow else
-            Plan(frozen(np.concatenate([berth[None], plan.poses]))))
+    return Plan.none(f"no room to leave: {narrow}") if narrow else Plan(frozen(np.vstack([berth, plan.poses])))
 
 
 def _too_narrow(hall: Hall, vehicle: Vehicle, here: Array, there: Array, margin: float) -> str:
     """'' if a straight drive keeps the margin, else how much room there is."""
-    nearest = min(clearance(vehicle, pose, hall) for pose in between(here, there))
+    nearest = clearance(vehicle, between(here, there), hall).min()
     return "" if nearest >= margin else (f"{nearest:.2f} m are left between berth and map on the straight way, "
                                          f"{margin:g} m are wanted")
 
 
-class _Loop:
+class _Driver:
+    """A journey under way: what changes from period to period."""
+
     def __init__(self, pair: Pair, hall: Hall, stops: list[Array], leaving: Array | None, where: Localization,
                  margin: float, period: float, truth: bool) -> None:
         self.pair, self.hall, self.stops, self.leaving, self.where = pair, hall, stops, leaving, where
@@ -144,7 +145,9 @@ class _Loop:
         self.plans: list[tuple[float, Plan]] = []
         self.blocked = self.since_plan = 0.0
         self.retreats, self.backing, self.came_from = 0, False, 0
-        self.rows: list[tuple[Any, ...]] = []
+        self.log = Log({"time": ((), "s"), "poses": ((3,), "m, m, rad"), "estimates": ((3,), "m, m, rad"),
+                        "deviations": ((3,), "m, m, rad"), "clearance": ((), "m"), "waiting": ((), ""),
+                        "backing": ((), ""), "people": (pair.people.shape, "m")})
         self.scans: list[Array] = []
 
     @property
@@ -218,11 +221,11 @@ class _Loop:
     def _way_back(self) -> Array:
         """(n, 3) the last meter of the way so far, backwards."""
         back, far = [self._pose], 0.0
-        for _, true, believed, *_rest in reversed(self.rows[self.came_from:]):
-            d = difference(true if self.truth else believed, back[-1])
-            step = float(np.hypot(d[0], d[1]) + self.pair.vehicle.arm * abs(d[2]))
+        for then in self.log["poses" if self.truth else "estimates"][self.came_from:][::-1]:
+            step = self.pair.vehicle.way(then, back[-1])
             if step > 0.05 and far < _BACK * (1 + self.retreats):
-                back, far = [*back, back[-1] + d], far + step
+                back.append(back[-1] + difference(then, back[-1]))
+                far += step
         return np.array(back)
 
     def _plan(self, now: float, unexpected: Array) -> tuple[Plan, Array]:
@@ -243,16 +246,16 @@ class _Loop:
     def _mind_the_berth(self) -> None:
         """Once out of the berth, plans begin where the pair is, and it does not back off into it."""
         if self.leaving is not None and (np.abs(difference(self.leaving, self._pose)) < _OUT).all():
-            self.leaving, self.came_from = None, len(self.rows)
+            self.leaving, self.came_from = None, len(self.log)
 
     def _note(self, now: float, points: Array) -> None:
         pair, where = self.pair, self.where
-        self.rows.append((now, np.array(pair.pose), np.array(where.pose), where.deviation, pair.clearance(),
-                          self.blocked > 0, self.backing, pair.people))
+        self.log.keep(now, pair.pose, where.pose, where.deviation, pair.clearance(), self.blocked > 0, self.backing,
+                      pair.people)
         self.scans.append(points)
 
     def _journey(self, state: str, reason: str) -> Journey:
-        names = ("time", "poses", "estimates", "deviations", "clearance", "waiting", "backing", "people")
-        columns: dict[str, Any] = {name: frozen(np.array(column)) for name, column in zip(names, zip(*self.rows))}
+        columns: dict[str, Any] = {name: self.log[name] for name in self.log.units}
+        columns |= {name: columns[name] > 0 for name in ("waiting", "backing")}
         return Journey(self.hall, self.pair.vehicle, self.stops[-1], state, reason, plans=tuple(self.plans),
                        scans=tuple(self.scans), **columns)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
-from .plan_view import carried
+from ..plane import carried
 
 
 @dataclass(frozen=True)
@@ -48,9 +48,9 @@ class Scanner:
 
     def points(self, distances: Array) -> Array:
         """(h, 2) in the frame, where beams ended; beams that met nothing give no point [m]."""
+        origin, directions = self.beams_from(np.zeros(3))
         hit = np.isfinite(distances)
-        angles = self.directions[hit]
-        return np.array([self.x, self.y]) + distances[hit, None] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+        return origin + distances[hit, None] * directions[hit]
 
 
 def cast(origin: Array, directions: Array, segments: Array, circles: ArrayLike = ()) -> Array:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
-from .plan_view import Hall, carried, turn
-from .vehicle import difference
+from ..plane import carried, difference, moved, off_segments, turn
+from .hall import Hall
 
 _BEAM = 0.1          # m: of one point; ten times the scanner's noise, since neighboring beams err together
 _DOUBTFUL = 0.05     # m: points farther off count less and less
@@ -61,8 +61,6 @@ class Localization:
     def __init__(self, hall: Hall, pose: ArrayLike, uncertainty: ArrayLike = (0.1, 0.1, 0.05),
                  odometry: Odometry | None = None, eyes: ArrayLike = ((0.0, 0.0),)) -> None:
         self.segments, self.eyes = hall.segments, np.asarray(eyes, dtype=float)
-        along = self.segments[:, 1] - self.segments[:, 0]
-        self._outward = np.stack([along[:, 1], -along[:, 0]], axis=-1)
         self.pose = np.array(pose, dtype=float)
         self.covariance = np.diag(np.asarray(uncertainty, dtype=float)) ** 2
         self.odometry = Odometry() if odometry is None else odometry
@@ -75,13 +73,11 @@ class Localization:
     def drive(self, step: ArrayLike) -> Array:
         """Prediction: the wheels say (dx, dy, dθ) in the vehicle's frame; returns the pose."""
         d = np.asarray(step, dtype=float)
-        R = turn(self.pose[2] + d[2] / 2)
-        way = R @ d[:2]
-        F = np.eye(3)
-        F[:2, 2] = [-way[1], way[0]]
-        G = np.eye(3)
-        G[:2, :2] = R
-        self.pose = self.pose + [*way, d[2]]
+        before, self.pose = self.pose, moved(self.pose, d)
+        x, y, _ = self.pose - before
+        F, G = np.eye(3), np.eye(3)
+        F[:2, 2] = [-y, x]
+        G[:2, :2] = turn(before[2] + d[2] / 2)
         self.covariance = F @ self.covariance @ F.T + G @ self.odometry.covariance(d) @ G.T
         return self.pose
 
@@ -118,19 +114,18 @@ class Localization:
 
     def _facing(self) -> Array:
         """(s, 2, 2) edges that some scanner sees from outside: the far side of a wall is nearly as near as its face."""
-        start = self.segments[:, 0]
-        before = ((carried(self.pose, self.eyes)[:, None] - start) * self._outward).sum(axis=-1).max(axis=0) > 0
+        start, along = self.segments[:, 0], self.segments[:, 1] - self.segments[:, 0]
+        off = carried(self.pose, self.eyes)[:, None] - start
+        before = (off[..., 0] * along[:, 1] > off[..., 1] * along[:, 0]).any(axis=0)
         return self.segments[before] if before.any() else self.segments
 
     def _offsets(self, points: Array, segments: Array) -> tuple[Array, Array]:
         """(h, 2) from the nearest edge to each point, in the world, and (h, 2, 3) how the point moves with the pose."""
         p = carried(self.pose, points)
-        start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
-        share = np.clip(((p[:, None] - start) * along).sum(axis=-1) / (along * along).sum(axis=-1), 0, 1)
-        off = p[:, None] - start - share[..., None] * along
+        off = off_segments(p[:, None], segments)
         nearest = np.argmin((off * off).sum(axis=-1), axis=1)
-        arm = p - self.pose[:2]
+        x, y = (p - self.pose[:2]).T
         J = np.zeros((len(p), 2, 3))
         J[:, 0, 0] = J[:, 1, 1] = 1.0
-        J[:, 0, 2], J[:, 1, 2] = -arm[:, 1], arm[:, 0]
+        J[:, 0, 2], J[:, 1, 2] = -y, x
         return off[np.arange(len(p)), nearest], J

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
 
 from ...arrays import Array, frozen
-from .grid import OccupancyGrid
-from .plan_view import checked_pose
-from .vehicle import Vehicle, difference
+from ..plane import checked_pose, difference
+from .occupancy import OccupancyGrid
+from .vehicle import Vehicle
 
 Nodes = NDArray[np.int64]
 
@@ -34,6 +36,11 @@ class Plan:
 
     poses: Array
     reason: str = ""
+
+    @classmethod
+    def none(cls, reason: str) -> Plan:
+        """No way, and why."""
+        return cls(np.zeros((0, 3)), reason)
 
     @property
     def found(self) -> bool:
@@ -60,7 +67,7 @@ def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: Arr
     Source: E. W. Dijkstra, Numerische Mathematik 1, 1959, on the costmap of Pedemonte et al. 2020, section 2.3.
 
     >>> import cdprlab as cl
-    >>> from cdprlab.fastkit.navigation import Hall
+    >>> from cdprlab.fastkit import Hall
     >>> hall = Hall.of([[0, 0, 0.2, 4, 0]], [[-5, -3], [5, 3]])
     >>> pair = Vehicle.of(cl.load_world("fastkit_suspended").robot)
     >>> plan_path(OccupancyGrid.of(hall), pair, [-2.5, 0, 0], [2.5, 0, 0]).reason
@@ -69,15 +76,14 @@ def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: Arr
     a, b = checked_pose(start, "start"), checked_pose(goal, "goal")
     here, there = grid.room(vehicle, np.stack([a, b])).tolist()
     if there < margin:
-        return Plan(np.zeros((0, 3)), f"the goal is not free: {_room_text(there)} are left around the pair, "
-                                      f"{margin:g} m are wanted")
+        left = "0" if there < 0 else f"{there:.2f}"
+        return Plan.none(f"the goal is not free: {left} m are left around the pair, {margin:g} m are wanted")
     if here < -grid.slack - vehicle.radius / 2:
-        return Plan(np.zeros((0, 3)), "the pair stands against something: there is no room to drive away")
-    lattice = _Lattice(grid, vehicle, margin)
-    nodes = lattice.way(a, b, min(margin, here))
+        return Plan.none("the pair stands against something: there is no room to drive away")
+    nodes = _Lattice(grid, vehicle, margin).way(a, b, min(margin, here))
     if not len(nodes):
         wide = inflated_width(grid, vehicle, margin)
-        return Plan(np.zeros((0, 3)), f"there is no way of {wide:.2f} m width from the start to the goal")
+        return Plan.none(f"there is no way of {wide:.2f} m width from the start to the goal")
     poses = _shortened(grid, vehicle, np.concatenate([a[None], nodes, b[None]]), min(margin, here))
     return Plan(frozen(poses))
 
@@ -101,24 +107,19 @@ class _Lattice:
         half = [grid.room_on(vehicle, self.xs, self.ys, heading) for heading in self.headings[:len(self.headings) // 2]]
         self.room = np.array(half + half)
         self.free = self.room[::_BETWEEN] >= margin                                  # (headings, nx, ny)
-        turns = (self.room >= margin).reshape(_HEADINGS, _BETWEEN, *self.room.shape[1:]).all(axis=1)
-        self.turns = turns & np.roll(self.free, -1, axis=0)                          # to the next heading
 
     def way(self, start: Array, goal: Array, least: float) -> Array:
         """(n, 3) poses of the best way between the nodes that start and goal join; (0, 3) if there is none."""
-        from scipy.sparse.csgraph import dijkstra
-
         ends, begins = self._joined(goal, self.margin), self._joined(start, least)
         if not (len(ends) and len(begins)):
             return np.zeros((0, 3))
         times, previous = dijkstra(self._graph(), directed=False, indices=ends[0], return_predecessors=True)
-        best = begins[int(np.argmin(times[begins] + self._joining_times(begins, start)))]
-        if not np.isfinite(times[best]):
-            return np.zeros((0, 3))
-        nodes = [int(best)]
-        while previous[nodes[-1]] >= 0:
-            nodes.append(int(previous[nodes[-1]]))
-        return self._poses(np.array(nodes))
+        best = int(begins[np.argmin(times[begins] + self._joining_times(begins, start))])
+        nodes = []
+        while best >= 0 and np.isfinite(times[best]):
+            nodes.append(best)
+            best = int(previous[best])
+        return self._poses(np.array(nodes, dtype=int))
 
     def _poses(self, nodes: Nodes) -> Array:
         h, x, y = np.unravel_index(nodes, self.free.shape)
@@ -139,33 +140,26 @@ class _Lattice:
                 if (self.grid.room(self.vehicle, between(pose, there)) >= least - 1e-9).all()]
         return np.array(kept[:40], dtype=int)
 
-    def _graph(self) -> object:
-        from scipy.sparse import csr_array
-
+    def _graph(self) -> csr_array:
+        """Seconds between neighbors, (nodes, nodes)."""
         index = np.arange(self.free.size).reshape(self.free.shape)
         wide = 1 + np.clip(1 - (self.room[::_BETWEEN] - self.margin) / _WIDE, 0, 1)
-        starts, ends, times = [], [], []
         along = _STEP / self.vehicle.speed_max[1:].min()
-        for dx, dy in ((1, 0), (0, 1), (1, 1), (1, -1)):
-            here, there = _shifted(dx, dy)
-            both = self.free[here] & self.free[there]
-            starts.append(index[here][both])
-            ends.append(index[there][both])
-            times.append(np.hypot(dx, dy) * along * (wide[here] + wide[there])[both] / 2)
-        rate = min(self.vehicle.speed_max[0], self.vehicle.speed_max[2] / self.vehicle.arm)
-        starts.append(index[self.turns])
-        ends.append(np.roll(index, -1, axis=0)[self.turns])
-        times.append(2 * np.pi / _HEADINGS / rate * wide[self.turns])
+        about = 2 * np.pi / _HEADINGS / min(self.vehicle.speed_max[0], self.vehicle.speed_max[2] / self.vehicle.arm)
+        rooms = self.room.reshape(_HEADINGS, _BETWEEN, *self.room.shape[1:])
+        turns = (rooms >= self.margin).all(axis=1)
+        starts, ends, times = [], [], []
+        for step in ((0, 1, 0), (0, 0, 1), (0, 1, 1), (0, 1, -1), (1, 0, 0)):
+            # Headings go round; places do not, but at the floor's edge, where rolling would join them, none is free.
+            back = np.negative(step)
+            there, room = (np.roll(nodes, back, axis=(0, 1, 2)) for nodes in (index, wide))
+            both = (turns if step[0] else self.free) & self.free.ravel()[there]
+            starts.append(index[both])
+            ends.append(there[both])
+            # A turn counts where it begins, a way at both its ends.
+            times.append(about * wide[both] if step[0] else np.hypot(*step[1:]) * along * (wide + room)[both] / 2)
         i, j, t = map(np.concatenate, (starts, ends, times))
         return csr_array((t, (i, j)), shape=(index.size, index.size))
-
-
-def _shifted(dx: int, dy: int) -> tuple[tuple[slice, ...], tuple[slice, ...]]:
-    """Slices of (headings, nx, ny) that pair each node with its neighbor."""
-    every = slice(None)
-    x = (slice(0, -1), slice(1, None)) if dx else (every, every)
-    y = (slice(0, -1), slice(1, None)) if dy > 0 else (slice(1, None), slice(0, -1)) if dy < 0 else (every, every)
-    return (every, x[0], y[0]), (every, x[1], y[1])
 
 
 def _shortened(grid: OccupancyGrid, vehicle: Vehicle, poses: Array, margin: float) -> Array:
@@ -183,7 +177,3 @@ def _shortened(grid: OccupancyGrid, vehicle: Vehicle, poses: Array, margin: floa
         kept.append(poses[ahead])
         k = ahead
     return np.array(kept)
-
-
-def _room_text(room: float) -> str:
-    return "0 m" if room < 0 else f"{room:.2f} m"

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from ...arrays import Array, frozen
 from ...errors import InvalidInput
 from ...robot import Robot
+from ..plane import difference, placed, rectangle, turn
 from .laser import Scanner
-from .plan_view import carried, rectangle, wrapped
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,62 +57,68 @@ class Vehicle:
             raise InvalidInput(f"coupled bases are at least {2 * half[0]:g} m apart, got {spacing:g} m")
         length, width = spacing + 2 * float(half[0]), 2 * float(half[1])
         # On opposite corners two scanners of 270 degrees look all around, and see nothing of the bases.
-        corner = np.array([length, width]) / 2
-        scanners = (Scanner(-corner[0], corner[1], 0.75 * np.pi, beams=beams),
-                    Scanner(corner[0], -corner[1], -0.25 * np.pi, beams=beams))
+        scanners = (Scanner(-length / 2, width / 2, 0.75 * np.pi, beams=beams),
+                    Scanner(length / 2, -width / 2, -0.25 * np.pi, beams=beams))
         discs, radius = _covering(length, width)
         return cls(length, width, spacing / 2, base.speed_max, scanners, frozen(discs), radius)
 
-    def outline(self, pose: ArrayLike) -> Array:
-        """(4, 2) corners at pose (3,) [m]."""
-        return carried(pose, rectangle(0, 0, self.length, self.width))
+    @property
+    def size(self) -> Array:
+        """(2,) length and width [m]."""
+        return np.array([self.length, self.width])
 
+    @property
+    def eyes(self) -> Array:
+        """(k, 2) where the scanners are, in the vehicle's frame [m]."""
+        return np.array([[scanner.x, scanner.y] for scanner in self.scanners])
+
+    def outline(self, pose: ArrayLike) -> Array:
+        """(…, 4, 2) corners at pose (…, 3) [m]."""
+        return rectangle(pose, self.size)
+
+    def distances(self, pose: ArrayLike, points: Array) -> Array:
+        """(…, u) of points (u, 2) from the rectangle at pose (…, 3), both in one frame; 0 inside [m]."""
+        q = np.asarray(pose, dtype=float)
+        local = (points - q[..., None, :2]) @ turn(q[..., 2])
+        return np.linalg.norm(np.maximum(np.abs(local) - self.size / 2, 0), axis=-1)
+
+    # --- the bases --------------------------------------------------------------------------------
     def bases(self, pose: ArrayLike) -> Array:
         """(…, 2, 3) poses of the active and the passive base, the pair at pose (…, 3)."""
-        q = np.asarray(pose, dtype=float)
-        centers = carried(q, [[-self.arm, 0.0], [self.arm, 0.0]])
-        return np.concatenate([centers, np.broadcast_to(q[..., None, 2:], (*centers.shape[:-1], 1))], axis=-1)
+        return placed(pose, [[-self.arm, 0.0, 0.0], [self.arm, 0.0, 0.0]])
+
+    def base_outlines(self, pose: ArrayLike) -> Array:
+        """(…, 2, 4, 2) corners of their rectangles [m]."""
+        return rectangle(self.bases(pose), [self.length - 2 * self.arm, self.width])
 
     def pose_of(self, active: ArrayLike) -> Array:
         """(…, 3) pose of the pair whose active base is at (…, 3)."""
-        q = np.asarray(active, dtype=float)
-        return np.concatenate([carried(q, [[self.arm, 0.0]])[..., 0, :], q[..., 2:]], axis=-1)
+        return placed(active, [[self.arm, 0.0, 0.0]])[..., 0, :]
 
     def base_speeds(self, twist: ArrayLike) -> Array:
         """(3,) speeds of the active base, rotation, along, across, for the pair's (v_x, v_y, ω) in its own frame."""
         vx, vy, spin = np.asarray(twist, dtype=float).tolist()
         return np.array([spin, vx, vy - self.arm * spin])
 
-    def twist_of(self, base_speeds: ArrayLike) -> Array:
-        """(3,) the pair's (v_x, v_y, ω) in its own frame when the active base drives so."""
-        spin, vx, vy = np.asarray(base_speeds, dtype=float).tolist()
-        return np.array([vx, vy + self.arm * spin, spin])
+    # --- ways -------------------------------------------------------------------------------------
+    def way(self, a: ArrayLike, b: ArrayLike) -> float:
+        """From one pose to another, of the base that has farther to go, about [m]."""
+        x, y, spin = np.abs(difference(a, b)).tolist()
+        return float(np.hypot(x, y) + self.arm * spin)
+
+    def quickest(self, step: ArrayLike) -> Array:
+        """(…) how long a step (…, 3) (dx, dy, dθ) in its own frame takes at the bases' speed limits [s]."""
+        x, y, spin = np.moveaxis(np.abs(np.asarray(step, dtype=float)), -1, 0)
+        return np.asarray((np.stack([spin, x, y + self.arm * spin], axis=-1) / self.speed_max).max(axis=-1))
 
     def within_limits(self, twist: ArrayLike) -> Array:
-        """(3,) the same motion, slowed down until both bases can drive it.
+        """(3,) a motion (v_x, v_y, ω), slowed down until both bases can drive it.
 
         >>> import cdprlab as cl
         >>> Vehicle.of(cl.load_world("fastkit_suspended").robot).within_limits([0.4, 0, 0]).tolist()
         [0.2, 0.0, 0.0]
         """
-        t = np.asarray(twist, dtype=float)
-        ends = np.array([[t[2], t[0], t[1] - self.arm * t[2]], [t[2], t[0], t[1] + self.arm * t[2]]])
-        return np.asarray(t / max(1.0, float((np.abs(ends) / self.speed_max).max())))
-
-
-def moved(pose: ArrayLike, twist: ArrayLike, period: float) -> Array:
-    """(…, 3) pose after driving on at (v_x, v_y, ω), in the vehicle's frame, for a short while [s]."""
-    q, t = np.asarray(pose, dtype=float), np.asarray(twist, dtype=float)
-    heading = q[..., 2] + t[..., 2] * period / 2
-    c, s = np.cos(heading), np.sin(heading)
-    step = np.stack([c * t[..., 0] - s * t[..., 1], s * t[..., 0] + c * t[..., 1], t[..., 2]], axis=-1) * period
-    return q + step
-
-
-def difference(target: ArrayLike, pose: ArrayLike) -> Array:
-    """(…, 3) target minus pose, the angle the short way round [m, m, rad]."""
-    d = np.asarray(target, dtype=float) - np.asarray(pose, dtype=float)
-    return np.concatenate([d[..., :2], wrapped(d[..., 2:])], axis=-1)
+        return np.asarray(np.asarray(twist, dtype=float) / np.maximum(1.0, self.quickest(twist)))
 
 
 def _covering(length: float, width: float) -> tuple[Array, float]:

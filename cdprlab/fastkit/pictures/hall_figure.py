@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
 from matplotlib.patches import Circle, Polygon
 
 from ...arrays import Array
 from ...view.plots import Figure
 from ...view.style import BLUE, GREEN, GREY, INK, ORANGE, SKY, VERMILION, house_style
-from ..navigation import ARRIVED, Hall, Journey, OccupancyGrid, Vehicle
-from ..navigation.plan_view import carried
+from ..navigation.hall import Hall
+from ..navigation.journey import ARRIVED, Journey
+from ..navigation.occupancy import OccupancyGrid
+from ..navigation.vehicle import Vehicle
+from ..plane import carried
 
 _SHADE = "#E4E7EB"
 
@@ -32,6 +34,10 @@ def plot_journey(journey: Journey) -> Figure:
         figure.legend(*plan.get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=9)
         scan = figure.add_subplot(grid[0, 1])
         draw_scan(scan, journey)
+        pose, reach = journey.estimates[-1], journey.vehicle.scanners[0].range + journey.vehicle.length / 2
+        scan.set(xlim=(pose[0] - reach, pose[0] + reach), ylim=(pose[1] - 0.75 * reach, pose[1] + 0.75 * reach),
+                 title="last scan, as believed")
+        scan.legend(loc="lower right", fontsize=8)
         _draw_errors(figure.add_subplot(grid[1, 1]), journey)
         end = "reaches its goal" if journey.state == ARRIVED else f"stops: {journey.reason}"
         figure.alt_text = (f"A hall from above with {len(journey.hall.outlines)} things in it; the coupled bases {end} "
@@ -47,7 +53,7 @@ def draw_hall(axes: Axes, hall: Hall, vehicle: Vehicle | None = None) -> None:
         cells = OccupancyGrid.of(hall)
         taken = cells.clearance < vehicle.width / 2
         axes.imshow(np.where(taken, 1.0, np.nan).T, origin="lower", extent=(low[0], high[0], low[1], high[1]),
-                    cmap=_one_color(_SHADE), interpolation="nearest", zorder=0)
+                    cmap=ListedColormap([_SHADE]), interpolation="nearest", zorder=0)
         axes.plot([], [], "s", color=_SHADE, markersize=9, label="inflated by half the pair's width")
     for outline, seen in zip(hall.outlines, hall.seen):
         axes.add_patch(Polygon(outline, facecolor=GREY if seen else "none", edgecolor=INK, linewidth=0.8,
@@ -66,26 +72,21 @@ def draw_way(axes: Axes, journey: Journey) -> None:
     axes.plot(*journey.poses[:, :2].T, color=BLUE, linewidth=2.0, zorder=5, label="way driven (middle)")
     period = journey.time[1] if len(journey.time) > 1 else 1.0
     for k in range(0, len(journey.poses), max(1, round(10 / period))):
-        _draw_pair(axes, journey.vehicle, journey.poses[k], 0.35)
-    _draw_pair(axes, journey.vehicle, journey.poses[-1], 1.0)
+        draw_pair(axes, journey.vehicle, journey.poses[k], 0.35)
+    draw_pair(axes, journey.vehicle, journey.poses[-1])
     axes.plot(*journey.goal[:2], "x", color=VERMILION, markersize=9, markeredgewidth=2, zorder=6, label="goal")
     for person in np.moveaxis(journey.people, 0, 1):
         axes.plot(*person[:, :2].T, ":", color=GREEN, linewidth=1.5, zorder=3, label="person")
         axes.add_patch(Circle(tuple(person[-1, :2]), float(person[-1, 2]), facecolor=GREEN, edgecolor=INK, zorder=4))
 
 
-def draw_scan(axes: Axes, journey: Journey) -> None:
-    """The last scan where the pair believes it was taken, over the map."""
+def draw_scan(axes: Axes, journey: Journey, k: int = -1) -> None:
+    """A scan where the pair believes it was taken, over the map; k : index of the period, the last one by default."""
     draw_hall(axes, journey.hall)
-    pose, points = journey.estimates[-1], carried(journey.estimates[-1], journey.points)
-    _draw_pair(axes, journey.vehicle, pose, 1.0)
-    eyes = carried(pose, [[scanner.x, scanner.y] for scanner in journey.vehicle.scanners])
-    axes.plot(*eyes.T, "o", color=BLUE, markersize=6, zorder=6, label="scanners")
-    axes.plot(*points.T, ".", color=VERMILION, markersize=3, zorder=5, label="scanned points")
-    reach = journey.vehicle.scanners[0].range + journey.vehicle.length / 2
-    axes.set(xlim=(pose[0] - reach, pose[0] + reach), ylim=(pose[1] - 0.75 * reach, pose[1] + 0.75 * reach),
-             title="last scan, as believed")
-    axes.legend(loc="lower right", fontsize=8)
+    pose = journey.estimates[k]
+    draw_pair(axes, journey.vehicle, pose)
+    axes.plot(*carried(pose, journey.vehicle.eyes).T, "o", color=BLUE, markersize=6, zorder=6, label="scanners")
+    axes.plot(*carried(pose, journey.scans[k]).T, ".", color=VERMILION, markersize=3, zorder=5, label="scanned points")
 
 
 def _draw_errors(axes: Axes, journey: Journey) -> None:
@@ -98,16 +99,7 @@ def _draw_errors(axes: Axes, journey: Journey) -> None:
     axes.legend(loc="center right", fontsize=8)
 
 
-def _draw_pair(axes: Axes, vehicle: Vehicle, pose: Array, alpha: float) -> None:
+def draw_pair(axes: Axes, vehicle: Vehicle, pose: Array, alpha: float = 1.0) -> None:
     """Both bases; the active one, which drives, is filled."""
-    size = vehicle.length - 2 * vehicle.arm
-    for base, active in zip(vehicle.bases(pose), (True, False)):
-        corners = carried(base, np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) / 2 * [size, vehicle.width])
-        axes.add_patch(Polygon(corners, facecolor=SKY if active else "white", edgecolor=INK, linewidth=1.0,
-                               alpha=alpha, zorder=3))
-
-
-def _one_color(color: str) -> Any:
-    from matplotlib.colors import ListedColormap
-
-    return ListedColormap([color])
+    for corners, color in zip(vehicle.base_outlines(pose), (SKY, "white")):
+        axes.add_patch(Polygon(corners, facecolor=color, edgecolor=INK, linewidth=1.0, alpha=alpha, zorder=3))

@@ -8,12 +8,13 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ...arrays import Array
+from ...run.log import Log
 from ...view.plots import Figure
 from ...view.style import BLUE, GREEN, GREY, INK, VERMILION, house_style
-from ..mission import LEANS, Drive, Mission
-from ..navigation import Journey
-from ..navigation.plan_view import carried
-from .hall_figure import _draw_pair, draw_hall
+from ..mission.guards import LEANS
+from ..mission.mission_record import Mission
+from ..navigation.journey import Journey
+from .hall_figure import draw_scan
 from .job_figure import least_edge_loads
 
 
@@ -45,7 +46,7 @@ def plot_drives(mission: Mission) -> Figure:
     """
     ways = [(name, way, drive) for name, way, drive in (("way there", mission.journey, mission.drive),
                                                        ("way home", mission.way_home, mission.drive_home))
-            if way is not None and drive is not None and len(drive.wheels)]
+            if way is not None and drive is not None and len(drive)]
     with house_style():
         figure = Figure(figsize=(11.0, 8.0), layout="constrained")
         panels = figure.subplots(4, max(1, len(ways)), sharex="col", sharey="row", squeeze=False)
@@ -63,12 +64,7 @@ def plot_drives(mission: Mission) -> Figure:
 
 
 def _scan_panel(panel: Axes, journey: Journey, k: int) -> None:
-    draw_hall(panel, journey.hall)
-    pose = journey.estimates[k]
-    _draw_pair(panel, journey.vehicle, pose, 1.0)
-    eyes = carried(pose, [[scanner.x, scanner.y] for scanner in journey.vehicle.scanners])
-    panel.plot(*eyes.T, "o", color=BLUE, markersize=5, zorder=6, label="scanners")
-    panel.plot(*carried(pose, journey.scans[k]).T, ".", color=VERMILION, markersize=2, zorder=5, label="scanned points")
+    draw_scan(panel, journey, k)
     for x, y in journey.people[k, :, :2].tolist():
         panel.plot(x, y, "o", color=GREEN, markersize=8, zorder=4, label="person")
     panel.set(title=f"{journey.time[k]:.0f} s", xlabel="", ylabel="")
@@ -84,7 +80,7 @@ def _room_panel(panel: Axes, way: Journey) -> None:
         panel.legend(loc="lower right", fontsize=9)
 
 
-def _bearing_panels(panels: Any, mission: Mission, way: Journey, drive: Drive) -> None:
+def _bearing_panels(panels: Any, mission: Mission, way: Journey, drive: Log) -> None:
     loads, tilts, tensions = panels
     times, robot = way.time[1:], mission.world.robot
     for line, base, color in zip(_edges(drive).T, robot.bases, (BLUE, VERMILION)):
@@ -93,11 +89,11 @@ def _bearing_panels(panels: Any, mission: Mission, way: Journey, drive: Drive) -
     loads.annotate("0: a base begins to tip", (0.005, 0), xycoords=("axes fraction", "data"), xytext=(0, 3),
                    textcoords="offset points", fontsize=9, color=INK)
     loads.legend(loc="center right", fontsize=9)
-    tilts.plot(times[_FOUND:], np.degrees(drive.tilts[_FOUND:]), color=BLUE)
+    tilts.plot(times[_FOUND:], np.degrees(drive["tilts"][_FOUND:]), color=BLUE)
     tilts.axhline(np.degrees(LEANS), color=INK, linewidth=1.2, linestyle=(0, (1, 2)))
     tilts.annotate("more: a base leans", (0.01, 0.86), xycoords="axes fraction", va="top", fontsize=9)
     tilts.set_ylim(0, 1.1 * np.degrees(LEANS))
-    tensions.plot(times, drive.tensions, color=GREY, linewidth=1)
+    tensions.plot(times, drive["tensions"], color=GREY, linewidth=1)
     tensions.axhline(robot.tension_min.min(), color=INK, linewidth=1.2, linestyle=(0, (1, 2)))
     tensions.annotate("no cable moves: all at their least", (0.01, 0.85), xycoords="axes fraction", fontsize=9)
     tensions.set_ylim(0, 3 * float(robot.tension_min.max()))
@@ -106,6 +102,6 @@ def _bearing_panels(panels: Any, mission: Mission, way: Journey, drive: Drive) -
 _FOUND = 3      # rows in which the wheels find the floor
 
 
-def _edges(drive: Drive) -> Array:
+def _edges(drive: Log) -> Array:
     """(N, p) loads of each base's least loaded edge, once the wheels have found the floor [N]."""
-    return least_edge_loads(drive.wheels[_FOUND:].reshape(len(drive.wheels) - _FOUND, 2, -1))
+    return least_edge_loads(drive["wheels"][_FOUND:])

@@ -17,9 +17,11 @@ from ...view.film import _ECONOMIES, LARGEST_FILE, _checked_path, _font, _write_
 from ...view.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from ...world import World
 from ..job.job_record import Job
-from ..mission import Mission, without_hall
-from ..navigation import Hall, Journey, Vehicle
-from ..navigation.plan_view import carried, rectangle
+from ..mission.mission_record import Mission
+from ..mission.scenery import without_hall
+from ..navigation.hall import Hall
+from ..navigation.journey import Journey
+from ..plane import carried, rectangle
 from .job_figure import frame_at
 
 _HEAD, _FOOT = 56, 30            # pixels of a picture 640 wide, above and below the plan
@@ -104,9 +106,9 @@ class MissionFilm:
         if plan is not None:
             pen.line(plan.poses[:, :2], ORANGE, 3, dash=0.15)
         pen.line(way.poses[:k + 1, :2], BLUE, 3)
-        for base, filled in zip(_bases(way.vehicle, way.poses[k]), (True, False)):
+        for base, filled in zip(way.vehicle.base_outlines(way.poses[k]), (True, False)):
             pen.area(base, SKY if filled else "white")
-        pen.area(carried(way.poses[k], rectangle(0, 0, *self.mission.world.robot.platform.size[:2].tolist())), PLATFORM)
+        pen.area(rectangle(way.poses[k], self.mission.world.robot.platform.size[:2]), PLATFORM)
         for x, y, radius in way.people[k].tolist():
             pen.disc((x, y), radius, GREEN)
         for point in carried(way.estimates[k], way.scans[k]):
@@ -175,11 +177,6 @@ class _Pen:
             self.drawing.rectangle([x, y - size, x + 2 * size, y + size], fill=color, outline=INK_RGB)
             self.drawing.text((x + 18 * self.scale, y), word, fill=INK_RGB, font=font, anchor="lm")
             x += 42 * self.scale + self.drawing.textlength(word, font=font)
-
-
-def _bases(vehicle: Vehicle, pose: Array) -> list[Array]:
-    size = vehicle.length - 2 * vehicle.arm
-    return [rectangle(x, y, size, vehicle.width, heading) for x, y, heading in vehicle.bases(pose).tolist()]
 
 
 def _index(times: Array, t: float) -> int:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import distance_transform_edt
 
 from ...arrays import Array, as_number, frozen
-from .plan_view import Hall, carried
+from ..plane import carried, turn
+from .hall import Hall
 from .vehicle import Vehicle
 
 Flags = NDArray[np.bool_]
@@ -45,17 +48,18 @@ class OccupancyGrid:
         shape = np.maximum(np.ceil((high - low) / cell - 1e-9).astype(int), 1)
         occupied = np.zeros(shape, dtype=bool)
         hidden = cell / np.sqrt(2)                      # from a cell's center to its corner
-        for outline in hall.outlines:
-            middle, along = outline.mean(axis=0), outline[0] - outline[1]
-            length, width = np.linalg.norm(along), np.linalg.norm(outline[1] - outline[2])
-            axes = np.stack([along / length, np.array([-along[1], along[0]]) / length])
+        for x, y, length, width, heading in hall.rectangles.tolist():
             half = np.array([length, width]) / 2
-            where, off = _near(occupied, low, cell, middle, float(np.hypot(*half)) + hidden)
-            occupied[where] |= (np.abs(off @ axes.T) <= half + hidden).all(axis=-1)
+            where, off = _near(occupied, low, cell, np.array([x, y]), float(np.hypot(*half)) + hidden)
+            occupied[where] |= (np.abs(off @ turn(heading)) <= half + hidden).all(axis=-1)
         for point in np.asarray(points, dtype=float).reshape(-1, 2):
             where, off = _near(occupied, low, cell, point, reach + hidden)
             occupied[where] |= np.linalg.norm(off, axis=-1) <= reach + hidden
-        return cls(cell, low, _kept(occupied), frozen(_clearance(occupied, cell)))
+        occupied.setflags(write=False)
+        # One ring of occupied cells outside: the floor's edge is a wall.
+        walled = np.pad(occupied, 1, constant_values=True)
+        between_centers = distance_transform_edt(~walled, sampling=cell)[1:-1, 1:-1]
+        return cls(cell, low, occupied, frozen(np.maximum(between_centers - np.sqrt(2) * cell, 0.0)))
 
     @property
     def slack(self) -> float:
@@ -64,11 +68,8 @@ class OccupancyGrid:
 
     def clearance_at(self, points: ArrayLike) -> Array:
         """(…) clearance at points (…, 2); 0 off the floor [m]."""
-        k = np.floor((np.asarray(points, dtype=float) - self.corner) / self.cell).astype(int)
-        nx, ny = self.occupied.shape
-        on = (k >= 0).all(axis=-1) & (k[..., 0] < nx) & (k[..., 1] < ny)
-        k = np.clip(k, 0, [nx - 1, ny - 1])
-        return np.where(on, self.clearance[k[..., 0], k[..., 1]], 0.0)
+        p = np.asarray(points, dtype=float)
+        return self._at(p[..., 0], p[..., 1])
 
     def room(self, vehicle: Vehicle, poses: ArrayLike) -> Array:
         """(…) what is surely left between a vehicle at poses (…, 3) and all that stands there [m]."""
@@ -76,13 +77,18 @@ class OccupancyGrid:
 
     def room_on(self, vehicle: Vehicle, xs: Array, ys: Array, heading: float) -> Array:
         """(nx, ny) the same for one heading at all places (x, y): cells are looked up row by column."""
-        walled = np.pad(self.clearance, 1)          # the ring around it is off the floor
-        least = np.full((len(xs), len(ys)), np.inf)
-        for dx, dy in carried([0, 0, heading], vehicle.discs).tolist():
-            i, j = (np.clip(np.floor((line - low) / self.cell).astype(int) + 1, 0, count - 1)
-                    for line, low, count in zip((xs + dx, ys + dy), self.corner, walled.shape))
-            np.minimum(least, walled[i[:, None], j], out=least)
-        return least - vehicle.radius
+        x, y = carried([0, 0, heading], vehicle.discs).T[:, :, None]
+        return self._at((xs + x)[:, :, None], (ys + y)[:, None, :]).min(axis=0) - vehicle.radius
+
+    @cached_property
+    def _walled(self) -> Array:
+        """The clearance in a ring of zeros: there it is off the floor."""
+        return np.pad(self.clearance, 1)
+
+    def _at(self, x: Array, y: Array) -> Array:
+        i, j = (np.clip(np.floor((along - low) / self.cell).astype(int) + 1, 0, count - 1)
+                for along, low, count in zip((x, y), self.corner, self._walled.shape))
+        return self._walled[i, j]
 
 
 def _near(occupied: Flags, low: Array, cell: float, middle: Array, radius: float) -> tuple[tuple[slice, slice], Array]:
@@ -91,17 +97,3 @@ def _near(occupied: Flags, low: Array, cell: float, middle: Array, radius: float
     last = np.clip(np.ceil((middle + radius - low) / cell).astype(int) + 1, first, occupied.shape)
     x, y = (low[i] + (np.arange(first[i], last[i]) + 0.5) * cell - middle[i] for i in (0, 1))
     return (slice(first[0], last[0]), slice(first[1], last[1])), np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
-
-
-def _kept(occupied: Flags) -> Flags:
-    occupied.setflags(write=False)
-    return occupied
-
-
-def _clearance(occupied: Flags, cell: float) -> Array:
-    from scipy.ndimage import distance_transform_edt
-
-    # One ring of occupied cells outside: the floor's edge is a wall.
-    walled = np.pad(occupied, 1, constant_values=True)
-    between_centers = distance_transform_edt(~walled, sampling=cell)[1:-1, 1:-1]
-    return np.maximum(between_centers - np.sqrt(2) * cell, 0.0)

@@ -7,11 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Array
+from ..plane import rectangle, rectangle_distance
 from .driving import Walker
-from .plan_view import Hall, outline_distance, rectangle
+from .hall import Hall, walls
 from .vehicle import Vehicle
-
-_WALL = 0.1           # m thick
 
 
 class Practice(NamedTuple):
@@ -42,16 +41,13 @@ def practice_hall(vehicle: Vehicle, seed: int, size: tuple[float, float] = (10.0
     shelf = np.array([random.uniform(0.35, 0.65) * length, height - 0.3, 2.4, 0.6, 0.0])
     goal = np.array([shelf[0], height - 0.6 - gap - vehicle.width / 2, float(random.choice([0.0, np.pi]))])
     start = np.array([random.uniform(2.0, length - 2.0), random.uniform(1.8, 2.2), random.uniform(-np.pi, np.pi)])
-    keep = [vehicle.outline(start), vehicle.outline(goal)]
-    walls = np.array([[length / 2, -_WALL / 2, length, _WALL, 0], [length / 2, height + _WALL / 2, length, _WALL, 0],
-                      [-_WALL / 2, height / 2, height, _WALL, np.pi / 2],
-                      [length + _WALL / 2, height / 2, height, _WALL, np.pi / 2]])
-    rows = [*walls, shelf]
+    keep = np.stack([start, goal])
+    rows = [*walls([[0, 0], size]), shelf]
     for _ in range(pallets):
-        row = np.array([random.uniform(0, length), random.uniform(0.5, height - 1.0), random.uniform(0.5, 1.2),
-                        random.uniform(0.4, 0.8), random.uniform(0, np.pi)])
-        if min(outline_distance(rectangle(*row.tolist()), outline) for outline in keep) > 0.45:
-            rows.append(row)
+        x, y, along, across, heading = random.uniform([0, 0.5, 0.5, 0.4, 0], [length, height - 1.0, 1.2, 0.8, np.pi])
+        pallet = rectangle([x, y, heading], [along, across])
+        if rectangle_distance(keep, vehicle.size, pallet[None]).min() > 0.45:
+            rows.append(np.array([x, y, along, across, heading]))
     middle = (start[:2] + goal[:2]) / 2
     aside = np.array([random.uniform(2.0, 3.0), random.uniform(-0.5, 0.5)])
     hall = Hall.of(np.array(rows), [[0, 0], size])

@@ -1,0 +1,27 @@
+"""States that jobs and missions go through: when each was entered, and why where it is not as planned."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+DONE, STOPPED = "done", "stopped"
+"""How a job, a mission or a journey ends; stopped is safe: bases stand still, the platform holds where it is."""
+
+
+class Event(NamedTuple):
+    """A state was entered: when [s], which, and why, where it is not as planned."""
+
+    time: float
+    state: str
+    why: str = ""
+
+
+def spans(events: Sequence[Event], end: float) -> list[tuple[float, float, str]]:
+    """(begin, end, state) of each [s].
+
+    >>> spans([Event(0.0, "reach"), Event(1.5, "done")], 2.0)
+    [(0.0, 1.5, 'reach'), (1.5, 2.0, 'done')]
+    """
+    times = [event.time for event in events] + [end]
+    return [(begins, ends, event.state) for begins, ends, event in zip(times, times[1:], events)]

@@ -1,0 +1,42 @@
+"""The hall around a world's shelf: walls and pallets as parts of its scene."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arrays import as_array
+from ...world import World
+from ..navigation.hall import walls
+
+_WALLS, _PALLET = ("north wall", "south wall", "west wall", "east wall"), "pallet"
+
+
+def in_hall(world: World, bounds: ArrayLike, pallets: ArrayLike = (), height: float = 1.2) -> World:
+    """A world with walls around the floor and pallets on it.
+
+    bounds : (2, 2) of the floor, the walls just outside [m]; pallets : (k, 5) center, edges [m], heading [rad]
+    height : of walls and pallets [m]
+
+    >>> import cdprlab as cl
+    >>> fastkit = cl.load_world("fastkit_suspended")
+    >>> len(in_hall(fastkit, [[-5, -6], [7, 2]], [[3, -3, 0.8, 1.2, 0.3]]).scene.boxes) - len(fastkit.scene.boxes)
+    5
+    """
+    rows = [*walls(as_array(bounds, "bounds", (2, 2), "m")), *np.reshape(pallets, (-1, 5))]
+    names = [*_WALLS, *(f"{_PALLET} {k}" for k in range(1, len(rows) - 3))]
+    document = world.to_dict()
+    scene = document.setdefault("scene", {})
+    scene["boxes"] = [*scene.get("boxes", []), *(
+        {"name": name, "position": [x, y, height / 2], "size": [along, across, height], "yaw": yaw}
+        for name, (x, y, along, across, yaw) in zip(names, np.array(rows).tolist()))]
+    return World.from_dict(document)
+
+
+def without_hall(world: World) -> World:
+    """The world without what `in_hall` put there: in pictures it would stand between the eye and the work."""
+    boxes = tuple(box for box in world.scene.boxes
+                  if box.name not in _WALLS and not box.name.startswith(f"{_PALLET} "))
+    return replace(world, scene=replace(world.scene, boxes=boxes))

@@ -1,0 +1,79 @@
+"""A hall from above: a floor, and what stands on it as rectangles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...arrays import Array, as_array, frozen
+from ...world import World
+from ..plane import edges, point_distance, rectangle
+
+
+@dataclass(frozen=True, eq=False)
+class Hall:
+    """A known map: k solid rectangles on a floor.
+
+    rectangles : (k, 5) center x, y, edges along and across [m], heading [rad]
+    bounds : (2, 2) lowest and highest corner of the floor that may be driven on [m]
+    seen : (k,) whether a scanner's plane cuts it; all keep bases away
+    """
+
+    rectangles: Array
+    bounds: Array
+    seen: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, rectangles: ArrayLike, bounds: ArrayLike, seen: ArrayLike = True) -> Hall:
+        """A hall of rectangles, by default all as high as the scanners; arguments as above.
+
+        >>> Hall.of([[0, 0, 2, 1, 0]], [[-3, -3], [3, 3]]).distance([0, 1.5]).tolist()
+        1.0
+        """
+        rows = as_array(rectangles, "rectangles", ("k", 5), "m, rad")
+        return cls(rows, as_array(bounds, "bounds", (2, 2), "m"), np.broadcast_to(np.asarray(seen), len(rows)))
+
+    @classmethod
+    def of_world(cls, world: World, bounds: ArrayLike, height: float = 0.2, tallest: float = 2.4) -> Hall:
+        """The plan of a world's scene: all that stands between the floor and the tops of the bases.
+
+        bounds : (2, 2) [m]; height : of the scanners' plane [m]; tallest : of the bases [m]
+        """
+        rows, seen = [], []
+        for box in world.scene.boxes:
+            middle, half = box.position[2] - world.scene.floor_height, box.size[2] / 2
+            if middle + half > 0.01 and middle - half < tallest:
+                rows.append([*box.position[:2], *box.size[:2], box.yaw])
+                seen.append(abs(height - middle) < half)
+        return cls.of(np.reshape(rows, (-1, 5)), bounds, np.array(seen, dtype=bool))
+
+    def with_rectangles(self, rectangles: ArrayLike) -> Hall:
+        """The hall and more that stands in it; (k, 5) as above."""
+        rows = np.concatenate([self.rectangles, rectangles])
+        return Hall.of(rows, self.bounds, np.append(self.seen, np.ones(len(rows) - len(self.seen), dtype=bool)))
+
+    @cached_property
+    def outlines(self) -> Array:
+        """(k, 4, 2) corners of each rectangle, counter-clockwise [m]."""
+        return frozen(rectangle(self.rectangles[:, [0, 1, 4]], self.rectangles[:, 2:4]))
+
+    @cached_property
+    def segments(self) -> Array:
+        """(s, 2, 2) edges a scanner can see [m]."""
+        return frozen(edges(self.outlines[self.seen]).reshape(-1, 2, 2))
+
+    def distance(self, points: ArrayLike) -> Array:
+        """(…) distance of (…, 2) points to the nearest rectangle, 0 inside one [m]; inf in an empty hall."""
+        p = as_array(points, "points", (2,), "m", batch=True)
+        return point_distance(p, self.outlines).min(axis=-1, initial=np.inf)
+
+
+def walls(bounds: ArrayLike, thickness: float = 0.1) -> Array:
+    """(4, 5) rectangles just outside a floor (2, 2): north, south, west and east of it [m]."""
+    (west, south), (east, north) = np.asarray(bounds, dtype=float).tolist()
+    x, y, half = (west + east) / 2, (south + north) / 2, thickness / 2
+    return np.array([[x, north + half, east - west, thickness, 0], [x, south - half, east - west, thickness, 0],
+                     [west - half, y, thickness, north - south, 0], [east + half, y, thickness, north - south, 0]])

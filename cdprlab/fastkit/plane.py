@@ -1,0 +1,105 @@
+"""Geometry on the floor: poses (x, y, heading) that carry points and poses, segments, solid convex outlines."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array
+from ..errors import InvalidInput
+from ..robot.pose import rotation_from_vector
+from ..workspace.distances import box_distance
+
+_CORNERS = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) / 2
+
+
+def checked_pose(pose: ArrayLike, name: str) -> Array:
+    """(3,) x, y [m], heading [rad]; raises InvalidInput for anything else."""
+    q = as_array(pose, name, (3,), "m, m, rad")
+    if abs(q[2]) > 100:
+        raise InvalidInput(f"{name} has a heading of {q[2]:g} rad: headings are in radians")
+    return q
+
+
+# --- poses ------------------------------------------------------------------------------------------------
+def turn(heading: ArrayLike) -> Array:
+    """(…, 2, 2) rotation matrix."""
+    return rotation_from_vector(np.asarray(heading, dtype=float)[..., None])
+
+
+def carried(poses: ArrayLike, points: ArrayLike) -> Array:
+    """(…, k, 2) where points (k, 2) of a moving frame are, with the frame at poses (…, 3)."""
+    q = np.asarray(poses, dtype=float)
+    return q[..., None, :2] + np.asarray(points) @ np.swapaxes(turn(q[..., 2]), -1, -2)
+
+
+def placed(frames: ArrayLike, poses: ArrayLike) -> Array:
+    """(…, k, 3) where poses (k, 3) in a moving frame are, with the frame at (…, 3).
+
+    >>> placed([1, 2, np.pi / 2], [[0.5, 0, 0.1]]).round(2).tolist()
+    [[1.0, 2.5, 1.67]]
+    """
+    q, p = np.asarray(frames, dtype=float), np.asarray(poses, dtype=float)
+    return np.concatenate([carried(q, p[:, :2]), q[..., None, 2:] + p[:, 2:]], axis=-1)
+
+
+def relative(pose: ArrayLike, frame: ArrayLike) -> Array:
+    """(3,) a pose as its frame, another pose, sees it: what `placed` puts back."""
+    d = difference(pose, frame)
+    return np.array([*(d[:2] @ turn(np.asarray(frame)[2])), d[2]])
+
+
+def difference(target: ArrayLike, pose: ArrayLike) -> Array:
+    """(…, 3) target minus pose, the angle the short way round, in (−π, π] [m, m, rad]."""
+    d = np.asarray(target, dtype=float) - np.asarray(pose, dtype=float)
+    return np.concatenate([d[..., :2], np.pi - np.mod(np.pi - d[..., 2:], 2 * np.pi)], axis=-1)
+
+
+def moved(pose: ArrayLike, twist: ArrayLike, period: float = 1.0) -> Array:
+    """(…, 3) pose after driving on at (v_x, v_y, ω), in the vehicle's frame, for a short while [s]."""
+    q, step = np.asarray(pose, dtype=float), np.asarray(twist, dtype=float) * period
+    way = turn(q[..., 2] + step[..., 2] / 2) @ step[..., :2, None]
+    return q + np.concatenate([way[..., 0], step[..., 2:]], axis=-1)
+
+
+def step_between(before: ArrayLike, after: ArrayLike) -> Array:
+    """(…, 3) (dx, dy, dθ) in the vehicle's frame, as `moved` takes it."""
+    d = difference(after, before)
+    way = d[..., None, :2] @ turn(np.asarray(before)[..., 2] + d[..., 2] / 2)
+    return np.concatenate([way[..., 0, :], d[..., 2:]], axis=-1)
+
+
+# --- segments and outlines --------------------------------------------------------------------------------
+def rectangle(pose: ArrayLike, size: ArrayLike) -> Array:
+    """(…, 4, 2) corners, counter-clockwise, of rectangles at poses (…, 3), (…, 2) along and across them [m]."""
+    return carried(pose, _CORNERS * np.asarray(size)[..., None, :])
+
+
+def edges(outlines: Array) -> Array:
+    """(…, k, 2, 2) edges of polygons of (…, k, 2) corners."""
+    return np.stack([outlines, np.roll(outlines, -1, axis=-2)], axis=-2)
+
+
+def off_segments(points: Array, segments: Array) -> Array:
+    """(…, 2) from the nearest point of a segment (…, 2, 2) to a point (…, 2) [m]."""
+    start, along = segments[..., 0, :], segments[..., 1, :] - segments[..., 0, :]
+    off = points - start
+    share = (off * along).sum(axis=-1) / np.maximum((along * along).sum(axis=-1), 1e-18)
+    return off - np.clip(share, 0, 1)[..., None] * along
+
+
+def point_distance(points: ArrayLike, outlines: Array) -> Array:
+    """(…, k) of points (…, 2) to solid convex outlines (k, c, 2), counter-clockwise; 0 inside [m]."""
+    p, sides = np.asarray(points, dtype=float)[..., None, None, :], edges(outlines)
+    along, off = sides[..., 1, :] - sides[..., 0, :], p - sides[..., 0, :]
+    outside = (along[..., 0] * off[..., 1] - along[..., 1] * off[..., 0] < 0).any(axis=-1)
+    return np.where(outside, np.linalg.norm(off_segments(p, sides), axis=-1).min(axis=-1), 0.0)
+
+
+def rectangle_distance(poses: ArrayLike, size: ArrayLike, outlines: Array) -> Array:
+    """(…, k) of a rectangle at poses (…, 3) to solid convex outlines (k, c, 2); 0 where they touch or overlap [m]."""
+    q = np.asarray(poses, dtype=float)
+    ends = edges((outlines - q[..., None, None, :2]) @ turn(q[..., 2])[..., None, :, :])
+    to_edges = box_distance(ends[..., 0, :], ends[..., 1, :], np.asarray(size) / 2).min(axis=-1)
+    # An outline may have all of the rectangle inside, far from its own edges.
+    return np.minimum(to_edges, point_distance(q[..., :2], outlines))
