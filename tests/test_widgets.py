@@ -13,7 +13,7 @@ from PIL import Image
 import cdprlab as cl
 from cdprlab import course
 from cdprlab.course import Choice, Explorer, Slider, pose_explorer, run_player
-from cdprlab.course.explorers.posing import row_names
+from cdprlab.course.explorers.posing import ROW_NAMES
 from cdprlab.errors import InvalidInput
 from cdprlab.view.drawing import RobotDrawing
 from cdprlab.view.projection import Projection
@@ -317,7 +317,8 @@ def test_lengths_and_wrench_matrix_are_the_librarys_at_every_end(name):
         pose = explorer.pose
         lines = explorer.text.splitlines()
         np.testing.assert_allclose(numbers_in(lines[1]), cl.cable_lengths(robot, pose), atol=5.1e-4)  # 3 decimals
-        for line, label, row in zip(lines[4:], row_names(robot), cl.wrench_matrix(robot, pose)):
+        for line, name, row in zip(lines[4:], robot.pattern.rows, cl.wrench_matrix(robot, pose)):
+            label = ROW_NAMES[name]
             assert line.startswith(label)
             np.testing.assert_allclose(numbers_in(line.removeprefix(label)), row, atol=5.1e-3)  # 2 decimals
         pictures.add(explorer.picture)
@@ -337,7 +338,7 @@ def test_each_slider_moves_its_motion_and_the_picture(name):
         moved = explorer.pose.position - start.position
         if name in motions:
             assert np.flatnonzero(np.abs(moved) > 1e-9).tolist() == [motions[name]]
-            np.testing.assert_array_equal(explorer.pose.rotation, explorer.pose_at(first).rotation)
+            np.testing.assert_array_equal(explorer.pose.rotation, explorer.posing.pose(first).rotation)
         else:
             np.testing.assert_array_equal(moved, 0)
         explorer.set(**first)

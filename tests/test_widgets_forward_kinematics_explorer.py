@@ -7,7 +7,8 @@ import cdprlab as cl
 from cdprlab import course
 from cdprlab.course.explorers.explorer import Slider
 from cdprlab.course.pictures import pose_estimates
-from cdprlab.course.props.pose_search import gauss_newton_path, six_cables, without_cable
+from cdprlab.course.props.changed_cables import without_cable
+from cdprlab.course.props.pose_search import gauss_newton_path, six_cables
 from cdprlab.errors import InvalidInput
 
 # Lengths of a few meters are rounded to 1e-15 m; J⁺ multiplies that by less than 10 for these poses.

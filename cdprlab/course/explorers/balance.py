@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...arrays import Array
 from ...robot.pose import Pose
 from ...view.style import house_style
+from ...view.text_table import in_brackets
 from ..pictures.equilibrium import draw_panels, panels
 from ..props.letting_go import Motion, let_go
 from ..props.point_load import EXIT_POINTS, MASS, Equilibrium, equilibrium, point_load
-from .explorer import Choice, Explorer, Slider, Values
+from .explorer import Choice, Explorer, Slider, Values, once_a_move
 
 
 class EquilibriumExplorer(Explorer):
@@ -39,11 +40,13 @@ class EquilibriumExplorer(Explorer):
                      Slider("time", "let go for", "s", 0.0, 0.6, 0.0, 0.02)]
         super().__init__(controls, title="Forces on a point load", size=(7.8, 5.2))
 
+    @once_a_move
     def state(self, values: Values) -> Equilibrium:
         """The balance of forces at the controls' values."""
         state = equilibrium(self._robots[values["cables"]], *_load(values), values.get("internal", 0.0))
         return state.held(state.tensions + values["extra"] * (np.arange(state.tensions.size) == 0))
 
+    @once_a_move
     def motion(self, values: Values) -> Motion | None:
         """What the engine does with the load, tensions and push held; None as long as the load is."""
         position, push = _load(values)
@@ -60,7 +63,8 @@ class EquilibriumExplorer(Explorer):
     def draw(self, values: Values) -> None:
         still = self._still()
         with house_style():
-            draw_panels(self._axes, self._robots[values["cables"]], *_load(values), self._state, self._motion)
+            draw_panels(self._axes, self._robots[values["cables"]], *_load(values), self.state(values),
+                        self.motion(values))
         for artist in (artist for axes in self._axes for artist in (*axes.lines, *axes.texts, *axes.patches)):
             artist.set_animated(True)
         if self._still() == still:  # axes call themselves stale for any new artist, though this one is drawn anyway
@@ -71,24 +75,25 @@ class EquilibriumExplorer(Explorer):
         return [(axes.get_xlim(), axes.get_ylim(), axes.get_title(loc="left")) for axes in self._axes]
 
     def numbers(self, values: Values) -> dict[str, Any]:
-        state, motion = self._state, self._motion = self.state(values), self.motion(values)
+        state, motion = self.state(values), self.motion(values)
         columns = zip(state.tensions + 0.0, state.null_vector + 0.0, state.slack)
         rows = [f"{i:>5}  {tension:>10.1f}  {h:>6.2f}" + ("  slack!" if slack else "")
                 for i, (tension, h, slack) in enumerate(columns, start=1)]
         return {
             "redundancy r = m − n": state.tensions.size - 2,
-            "w_e [N]": _pair(state.w_e),
+            "w_e [N]": in_brackets(state.w_e, 1),
             "‖W τ + w_e‖ [N]": f"{np.linalg.norm(state.residual):.1e}",
             "cable       τ [N]       h": "\n".join(rows),
             "Let go: M a = W max(τ, 0) + w_e": _told(state, motion),
-            "In words": _wrapped(state.words()),
+            "In words": "\n".join(textwrap.wrap(state.words(), 56)),
         }
 
     def describe(self, values: Values) -> str:
-        moved = "" if self._motion is None else \
-            f" Let go, it moves {1e3 * _way(self._motion):.0f} mm in {values['time']:g} s."
+        motion = self.motion(values)
+        moved = "" if motion is None else \
+            f" Let go, it moves {1e3 * motion.way:.0f} mm in {values['time']:g} s."
         return f"{self.title} on {values['cables']} cables at ({values['x']:g}, {values['y']:g}) m: " \
-               + self._state.words() + moved
+               + self.state(values).words() + moved
 
 
 def equilibrium_explorer(n_cables: int = 2, internal: bool = True) -> EquilibriumExplorer:
@@ -117,22 +122,6 @@ def _told(state: Equilibrium, motion: Motion | None) -> str:
     if motion is None:
         return "held: which way will it go? Then move the last slider"
     a, t = state.left_over / MASS, motion.time[-1]
-    return (f"left over  {_pair(state.left_over)} N, ropes only pull\n"
-            f"formula    a = {_pair(a, 3)} m/s², ½ a t² = {500 * np.linalg.norm(a) * t**2:.1f} mm\n"
-            f"pymunk     a = {_pair(motion.acceleration, 3)} m/s², moved {1e3 * _way(motion):.1f} mm")
-
-
-def _way(motion: Motion) -> float:
-    """From where it was let go [m]."""
-    return float(np.linalg.norm(motion.positions[-1] - motion.positions[0]))
-
-
-def _pair(vector: Array, digits: int = 1) -> str:
-    # + 0.0 after rounding turns −0.0 into 0.0
-    return "({:.{d}f}, {:.{d}f})".format(*(np.round(vector, digits) + 0.0), d=digits)
-
-
-def _wrapped(text: str) -> str:
-    import textwrap
-
-    return "\n".join(textwrap.wrap(text, 56))
+    return (f"left over  {in_brackets(state.left_over, 1)} N, ropes only pull\n"
+            f"formula    a = {in_brackets(a, 3)} m/s², ½ a t² = {500 * np.linalg.norm(a) * t**2:.1f} mm\n"
+            f"pymunk     a = {in_brackets(motion.acceleration, 3)} m/s², moved {1e3 * motion.way:.1f} mm")

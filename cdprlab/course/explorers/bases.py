@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...errors import InvalidInput
@@ -16,12 +15,11 @@ from ...mechanics.kinematics import base_jacobian, jacobian
 from ...robot import Base, Robot
 from ...robot.pose import Pose
 from ...view.drawing import RobotDrawing
-from ...view.outlines import floor_height
 from ...view.style import INK, cable_style, house_style
-from ...view.text_table import fixed, text_table
+from ...view.text_table import cable_names, cable_table, fixed
 from ...world import World
-from .explorer import Choice, Explorer, Slider, Values
-from .posing import position_sliders, slider_pose, turn_sliders
+from .explorer import Choice, Explorer, Slider, Values, once_a_move
+from .posing import EYE, Arrow, Posing, checked_world, velocity
 
 _DIRECTIONS = (("turn", "θ", 30.0, "deg", "rad/s"), ("along", "ρ₁", 0.6, "m", "m/s"), ("across", "ρ₂", 0.6, "m", "m/s"))
 """Of a base: slider's name, symbol, how far it goes either way, unit of the displacement, of the speed."""
@@ -33,13 +31,13 @@ _SECONDS = 0.6
 """Arrows show where things will be after so long."""
 
 
-class Motion(NamedTuple):
+class BaseMotion(NamedTuple):
     """What the controls say: where everything is, how fast it goes, and what that asks of the winches.
 
     robot, pose : bases and platform where they are
     base_speeds, twist : (3p,) q̇_b and (n,) t [m/s, rad/s]
     lengths : (m,) [m]
-    from_platform, from_bases : (m,) J t and −B_b q̇_b, whose sum is l̇ [m/s]; None where a cable has no length
+    from_platform, from_bases : (m,) J t and −B_b q̇_b, whose sum is l̇ [m/s]; nan where a cable has no length
     """
 
     robot: Robot
@@ -47,23 +45,22 @@ class Motion(NamedTuple):
     base_speeds: Array
     twist: Array
     lengths: Array
-    from_platform: Array | None
-    from_bases: Array | None
+    from_platform: Array
+    from_bases: Array
 
     @property
-    def rates(self) -> Array | None:
+    def rates(self) -> Array:
         """(m,) l̇ [m/s]."""
-        return None if self.from_platform is None or self.from_bases is None else self.from_platform + self.from_bases
+        return self.from_platform + self.from_bases
 
     def words(self) -> str:
         """What the winches do, in a sentence."""
-        if self.rates is None:
-            limp = ", ".join(str(i + 1) for i in np.flatnonzero(self.lengths == 0))
-            return f"Cable {limp} has no length here, hence no direction and no rate."
-        groups = {"reeled in": self.rates < -5e-4, "paid out": self.rates > 5e-4}
-        said = [f"{_cables(which)} {name}" for name, which in groups.items() if which.any()]
-        fast = np.abs(self.rates) > self.robot.speed_max * (1 + 1e-9)
-        said += [f"{_cables(fast)} too fast for the winch"] if fast.any() else []
+        limp = self.lengths == 0
+        if limp.any():
+            return f"Cable {cable_names(limp).split(' ', 1)[1]} has no length here, hence no direction and no rate."
+        groups = {"reeled in": self.rates < -5e-4, "paid out": self.rates > 5e-4,
+                  "too fast for the winch": np.abs(self.rates) > self.robot.speed_max * (1 + 1e-9)}
+        said = [f"{cable_names(which)} {name}" for name, which in groups.items() if which.any()]
         return ("; ".join(said) + ".").capitalize() if said else "All winches stand still."
 
 
@@ -71,11 +68,13 @@ class BaseExplorer(Explorer):
     """Sliders for where the bases and the platform are, and how fast one base drives; see `base_explorer`."""
 
     def __init__(self, world: World, bases: tuple[str, ...] | None = None) -> None:
-        self._world, self._start = _checked(world), world.robot
+        if not any((base.speed_max > 0).any() for base in checked_world(world, "base").robot.bases):
+            raise InvalidInput(f"world {world.name!r} has no base that can drive; planar_mcdpr, fastkit_planar and "
+                               "mobile_four_bases have")
+        self._posing, self._start = Posing(world), world.robot
         self._shown = _shown(world.robot, bases)
         sliders: list[Slider | Choice] = [slider for base in self._shown for slider in _displacements(base)]
-        sliders += position_sliders(world.robot, floor_height(world.robot, world.scene), world.pose)
-        sliders += turn_sliders(world.robot, world.pose)
+        sliders += [*self._posing.places, *self._posing.turns]
         if len(self._shown) > 1:
             sliders.append(Choice("drives", "base that drives", tuple(base.name for base in self._shown)))
         sliders += _speeds(self._shown)
@@ -83,56 +82,51 @@ class BaseExplorer(Explorer):
             sliders += [Slider(f"v_{axis}", f"platform v_{axis}", "m/s", -2.0, 2.0, 0.0, 0.025)
                         for axis in world.robot.pattern.rows if axis in "xy"]
         else:
-            sliders.append(Slider("azimuth", "seen from", "deg", -180.0, 180.0, 25.0, 5.0))
-        self._ends = {slider.name: (slider.low, slider.high) for slider in sliders if isinstance(slider, Slider)}
+            sliders.append(EYE)
         super().__init__(sliders, f"Mobile bases: {world.title}", size=(5.4, 5.6))
 
-    def motion(self, values: Values) -> Motion:
+    @once_a_move
+    def motion(self, values: Values) -> BaseMotion:
         """Everything at the controls' values."""
-        robot, pose = self._robot_at(values), slider_pose(self._world.pose, values)
-        speeds, twist = self._base_speeds(values), np.zeros(robot.n_dof)
-        for k, row in enumerate(robot.pattern.rows):
-            twist[k] = values.get(f"v_{row}", 0.0)
+        robot, pose = self._robot_at(values), self._posing.pose(values)
+        speeds = self._base_speeds(values)
+        twist = np.array([values.get(f"v_{row}", 0.0) for row in robot.pattern.rows])
         lengths = cable_lengths(robot, pose)
         if (lengths == 0).any():
-            return Motion(robot, pose, speeds, twist, lengths, None, None)
-        return Motion(robot, pose, speeds, twist, lengths, jacobian(robot, pose) @ twist,
-                      -base_jacobian(robot, pose) @ speeds)
+            nowhere = np.full(robot.n_cables, np.nan)
+            return BaseMotion(robot, pose, speeds, twist, lengths, nowhere, nowhere)
+        return BaseMotion(robot, pose, speeds, twist, lengths, jacobian(robot, pose) @ twist,
+                       -base_jacobian(robot, pose) @ speeds)
 
     def build(self, figure: Figure) -> None:
         above, below = figure.subplots(2, 1, height_ratios=(3, 1.1))
-        self._drawing = RobotDrawing(above, *self._extremes())
+        self._drawing = RobotDrawing(above, self._driven_outward(), self._posing.scene, self._posing.ends)
         self._drawing.drive(self._start)
-        self._arrows = [_arrow(above) for _ in range(len(self._start.bases) + 1)]
+        self._arrows = [Arrow(self._drawing) for _ in range(len(self._start.bases) + 1)]
         self._bars = _rate_bars(below, self._start)
 
     def draw(self, values: Values) -> None:
         motion, drawing = self.motion(values), self._drawing
         with house_style():
-            drawing.turn(values.get("azimuth", 25.0))
+            drawing.turn(values.get("azimuth", EYE.start))
             drawing.drive(motion.robot)
             drawing.move(motion.pose)
-            for arrow, (tail, velocity) in zip(self._arrows, _velocities(motion)):
-                start, end = drawing.view.flat(np.stack([tail, tail + _SECONDS * velocity]))
-                arrow.set_visible(bool(np.abs(velocity).max() > 1e-9))
-                arrow.set_offsets(start)
-                arrow.set_UVC(*(end - start))
-            rates = motion.rates if motion.rates is not None else np.zeros(motion.robot.n_cables)
-            for bar, rate in zip(self._bars, rates):
+            for arrow, (tail, speed) in zip(self._arrows, _velocities(motion)):
+                arrow.move(tail, _SECONDS * speed)
+            for bar, rate in zip(self._bars, np.nan_to_num(motion.rates)):
                 bar.set_height(float(rate))
 
     def numbers(self, values: Values) -> str:
         """Lengths and rates, cable by cable."""
         motion = self.motion(values)
-        rows = [["length [m]", *(fixed(length, 3) for length in motion.lengths)]]
-        if motion.from_platform is not None and motion.from_bases is not None and motion.rates is not None:
+        rows = {"length [m]": [fixed(length, 3) for length in motion.lengths]}
+        if np.isfinite(motion.rates).all():
             # No dotted letters here: a combining dot counts as a letter and would push the columns out of line.
             parts = {"platform [m/s]": motion.from_platform, "bases [m/s]": motion.from_bases,
                      "rate [m/s]": motion.rates}
-            rows += [[name, *(fixed(rate, 3) for rate in rates)] for name, rates in parts.items()]
-        rows.append(["limit [m/s]", *(f"{limit:g}" for limit in motion.robot.speed_max)])
-        table = text_table(["cable", *(str(i + 1) for i in range(motion.robot.n_cables))], rows)
-        return f"{table}\n\nrate l̇ = J t (platform) − B_b q̇_b (bases)\n{motion.words()}"
+            rows |= {name: [fixed(rate, 3) for rate in rates] for name, rates in parts.items()}
+        rows["limit [m/s]"] = [f"{limit:g}" for limit in motion.robot.speed_max]
+        return f"{cable_table(rows)}\n\nrate l̇ = J t (platform) − B_b q̇_b (bases)\n{motion.words()}"
 
     def describe(self, values: Values) -> str:
         motion = self.motion(values)
@@ -156,17 +150,16 @@ class BaseExplorer(Explorer):
         return np.concatenate([np.clip(wanted, -base.speed_max, base.speed_max) if base.name == name else np.zeros(3)
                                for base in self._start.bases])
 
-    def _extremes(self) -> tuple[Robot, Any, Pose]:
-        """A robot and platform poses that span everything the sliders reach."""
+    def _driven_outward(self) -> Robot:
+        """With the bases as far apart as their sliders reach."""
         outward = {}
+        middle = np.mean([base.position for base in self._start.bases], axis=0)
         for base in self._shown:
-            middle = np.mean([other.position for other in self._start.bases], axis=0)
             reach = 0.6 * (base.speed_max[1:] > 0)
-            along = base.rotation[:2, :2].T @ (base.position - middle)
-            outward[base.name] = (*(base.position + base.rotation[:2, :2] @ (np.sign(along) * reach)), base.heading)
-        ends = [[self._ends.get(axis, (place, place))[k] for axis, place in zip("xyz", self._world.pose.position)]
-                for k in (0, 1)]
-        return self._start.with_bases(outward), self._world.scene, Pose(np.array(ends))
+            turned = base.rotation[:2, :2]
+            away = np.sign(turned.T @ (base.position - middle)) * reach
+            outward[base.name] = (*(base.position + turned @ away), base.heading)
+        return self._start.with_bases(outward)
 
 
 def base_explorer(world: World, bases: tuple[str, ...] | None = None) -> BaseExplorer:
@@ -188,21 +181,7 @@ def base_explorer(world: World, bases: tuple[str, ...] | None = None) -> BaseExp
     return BaseExplorer(world, bases)
 
 
-def _cables(which: NDArray[np.bool_]) -> str:
-    numbers = [str(i + 1) for i in np.flatnonzero(which)]
-    return f"cable{'s' if len(numbers) > 1 else ''} {', '.join(numbers)}"
-
-
 # --- sliders --------------------------------------------------------------------------------------------------
-def _checked(world: Any) -> World:
-    if not isinstance(world, World):
-        raise InvalidInput(f"a base explorer takes a World, got {type(world).__name__}")
-    if not any((base.speed_max > 0).any() for base in world.robot.bases):
-        raise InvalidInput(f"world {world.name!r} has no base that can drive; planar_mcdpr, fastkit_planar and "
-                           "mobile_four_bases have")
-    return world
-
-
 def _shown(robot: Robot, names: tuple[str, ...] | None) -> list[Base]:
     able = [base for base in robot.bases if (base.speed_max > 0).any()]
     if names is None:
@@ -229,21 +208,11 @@ def _speeds(bases: list[Base]) -> list[Slider]:
 
 
 # --- picture --------------------------------------------------------------------------------------------------
-def _arrow(axes: Axes) -> Any:
-    return axes.quiver([0], [0], [1], [0], angles="xy", scale_units="xy", scale=1, color=INK, width=0.012,
-                       zorder=9, animated=True)
-
-
-def _velocities(motion: Motion) -> list[tuple[Array, Array]]:
+def _velocities(motion: BaseMotion) -> list[tuple[Array, Array]]:
     """(d,) tail and velocity of each base and, last, of the platform [m, m/s]."""
-    d, found = motion.robot.dimension, []
-    for base, (_, *along) in zip(motion.robot.bases, motion.base_speeds.reshape(-1, 3)):
-        found.append((base.origin, base.rotation[:, :2] @ along))
-    velocity = np.zeros(d)
-    for k, row in enumerate(motion.robot.pattern.rows):
-        if row in "xyz":
-            velocity["xyz".index(row)] = motion.twist[k]
-    return [*found, (motion.pose.position, velocity)]
+    driven = zip(motion.robot.bases, motion.base_speeds.reshape(-1, 3))
+    return [*((base.origin, base.rotation[:, :2] @ speeds[1:]) for base, speeds in driven),
+            (motion.pose.position, velocity(motion.robot, motion.twist))]
 
 
 def _rate_bars(axes: Axes, robot: Robot) -> Any:

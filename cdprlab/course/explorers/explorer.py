@@ -10,7 +10,8 @@ import html
 from base64 import b64encode
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from functools import wraps
+from typing import Any, NoReturn, TypeVar
 
 import ipywidgets
 from matplotlib.figure import Figure
@@ -23,6 +24,22 @@ _NUMBERS_STYLE = "line-height: 1.35; margin: 0.5em 0 0 0.5em; font-size: 12px; w
 
 Values = dict[str, Any]
 """Control name → its value, in the control's unit."""
+
+Answer = TypeVar("Answer")
+
+
+def once_a_move(work_out: Callable[[Any, Values], Answer]) -> Callable[[Any, Values], Answer]:
+    """A method of the values that `numbers`, `draw` and `describe` all ask: worked out for the first of them only."""
+    key = f"_last_{work_out.__name__}"
+
+    @wraps(work_out)
+    def remembered(explorer: Any, values: Values) -> Answer:
+        last: tuple[Values, Answer] | None = vars(explorer).get(key)
+        if last is None or last[0] != values:
+            last = vars(explorer)[key] = dict(values), work_out(explorer, values)
+        return last[1]
+
+    return remembered
 
 
 @dataclass(frozen=True)
@@ -147,11 +164,11 @@ class Explorer:
         self.text, self._png, self._description = "", b"", ""
         self._callbacks: list[Callable[[Values], Any]] = []
         self._quiet = False
+        self._make_widgets()
         figure = Figure(figsize=size, dpi=100, layout="constrained")
         with house_style():
             self.build(figure)
         self._picture = Picture(figure)
-        self._make_widgets()
         self._answer()
 
     # --- what a subclass says -------------------------------------------------------------------------
@@ -188,6 +205,11 @@ class Explorer:
     def alt_text(self) -> str:
         """What the picture shows, in a sentence."""
         return self._description
+
+    def told(self, values: Values, *left_out: str) -> str:
+        """The sliders' values as text, but for some: "x 0.5 m, yaw 30 deg"."""
+        return ", ".join(f"{name} {values[name]:.4g} {control.unit}" for name, control in self.controls.items()
+                         if isinstance(control, Slider) and name not in left_out)
 
     def set(self, **values: Any) -> None:
         """Move some controls; one answer for all of them.

@@ -22,7 +22,8 @@ from ...robot.pose import Pose
 from ...view.camera import hanging
 from ...view.style import BLUE, GREY, INK, SKY, VERMILION, cable_style
 from ..pictures.pose_estimates import draw_exit_points, outline
-from ..props.pose_search import gauss_newton_path, six_cables, without_cable
+from ..props.changed_cables import without_cable
+from ..props.pose_search import gauss_newton_path, six_cables
 from ..props.settling import Settled, hang
 from .explorer import Choice, Explorer, Slider, Values
 

@@ -13,8 +13,9 @@ from ...robot.pose import Pose
 from ...tensions import TensionDistribution, distribute_tensions
 from ...view.drawing import RobotDrawing
 from ...view.style import INK, cable_style
+from ...view.text_table import in_brackets
 from ...world import World
-from .explorer import Explorer, Slider, Values
+from .explorer import Explorer, Slider, Values, once_a_move
 
 _AXES = ("x", "y", "z")
 
@@ -26,18 +27,13 @@ class HangingExplorer(Explorer):
         if not isinstance(world, World) or world.robot.dimension != 3:
             raise InvalidInput(f"a hanging explorer takes a spatial World, got {world!r}")
         self.world, self.robot = world, world.robot
-        sliders = _sliders(world)
-        ends = [[getattr(slider, end) for slider in sliders] for end in ("low", "start", "high")]
-        self._range = Pose(np.array(ends))
-        # Three times what the start needs: a pull that grows is seen to grow, and beyond it the number tells.
-        start = self.tensions({slider.name: slider.start for slider in sliders}).tensions
-        self._largest = _round_up(3.0 * float(np.nanmax(start, initial=1.0)))
-        super().__init__(sliders, f"{world.title}, at rest", size=(8.6, 4.4))
+        super().__init__(_sliders(world), f"{world.title}, at rest", size=(8.6, 4.4))
 
     def pose(self, values: Values) -> Pose:
         """Level, where the sliders say."""
         return Pose([values[axis] for axis in _AXES])
 
+    @once_a_move
     def tensions(self, values: Values) -> TensionDistribution:
         """The least tensions (in the sense of Σ τ²) that hold the platform still there."""
         robot, pose = self.robot, self.pose(values)
@@ -46,7 +42,11 @@ class HangingExplorer(Explorer):
 
     def build(self, figure: Figure) -> None:
         left, right = figure.subplots(1, 2, width_ratios=(3, 2))
-        self._drawing = RobotDrawing(left, self.robot, self.world.scene, self._range)
+        ends = [[getattr(slider, end) for slider in _sliders(self.world)] for end in ("low", "start", "high")]
+        self._drawing = RobotDrawing(left, self.robot, self.world.scene, Pose(np.array(ends)))
+        # Three times what the start needs: a pull that grows is seen to grow, and beyond it the number tells.
+        start = self.tensions(self.values).tensions
+        self._largest = _round_up(3.0 * float(np.nanmax(start, initial=1.0)))
         cables = range(1, self.robot.n_cables + 1)
         styles = [cable_style(cable - 1) for cable in cables]
         self._bars = right.barh(cables, [0.0] * len(cables), color=[style.color for style in styles],
@@ -69,13 +69,12 @@ class HangingExplorer(Explorer):
 
     def numbers(self, values: Values) -> dict[str, Any]:
         held, robot = self.tensions(values), self.robot
-        weight = robot.mass * robot.gravity
+        weight = {"weight [N]": f"{robot.mass * robot.gravity:.1f}"}
         if not held.feasible:
-            return {"weight [N]": f"{weight:.1f}", "In words": "Within their limits the cables\ncannot hold it here."}
+            return weight | {"In words": "Within their limits the cables\ncannot hold it here."}
         tau, hardest = held.tensions, int(np.argmax(held.tensions))
         vertical = tau @ wrench_matrix(robot, self.pose(values))[2]
-        return {
-            "weight [N]": f"{weight:.1f}",
+        return weight | {
             "Σ τ u, vertical [N]": f"{vertical:.1f}",
             "Σ τ [N]": f"{tau.sum():.0f}",
             "hardest pull": f"{tau[hardest]:.0f} N, cable {hardest + 1}",
@@ -83,11 +82,10 @@ class HangingExplorer(Explorer):
         }
 
     def describe(self, values: Values) -> str:
-        place = ", ".join(f"{values[axis]:.2f}" for axis in _AXES)
         held = self.tensions(values)
         words = f"tensions {', '.join(f'{tension:.0f}' for tension in held.tensions)} N" if held.feasible \
             else "no tensions within the limits hold it"
-        return f"{self.title} at ({place}) m: {words}"
+        return f"{self.title} at {in_brackets(self.pose(values).position, 2)} m: {words}"
 
 
 def hanging_explorer(world: World) -> HangingExplorer:

@@ -15,14 +15,12 @@ from ...mechanics.statics import gravity_wrench, wrench_matrix
 from ...robot import Robot
 from ...robot.pose import Pose
 from ...tensions import TensionDistribution, distribute_tensions, tension_methods
-from ...view.drawing import RobotDrawing
-from ...view.outlines import EMPTY, floor_height
 from ...view.style import house_style
 from ...world import World
 from ..pictures.tension_panels import MARKS, OWN, draw_bars, draw_set
 from ..pictures.tension_polygon import TensionSet, set_in_words, tension_set
-from .explorer import Choice, Explorer, Slider, Values
-from .posing import _checked_start, _corner_poses, position_sliders, slider_pose, turn_sliders
+from .explorer import Choice, Explorer, Slider, Values, once_a_move
+from .posing import Posing
 
 BORDER = "walk_along_the_border"
 """Shown in place of a method's tensions: those at the ``walk`` slider's place on the border."""
@@ -48,52 +46,40 @@ class TensionExplorer(Explorer):
     """Pose, limits and method on sliders and a menu; see `tension_explorer`."""
 
     def __init__(self, subject: World | Robot, start: Pose | None = None) -> None:
-        if not isinstance(subject, World | Robot):
-            raise InvalidInput(f"a tension explorer takes a World or a Robot, got {type(subject).__name__}")
-        self.robot, self.scene = (subject.robot, subject.scene) if isinstance(subject, World) else (subject, EMPTY)
-        robot = self.robot
+        self._posing = Posing(subject, start, "tension")
+        robot = self._posing.robot
         r = robot.n_cables - robot.n_dof
         if r not in (1, 2):
             raise InvalidInput("a tension explorer draws one or two redundant cables (r = m − n); here "
                                f"{robot.n_cables} cables hold {robot.n_dof} freedoms, r = {r}")
-        self.start = _checked_start(robot, subject.pose if start is None and isinstance(subject, World) else start)
         # The kernel method is for r = 1 only.
         self._methods = tuple(name for name in tension_methods() if r == 1 or name != "kernel")
-        pose = position_sliders(robot, floor_height(robot, self.scene), self.start) + turn_sliders(robot, self.start)
-        self._corners = _corner_poses(robot, pose, self.start)
-        self._last: tuple[Values, TensionState] | None = None
-        title = subject.title if isinstance(subject, World) else f"{robot.motion_pattern} robot"
         menu = Choice("method", "method", (*self._methods, BORDER), start="quadratic_program")
         walk = Slider("walk", "walk the border", "%", 0.0, 100.0, 0.0, 1.0)
-        super().__init__([menu, *_limit_sliders(robot, self.start), *pose, walk], f"Tensions of {title}",
-                         size=(7.8, 6.6))
+        limits = _limit_sliders(robot, self._posing.start)
+        super().__init__([menu, *limits, *self._posing.places, *self._posing.turns, walk],
+                         f"Tensions of {self._posing.title}", size=(7.8, 6.6))
 
-    def pose_at(self, values: Values) -> Pose:
-        """Pose of some slider values; what has no slider stays as at the start."""
-        return slider_pose(self.start, values)
-
+    @once_a_move
     def state(self, values: Values) -> TensionState:
         """The feasible set and all answers at some values of the controls."""
-        if self._last is None or self._last[0] != values:
-            self._last = dict(values), self._solve(values)
-        return self._last[1]
-
-    def _solve(self, values: Values) -> TensionState:
-        robot, pose = self.robot, self.pose_at(values)
+        robot, pose = self._posing.robot, self._posing.pose(values)
         low, high = (np.full(robot.n_cables, values[name]) for name in ("tension_min", "tension_max"))
         W, w_e = wrench_matrix(robot, pose), gravity_wrench(robot, pose)
         free = tension_set(W, w_e, low, high)
         found = {name: distribute_tensions(W, w_e, low, high, name) for name in self._methods}
-        if values["method"] == BORDER:
-            shown = free.tensions(free.walk(values["walk"] / 100)) if free.redundancy in (1, 2) else free.least * np.nan
-        else:
+        if values["method"] != BORDER:
             shown = found[values["method"]].tensions
+        elif free.redundancy in (1, 2):
+            shown = free.tensions(free.walk(values["walk"] / 100))
+        else:
+            shown = np.full(robot.n_cables, np.nan)
         return TensionState(free, found, np.asarray(shown))
 
     def build(self, figure: Figure) -> None:
         grid = figure.add_gridspec(2, 2, width_ratios=[1.5, 1.0], height_ratios=[1.0, 1.15])
         self._set, robot, self._bars = (figure.add_subplot(part) for part in (grid[:, 0], grid[0, 1], grid[1, 1]))
-        self.drawing = RobotDrawing(robot, self.robot, self.scene, self._corners)
+        self._drawing = self._posing.drawing(robot)
         handles = [Line2D([], [], linestyle="none", marker=mark.marker, markersize=0.7 * mark.size, color=mark.color,
                           label=name.replace("_", " ")) for name, mark in MARKS.items() if name in self._methods]
         handles.append(Line2D([], [], linestyle="none", marker=OWN[0].marker, markersize=0.6 * OWN[0].size,
@@ -101,12 +87,11 @@ class TensionExplorer(Explorer):
         figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=9, columnspacing=1.2,
                       title="filled: inside the limits; hollow: outside; ring: the bars' tensions", title_fontsize=9)
         # Something to lay out: the axes keep the room that this takes.
-        values = {name: control.start for name, control in self.controls.items()}
-        self._draw_panels(values)
+        self._draw_panels(self.values)
 
     def draw(self, values: Values) -> None:
         """All three panels."""
-        self.drawing.move(self.pose_at(values))
+        self._drawing.move(self._posing.pose(values))
         with house_style():
             self._draw_panels(values)
 
@@ -131,12 +116,12 @@ class TensionExplorer(Explorer):
             "feasible set": set_in_words(state.free),
             "method                found?     Σ τ     ‖τ‖  margin [N]": "\n".join([*rows, _STAR]),
             f"{values['method'].replace('_', ' ')}, tensions [N]": shown,
-            "in words": "\n".join(textwrap.wrap(self.words(values, state), 56)),
+            "in words": "\n".join(textwrap.wrap(self.words(values), 56)),
         }
 
-    def words(self, values: Values, state: TensionState | None = None) -> str:
+    def words(self, values: Values) -> str:
         """What the chosen method found, or why not."""
-        here = self.state(values) if state is None else state
+        here = self.state(values)
         if values["method"] == BORDER:
             met = ", ".join(here.free.met_limits(here.shown)) if np.isfinite(here.shown).all() else ""
             return f"On the border; limits met: {met}." if met else "There is no border to walk along."
@@ -148,11 +133,8 @@ class TensionExplorer(Explorer):
 
     def describe(self, values: Values) -> str:
         """Where the platform is, what can be chosen and what was."""
-        state = self.state(values)
-        place = ", ".join(f"{name} {values[name]:.4g} {control.unit}" for name, control in self.controls.items()
-                          if isinstance(control, Slider) and name != "walk")
-        return (f"{self.title} at {place}. {set_in_words(state.free)} {values['method'].replace('_', ' ')}: "
-                + self.words(values, state))
+        return (f"{self.title} at {self.told(values, 'walk')}. {set_in_words(self.state(values).free)} "
+                f"{values['method'].replace('_', ' ')}: {self.words(values)}")
 
 
 def tension_explorer(world_or_robot: World | Robot, start: Pose | None = None) -> TensionExplorer:

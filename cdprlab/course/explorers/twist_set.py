@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from itertools import product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,14 +17,14 @@ from ...mechanics.redundancy import TwistResolution, resolve_twist
 from ...robot import Robot
 from ...robot.pose import Pose
 from ...sets import Polytope, available_twist_set
-from ...view.drawing import RobotDrawing
-from ...view.outlines import floor_height
-from ...view.sets import axis_label, axis_names, draw_polygon
-from ...view.style import GREEN, GREY, INK, VERMILION, house_style
-from ...view.text_table import fixed, text_table
+from ...view.sets import axis_names
+from ...view.style import GREEN, INK, VERMILION, house_style
+from ...view.text_table import fixed, in_brackets, text_table
 from ...world import World
-from .explorer import Explorer, Slider, Values
-from .posing import position_sliders, slider_pose
+from ..props.changed_cables import every_cable
+from .explorer import Explorer, Slider, Values, once_a_move
+from .plane_sets import checked_set_world, set_patches
+from .posing import Arrow, Posing, velocity
 
 _DIRECTIONS = (("turn", "θ̇", "rad/s"), ("along", "ρ̇₁", "m/s"), ("across", "ρ̇₂", "m/s"))
 
@@ -67,18 +66,21 @@ class TwistSetExplorer(Explorer):
     """Sliders for a twist, the bases' and cables' speed limits and the position; see `twist_set_explorer`."""
 
     def __init__(self, world: World, components: Sequence[int] = (0, 1)) -> None:
-        self._world, self._chosen = _checked(world), _components(world.robot, components)
-        self._names = [axis_names(world.robot.motion_pattern, "twist")[k] for k in self._chosen]
-        self._reach = _reaches(world, self._chosen)
+        self._robot = checked_set_world(world, "twist", "twists", "speed").robot
+        self._chosen, self._posing = _components(self._robot, components), Posing(world)
+        self._names = [axis_names(self._robot.motion_pattern, "twist")[k] for k in self._chosen]
+        # Beyond the set at the world's pose with the world's limits, to a half.
+        whole = available_twist_set(self._robot, world.pose).project(self._chosen).component_range()
+        self._reach = np.ceil(2.6 * np.abs(whole).max(axis=1)) / 2
         sliders = [Slider(name, name, "m/s" if name[0] == "v" else "rad/s", -reach, reach, 0.0, 0.025)
                    for name, reach in zip(self._names, self._reach.tolist())]
-        limits = _limit_sliders(world.robot)
-        self._places = position_sliders(world.robot, floor_height(world.robot, world.scene), world.pose)
-        super().__init__([*sliders, *limits, *self._places], f"Available twist set: {world.title}", size=(8.0, 4.6))
+        super().__init__([*sliders, *_limit_sliders(self._robot), *self._posing.places],
+                         f"Available twist set: {world.title}", size=(8.0, 4.6))
 
+    @once_a_move
     def reach(self, values: Values) -> Reach:
         """Everything at the controls' values."""
-        robot, pose = _limited(self._world.robot, values), slider_pose(self._world.pose, values)
+        robot, pose = _limited(self._robot, values), self._posing.pose(values)
         twist = np.zeros(robot.n_dof)
         twist[self._chosen] = [values[name] for name in self._names]
         moving = available_twist_set(robot, pose)
@@ -88,10 +90,8 @@ class TwistSetExplorer(Explorer):
 
     def build(self, figure: Figure) -> None:
         left, right = figure.subplots(1, 2, width_ratios=(1, 1.35))
-        ends = [[getattr(slider, end) for slider in self._places] for end in ("low", "high")]
-        self._drawing = RobotDrawing(left, self._world.robot, self._world.scene, _corners(self._world.pose, ends))
-        self._arrow = left.quiver([0], [0], [1], [0], angles="xy", scale_units="xy", scale=1, color=INK, width=0.014,
-                                  zorder=9, animated=True)
+        self._drawing = self._posing.drawing(left)
+        self._arrow = Arrow(self._drawing, width=0.014)
         left.set_title(f"arrow: {_SECONDS:g} s of the twist", fontsize=10)
         self._build_sets(right)
 
@@ -99,11 +99,7 @@ class TwistSetExplorer(Explorer):
         found, wanted = self.reach(values), np.array([values[name] for name in self._names])
         with house_style():
             self._drawing.move(found.pose)
-            tail, tip = self._drawing.view.flat(np.stack([found.pose.position, found.pose.position
-                                                          + _SECONDS * _velocity(found.robot, found.twist)]))
-            self._arrow.set_visible(bool(wanted.any()))
-            self._arrow.set_offsets(tail)
-            self._arrow.set_UVC(*(tip - tail))
+            self._arrow.move(found.pose.position, _SECONDS * velocity(found.robot, found.twist))
             for patch, polytope in zip(self._patches, self._outlines(found)):
                 patch.set_xy(polytope.vertices)
             self._draw_twist(found, wanted)
@@ -111,28 +107,28 @@ class TwistSetExplorer(Explorer):
     def numbers(self, values: Values) -> str:
         """Inside or outside, largest scales, and one way to share the twist."""
         found = self.reach(values)
-        heads = [f"t = ({', '.join(fixed(values[name], 3) for name in self._names)})  "
-                 f"[{', '.join(self._names)}]", f"bases fixed    {found.verdict(False)}",
-                 f"bases driving  {found.verdict(True)}"]
+        heads = [f"t = {self._wanted(values)}  [{', '.join(self._names)}]",
+                 f"bases fixed    {found.verdict(False)}", f"bases driving  {found.verdict(True)}"]
         if found.moving.n == 2:
             heads.append(f"area of the set [m²/s²]  {found.fixed.volume:.2f} fixed, {found.moving.volume:.2f} driving")
         return "\n".join([*heads, "", self._cable_table(found), "", *self._base_lines(found)])
 
     def describe(self, values: Values) -> str:
         found = self.reach(values)
-        return (f"{self.title}. The twist ({', '.join(fixed(values[name], 3) for name in self._names)}) is "
-                f"{found.verdict(False)} with the bases fixed, {found.verdict(True)} with the bases driving.")
+        return (f"{self.title}. The twist {self._wanted(values)} is {found.verdict(False)} with the bases fixed, "
+                f"{found.verdict(True)} with the bases driving.")
+
+    def _wanted(self, values: Values) -> str:
+        return in_brackets([values[name] for name in self._names], 3)
 
     # --- parts of the picture -------------------------------------------------------------------------
     def _build_sets(self, panel: Axes) -> None:
-        square = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])
-        flat = self._world.robot.n_dof == 2
-        labels = ["bases fixed", "bases driving"] if flat else ["bases fixed, all else 0", "driving, all else 0"]
-        self._patches = [draw_polygon(panel, square, style, label) for style, label in enumerate(labels)]
-        if not flat:
-            shadow = draw_polygon(panel, square, 2, "driving, all else free")
+        flat = self._robot.n_dof == 2
+        labels = ["bases fixed", "bases driving"] if flat else ["bases fixed, all else 0", "driving, all else 0",
+                                                                "driving, all else free"]
+        self._patches = set_patches(panel, labels, self._names, np.outer(self._reach, [-1, 1]))
+        for shadow in self._patches[2:]:
             shadow.set_facecolor("none")
-            self._patches.append(shadow)
         self._ray, = panel.plot([], [], color=INK, linewidth=1.2, animated=True)
         self._borders = [panel.plot([], [], marker="D", markersize=7, markerfacecolor="white", markeredgewidth=1.6,
                                     markeredgecolor=patch.get_edgecolor(), linestyle="none", zorder=5, animated=True)[0]
@@ -140,12 +136,6 @@ class TwistSetExplorer(Explorer):
         self._mark, = panel.plot([], [], linestyle="none", markersize=10, animated=True)
         self._word = panel.text(0.02, 0.98, "", fontsize=10, ha="left", va="top", fontweight="bold", animated=True,
                                 transform=panel.transAxes)
-        for patch in self._patches:
-            patch.set_animated(True)
-        for axis in ("x", "y"):
-            getattr(panel, f"ax{'h' if axis == 'y' else 'v'}line")(0, color=GREY, linewidth=0.8)
-        panel.set(xlim=self._reach[0] * np.array([-1, 1]), ylim=self._reach[1] * np.array([-1, 1]), aspect="equal",
-                  xlabel=axis_label(self._names[0]), ylabel=axis_label(self._names[1]))
         panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2 if flat else 1, fontsize=9)
 
     def _outlines(self, found: Reach) -> list[Polytope]:
@@ -207,17 +197,6 @@ def twist_set_explorer(world: World, components: Sequence[int] = (0, 1)) -> Twis
 
 
 # --- controls ---------------------------------------------------------------------------------------------
-def _checked(world: Any) -> World:
-    if not isinstance(world, World):
-        raise InvalidInput(f"a twist set explorer takes a World, got {type(world).__name__}")
-    if world.robot.n_dof < 2:
-        raise InvalidInput(f"world {world.name!r} has a single degree of freedom; its twists are a line, not a set "
-                           "in the plane")
-    if not np.isfinite(world.robot.speed_max).all():
-        raise InvalidInput(f"world {world.name!r} has cables without a speed limit: no twist is out of reach")
-    return world
-
-
 def _components(robot: Robot, chosen: Sequence[int]) -> list[int]:
     names, picked = axis_names(robot.motion_pattern, "twist"), list(chosen)
     if len(picked) != 2 or len(set(picked)) != 2 or not set(picked) <= set(range(robot.n_dof)) \
@@ -243,30 +222,8 @@ def _limited(robot: Robot, values: Values) -> Robot:
     bases = tuple(dataclasses.replace(base, speed_max=np.array([
         values.get(f"{base.name}_{name}", limit) for (name, *_), limit in zip(_DIRECTIONS, base.speed_max)]))
         for base in robot.bases)
-    top = values.get("cable_speed")
-    cables = robot.cables if top is None else tuple(dataclasses.replace(c, speed_max=top) for c in robot.cables)
-    return dataclasses.replace(robot, bases=bases, cables=cables)
-
-
-def _reaches(world: World, chosen: list[int]) -> Array:
-    """(2,) how far the sliders go: beyond the set at the world's pose with the world's limits, to a half."""
-    whole = available_twist_set(world.robot, world.pose).project(chosen)
-    return np.ceil(2.6 * np.abs(whole.component_range()).max(axis=1)) / 2
-
-
-# --- picture ----------------------------------------------------------------------------------------------
-def _corners(pose: Pose, ends: list[list[float]]) -> Pose:
-    return Pose(np.array(list(product(*zip(*ends)))), matrix=pose.rotation)
-
-
-def _velocity(robot: Robot, twist: Array) -> Array:
-    """(d,) of P [m/s]."""
-    velocity = np.zeros(robot.dimension)
-    for row, speed in zip(robot.pattern.rows, twist):
-        if row in "xyz":
-            velocity["xyz".index(row)] = speed
-    return velocity
-
+    driven = dataclasses.replace(robot, bases=bases)
+    return every_cable(driven, speed_max=values["cable_speed"]) if "cable_speed" in values else driven
 
 def _over(rate: float, limit: float) -> str:
     return "!" if abs(rate) > limit * (1 + 1e-9) else " "

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import textwrap
-from dataclasses import replace
 from itertools import product
 from typing import Any, NamedTuple
 
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -21,12 +21,13 @@ from ...robot.pose import Pose
 from ...view.drawing import RobotDrawing
 from ...view.outlines import floor_height
 from ...view.style import GREY, INK, house_style
-from ...view.text_table import fixed, text_table
+from ...view.text_table import cable_table, fixed
 from ...workspace.criterion import Criterion, Flags
 from ...workspace.tensions import DynamicEquilibrium, StaticEquilibrium, WrenchClosure, WrenchFeasible, best_tensions
 from ...world import World
-from .explorer import Choice, Explorer, Slider, Values
-from .posing import position_sliders, slider_pose, turn_sliders
+from ..props.changed_cables import every_cable
+from .explorer import Choice, Explorer, Slider, Values, once_a_move
+from .posing import Posing, checked_world
 
 CRITERIA = ("wrench_feasible", "wrench_closure", "static_equilibrium", "dynamic_equilibrium")
 
@@ -84,25 +85,20 @@ class WorkspaceExplorer(Explorer):
     """Criterion on a menu, limits, push and pose on sliders; see `workspace_explorer`."""
 
     def __init__(self, world: World) -> None:
-        self.world = _checked(world)
-        robot = world.robot
+        robot = checked_world(world, "workspace").robot
+        if not {"x", "y"} <= set(robot.pattern.rows) or robot.dimension != 2:
+            raise InvalidInput(f"a workspace explorer draws robots that move in a plane, such as planar_rigid; world "
+                               f"{world.name!r} is {robot.motion_pattern}")
         self.grid = _grid(world)
-        controls: list[Slider | Choice] = [Choice("criterion", "criterion", CRITERIA), *_limit_sliders(robot)]
-        controls += turn_sliders(robot, world.pose)
-        controls += position_sliders(robot, self.grid.extent[2], world.pose)
-        self._weight = robot.mass * max(robot.gravity, 1.0)
-        self._last: tuple[Values, WorkspaceState] | None = None
-        super().__init__(controls, f"Workspaces of {world.title}", size=(6.4, 5.2))
+        self._posing = Posing(world, floor=self.grid.extent[2])
+        super().__init__([Choice("criterion", "criterion", CRITERIA), *_limit_sliders(robot), *self._posing.turns,
+                          *self._posing.places], f"Workspaces of {world.title}", size=(6.4, 5.2))
 
+    @once_a_move
     def state(self, values: Values) -> WorkspaceState:
         """Every cell judged at some values of the controls."""
-        if self._last is None or self._last[0] != values:
-            self._last = dict(values), self._judged(values)
-        return self._last[1]
-
-    def _judged(self, values: Values) -> WorkspaceState:
-        robot, criterion, here = _limited(self.world.robot, values), _criterion(self.world.robot, values), \
-            slider_pose(self.world.pose, values)
+        robot = every_cable(self._posing.robot, tension_min=values["tension_min"], tension_max=values["tension_max"])
+        criterion, here = _criterion(robot, values), self._posing.pose(values)
         places = np.vstack([self.grid.positions, here.position])
         inside, margin = criterion.judge(robot, Pose(places, matrix=here.rotation))
         shape = len(self.grid.y), len(self.grid.x)
@@ -113,7 +109,7 @@ class WorkspaceExplorer(Explorer):
         """(m,) tensions with the largest margin where the platform is, without a push; None where there are none."""
         if values["criterion"] == "static_equilibrium":
             return None
-        robot, pose = self.state(values).robot, slider_pose(self.world.pose, values)
+        robot, pose = self.state(values).robot, self._posing.pose(values)
         W, w_e, m = wrench_matrix(robot, pose)[None], gravity_wrench(robot, pose)[None], robot.n_cables
         if values["criterion"] == "wrench_closure":
             s, tau = best_tensions(W, 0 * w_e, np.zeros(m), np.ones(m), at_high=False)
@@ -125,7 +121,7 @@ class WorkspaceExplorer(Explorer):
     def build(self, figure: Figure) -> None:
         axes = figure.subplots()
         left, right, bottom, top = self.grid.extent
-        self._drawing = RobotDrawing(axes, self.world.robot, self.world.scene,
+        self._drawing = RobotDrawing(axes, self._posing.robot, self._posing.scene,
                                      Pose(np.array([[left, bottom], [right, top]])))
         self._map = _map(axes, self.grid)
         self._crosses, = axes.plot([], [], "x", color=GREY, markersize=3.5, markeredgewidth=0.7, zorder=0.6,
@@ -144,7 +140,7 @@ class WorkspaceExplorer(Explorer):
             self._map.set_data(np.ma.masked_where(~state.inside, share))
             self._crosses.set_data(*grid.positions[~state.inside.ravel()].T)
             self._border.set_segments(_border(state.inside, grid))
-            self._drawing.move(slider_pose(self.world.pose, values))
+            self._drawing.move(self._posing.pose(values))
 
     # --- text -----------------------------------------------------------------------------------------
     def numbers(self, values: Values) -> str:
@@ -158,8 +154,7 @@ class WorkspaceExplorer(Explorer):
         if tau is not None:
             name = "h" if values["criterion"] == "wrench_closure" else "best τ [N]"
             digits = 2 if name == "h" else 1
-            said += ["", text_table(["cable", *(str(i + 1) for i in range(len(tau)))],
-                                    [[name, *(fixed(t, digits) for t in tau)]])]
+            said += ["", cable_table({name: [fixed(t, digits) for t in tau]})]
         return "\n".join([*said, "", *textwrap.wrap(self.words(values), 56)])
 
     def words(self, values: Values) -> str:
@@ -200,15 +195,6 @@ def workspace_explorer(world: World) -> WorkspaceExplorer:
 
 
 # --- what is asked ------------------------------------------------------------------------------------------
-def _checked(world: Any) -> World:
-    if not isinstance(world, World):
-        raise InvalidInput(f"a workspace explorer takes a World, got {type(world).__name__}")
-    if not {"x", "y"} <= set(world.robot.pattern.rows) or world.robot.dimension != 2:
-        raise InvalidInput(f"a workspace explorer draws robots that move in a plane, such as planar_rigid; world "
-                           f"{world.name!r} is {world.robot.motion_pattern}")
-    return world
-
-
 def _limit_sliders(robot: Robot) -> list[Slider]:
     """The same limits for all cables, in ranges that touch but never cross; a push and an acceleration of both axes."""
     weight = robot.mass * max(robot.gravity, 1.0)
@@ -224,11 +210,6 @@ def _round(number: float) -> float:
     """To one digit."""
     unit = 10.0 ** np.floor(np.log10(number))
     return float(np.ceil(number / unit - 1e-9) * unit)
-
-
-def _limited(robot: Robot, values: Values) -> Robot:
-    low, high = values["tension_min"], values["tension_max"]
-    return replace(robot, cables=tuple(replace(cable, tension_min=low, tension_max=high) for cable in robot.cables))
 
 
 def _criterion(robot: Robot, values: Values) -> Criterion:
@@ -259,8 +240,6 @@ def _grid(world: World) -> Grid:
 
 
 def _map(axes: Axes, grid: Grid) -> Any:
-    import matplotlib
-
     # Neither so light that it looks like outside nor so dark that cables vanish on it.
     blues = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.18, 0.72, 128))).with_extremes(
         bad=(1.0, 1.0, 1.0, 0.0))

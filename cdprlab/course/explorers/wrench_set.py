@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import dataclasses
-from itertools import product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from ...arrays import Array
-from ...errors import InvalidInput
 from ...mechanics.statics import gravity_wrench, tipping_rows, wrench_matrix
 from ...robot import Base, Robot
 from ...robot.pose import Pose
 from ...sets import Polytope, available_wrench_set
-from ...view.drawing import RobotDrawing
-from ...view.outlines import floor_height
-from ...view.sets import axis_label, axis_names, draw_polygon
-from ...view.style import GREEN, GREY, INK, VERMILION, house_style
+from ...view.sets import axis_names
+from ...view.style import GREEN, INK, VERMILION, house_style
 from ...view.text_table import fixed, text_table
 from ...world import World
-from .explorer import Explorer, Slider, Values
-from .posing import position_sliders, slider_pose
+from ..props.changed_cables import every_cable
+from .explorer import Explorer, Slider, Values, once_a_move
+from .plane_sets import checked_set_world, set_patches
+from .posing import Posing
 
 _LABELS = ("limits only", "no base tips")
 
@@ -86,27 +84,22 @@ class WrenchSetExplorer(Explorer):
     """Sliders for tension limits, base mass and position; see `wrench_set_explorer`."""
 
     def __init__(self, world: World) -> None:
-        self._world, robot = _checked(world), world.robot
-        self._chosen = [0, robot.dimension - 1]
+        robot = checked_set_world(world, "wrench", "wrenches", "tension").robot
+        self._posing, self._chosen = Posing(world), [0, robot.dimension - 1]
         self._names = [axis_names(robot.motion_pattern, "wrench")[k] for k in self._chosen]
         high, low = float(robot.tension_max.max()), float(robot.tension_min.min())
         sliders = [Slider("tension_max", "τ_max", "N", 0.3 * high, 1.5 * high, high, high / 100),
                    Slider("tension_min", "τ_min", "N", 0.0, max(0.25 * high, low), low, high / 100)]
         if masses := [base.mass for base in robot.bases if len(base.footprint)]:
-            sliders.append(Slider("base_mass", "mass of each base", "kg", max(masses) / 12, 2 * max(masses),
-                                  max(masses), max(masses) / 60))
-        self._places = position_sliders(robot, floor_height(robot, world.scene), world.pose)
-        self._last: tuple[Values, Capability] | None = None
-        super().__init__([*sliders, *self._places], f"Available wrench set: {world.title}", size=(8.0, 4.8))
+            heaviest = max(masses)
+            sliders.append(Slider("base_mass", "mass of each base", "kg", heaviest / 12, 2 * heaviest, heaviest,
+                                  heaviest / 60))
+        super().__init__([*sliders, *self._posing.places], f"Available wrench set: {world.title}", size=(8.0, 4.8))
 
+    @once_a_move
     def capability(self, values: Values) -> Capability:
-        """Everything at the controls' values; asked three times a move, worked out once."""
-        if self._last is None or self._last[0] != values:
-            self._last = dict(values), self._worked_out(values)
-        return self._last[1]
-
-    def _worked_out(self, values: Values) -> Capability:
-        robot, pose = _changed(self._world.robot, values), slider_pose(self._world.pose, values)
+        """Everything at the controls' values."""
+        robot, pose = _changed(self._posing.robot, values), self._posing.pose(values)
         weight = gravity_wrench(robot, pose)
         limits, standing = (self._shown(available_wrench_set(robot, pose, tipping), -weight)
                             for tipping in (False, True))
@@ -115,15 +108,13 @@ class WrenchSetExplorer(Explorer):
 
     def build(self, figure: Figure) -> None:
         left, right = figure.subplots(1, 2, width_ratios=(1, 1.35))
-        ends = np.array([[getattr(slider, end) for slider in self._places] for end in ("low", "high")])
-        corners = _poses(self._world.pose, list(product(*ends.T)))
-        self._drawing = RobotDrawing(left, self._world.robot, self._world.scene, corners)
+        self._drawing = self._posing.drawing(left)
         mark = {"linestyle": "none", "zorder": 9, "animated": True, "markeredgecolor": "white"}
         self._stands, = left.plot([], [], "o", color=GREEN, markersize=9, label="stands for certain", **mark)
         self._tips, = left.plot([], [], "X", color=VERMILION, markersize=11, label="could tip over this", **mark)
         if "base_mass" in self.controls:
             left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=9)
-        self._build_sets(right, _reach(self._world, corners, self._chosen))
+        self._build_sets(right)
 
     def draw(self, values: Values) -> None:
         found = self.capability(values)
@@ -183,24 +174,26 @@ class WrenchSetExplorer(Explorer):
         return found
 
     # --- parts of the picture -------------------------------------------------------------------------
-    def _build_sets(self, panel: Axes, reach: Array) -> None:
-        from matplotlib.collections import LineCollection
-
-        square = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])
-        self._patches = [draw_polygon(panel, square, style, label) for style, label in enumerate(_LABELS)]
+    def _build_sets(self, panel: Axes) -> None:
+        self._patches = set_patches(panel, _LABELS, self._names, self._reach())
         self._facets = LineCollection([], colors=INK, linewidths=4, animated=True, label="facets made by tipping")
         panel.add_collection(self._facets, autolim=False)
-        self._cross = [panel.plot([], [], color=INK, linewidth=1.2, marker="|" if k == 0 else "_", animated=True)[0]
-                       for k in (0, 1)]
+        self._cross = [panel.plot([], [], color=INK, linewidth=1.2, marker=marker, animated=True)[0]
+                       for marker in "|_"]
         self._mark, = panel.plot([], [], linestyle="none", marker="*", markersize=13, markeredgecolor="white",
                                  color=GREEN, animated=True, zorder=6, label="holds the weight, −w_g")
-        for patch in self._patches:
-            patch.set_animated(True)
-        panel.axhline(0, color=GREY, linewidth=0.8)
-        panel.axvline(0, color=GREY, linewidth=0.8)
-        panel.set(xlim=reach[0], ylim=reach[1], aspect="equal", xlabel=axis_label(self._names[0]),
-                  ylabel=axis_label(self._names[1]))
         panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=9)
+
+    def _reach(self) -> Array:
+        """(2, 2) ends of the picture's axes: what the largest limits allow wherever the sliders end."""
+        robot = every_cable(self._posing.robot, tension_min=0.0,
+                            tension_max=1.5 * float(self._posing.robot.tension_max.max()))
+        ranges = [np.zeros((2, 2))]
+        for pose in self._posing.ends:
+            whole = self._shown(available_wrench_set(robot, pose), -gravity_wrench(robot, pose))
+            ranges.append(np.nan_to_num(whole.component_range()))
+        low, high = np.min(ranges, axis=0)[:, 0], np.max(ranges, axis=0)[:, 1]
+        return np.stack([low, high], axis=1) + 0.06 * np.outer(high - low + 1.0, [-1, 1])
 
     def _draw_hold(self, found: Capability) -> None:
         """A cross from −w_g to the border of the standing set; the star's shape says whether it is inside."""
@@ -232,45 +225,14 @@ def wrench_set_explorer(world: World) -> WrenchSetExplorer:
     return WrenchSetExplorer(world)
 
 
-# --- controls ---------------------------------------------------------------------------------------------
-def _checked(world: Any) -> World:
-    if not isinstance(world, World):
-        raise InvalidInput(f"a wrench set explorer takes a World, got {type(world).__name__}")
-    if world.robot.n_dof < 2:
-        raise InvalidInput(f"world {world.name!r} has a single degree of freedom; its wrenches are a line, not a set "
-                           "in the plane")
-    if not np.isfinite(world.robot.tension_max).all():
-        raise InvalidInput(f"world {world.name!r} has cables without a tension limit: no wrench is out of reach")
-    return world
-
-
 def _changed(robot: Robot, values: Values) -> Robot:
-    cables = tuple(dataclasses.replace(cable, tension_min=values["tension_min"], tension_max=values["tension_max"])
-                   for cable in robot.cables)
+    limited = every_cable(robot, tension_min=values["tension_min"], tension_max=values["tension_max"])
     bases = tuple(dataclasses.replace(base, mass=values["base_mass"]) if len(base.footprint) else base
                   for base in robot.bases)
-    return dataclasses.replace(robot, cables=cables, bases=bases)
+    return dataclasses.replace(limited, bases=bases)
 
 
-# --- picture ----------------------------------------------------------------------------------------------
-def _poses(pose: Pose, positions: Any) -> Pose:
-    return Pose(np.array(positions), matrix=np.broadcast_to(pose.rotation, (len(positions), *pose.rotation.shape)))
-
-
-def _reach(world: World, poses: Pose, chosen: list[int]) -> Array:
-    """(2, 2) ends of the picture's axes: what the largest limits allow at the world's pose and at extreme ones."""
-    robot = _changed(world.robot, {"tension_min": 0.0, "tension_max": 1.5 * float(world.robot.tension_max.max()),
-                                   "base_mass": 1.0})
-    ranges = [np.zeros((2, 2))]
-    for k in range(-1, len(poses.position)):
-        pose = world.pose if k < 0 else poses[k]
-        whole = available_wrench_set(robot, pose)
-        shown = whole if whole.n == 2 else whole.slice(chosen, -gravity_wrench(robot, pose))
-        ranges.append(np.nan_to_num(shown.component_range()))
-    low, high = np.min(ranges, axis=0)[:, 0], np.max(ranges, axis=0)[:, 1]
-    return np.stack([low, high], axis=1) + 0.06 * np.outer(high - low + 1.0, [-1, 1])
-
-
+# --- tipping ----------------------------------------------------------------------------------------------
 def _edge_place(base: Base, k: int) -> Array:
     """(d,) the wheel itself, or the middle of an edge; edges run counter-clockwise as their rows do."""
     if base.footprint.shape[1] == base.center_of_mass.shape[0]:
@@ -288,8 +250,8 @@ def _tipping_facets(limits: Polytope, standing: Polytope) -> Array:
     ends: Array = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
     along = ends[:, 1] - ends[:, 0]
     outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1, keepdims=True)
-    inside: NDArray[np.bool_] = limits.support(outward) - (outward * ends[:, 0]).sum(axis=1) > _CUT * size
-    return ends[inside]
+    cut = limits.support(outward) - (outward * ends[:, 0]).sum(axis=1) > _CUT * size
+    return np.asarray(ends[cut])
 
 
 # --- text -------------------------------------------------------------------------------------------------

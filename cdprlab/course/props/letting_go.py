@@ -26,6 +26,11 @@ class Motion(NamedTuple):
     positions: Array
     acceleration: Array
 
+    @property
+    def way(self) -> float:
+        """From where it was let go [m]."""
+        return float(np.linalg.norm(self.positions[-1] - self.positions[0]))
+
 
 def let_go(robot: Robot, pose: Pose, tensions: ArrayLike, push: ArrayLike | None = None, duration: float = 0.5,
            dt: float = 1e-3) -> Motion:

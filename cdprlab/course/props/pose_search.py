@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -79,14 +78,3 @@ def gauss_newton_path(robot: Robot, lengths: Any, guess: Pose) -> Path:
         if converged or np.abs(x[:2]).max() > _LOST:
             break
     return Path(poses, measured - cable_lengths(robot, poses[-1]), converged)
-
-
-def without_cable(robot: Robot, index: int) -> Robot:
-    """The same robot with one cable less.
-
-    index : from 0
-
-    >>> without_cable(six_cables(), 0).n_cables
-    5
-    """
-    return replace(robot, cables=robot.cables[:index] + robot.cables[index + 1:])

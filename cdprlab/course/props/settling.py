@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +12,7 @@ from ...robot import Robot
 from ...robot.pose import Pose
 from ...simulate import Simulator, open_simulator
 from .bare_world import bare_world
+from .changed_cables import every_cable
 
 _STEP, _WINDING, _LONGEST = 8e-3, 0.4, 15.0
 """Time step, time in which the winches bring the ropes to length, and the end of all patience [s]."""
@@ -68,7 +68,7 @@ def hang(robot: Robot, lengths: ArrayLike, start: Pose) -> Settled:
     (array([0. , 1.5]), array([81.75, 81.75]))
     """
     wanted = as_array(lengths, "lengths", (robot.n_cables,), "m")
-    with open_simulator(bare_world(_quick(robot), start), cables="length", dt=_STEP,
+    with open_simulator(bare_world(every_cable(robot, speed_max=np.inf), start), cables="length", dt=_STEP,
                         solver_iterations=_ITERATIONS) as engine:
         drag = _critical_drag(robot, wanted)
         given, winding, lulls, tugs = engine.lengths, round(_WINDING / _STEP), 0, 0
@@ -86,11 +86,6 @@ def hang(robot: Robot, lengths: ArrayLike, start: Pose) -> Settled:
 def _torn(engine: Simulator, lengths: Array) -> bool:
     """Ropes on a swing are some micrometers off, the engine turns them once a step; more than 1 mm is no swing."""
     return bool((engine.lengths - lengths).max() > 1e-3)
-
-
-def _quick(robot: Robot) -> Robot:
-    """The same with winches of any speed."""
-    return replace(robot, cables=tuple(replace(cable, speed_max=np.inf) for cable in robot.cables))
 
 
 def _critical_drag(robot: Robot, lengths: Array) -> Array:
