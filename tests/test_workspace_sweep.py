@@ -10,7 +10,7 @@ from scipy.optimize import linprog
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.mechanics.intervals import outward
+from cdprlab.mechanics.intervals import Intervals
 from cdprlab.workspace import (
     Criterion,
     Judgement,
@@ -21,7 +21,6 @@ from cdprlab.workspace import (
     refine,
 )
 from cdprlab.workspace.criterion import unknown
-from cdprlab.workspace.interval_arrays import Intervals
 from cdprlab.workspace.interval_statics import PoseBoxes
 from robots import build, robot_1r2t, robot_3r3t, robot_3t
 
@@ -249,20 +248,6 @@ def test_interval_sums_hold_what_they_stand_for(name):
                              (boxes.pulls(normal), np.einsum("ki,kij->kj", normal, W))):
         close = 1e-12 * (1 + np.abs(value))   # the value itself is rounded
         assert (intervals.lower <= value + close).all() and (value <= intervals.upper + close).all()
-
-
-def test_intervals_of_codac_are_hardly_narrower():
-    """Each operation encloses the one that codac rounds outward, by a few units in the last place."""
-    rng = np.random.default_rng(14)
-    a, b = np.sort(rng.uniform(-2, 3, (200, 2))), np.sort(rng.uniform(0.5, 4, (200, 2)))
-    x, y = Intervals(*a.T), Intervals(*b.T)
-    with outward() as codac:
-        boxes = [(codac.Interval(*p), codac.Interval(*q)) for p, q in zip(a, b)]
-        theirs = [[p + q, p - q, p * q, p / q, codac.sqr(p), codac.sqrt(q)] for p, q in boxes]
-        low, high = (np.array([[getattr(e, end)() for e in row] for row in theirs]) for end in ("lb", "ub"))
-    for k, ours in enumerate((x + y, x - y, x * y, x / y, x.square(), y.sqrt())):
-        assert (ours.lower <= low[:, k]).all() and (high[:, k] <= ours.upper).all()
-        assert (low[:, k] - ours.lower <= 1e-14).all() and (ours.upper - high[:, k] <= 1e-14).all()
 
 
 @pytest.mark.parametrize("arguments, options, message", [

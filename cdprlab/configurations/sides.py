@@ -7,14 +7,17 @@ twice therefore answers with a range that is too wide: it may call uncertain wha
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from ..mechanics.intervals import outward
+from ..mechanics.intervals import Intervals, exact, stack
 
-Side = Callable[[Any, Any, Any], tuple[float, float]]
-"""Boxes of A_i, A_j and M in plan → the range of the side."""
+Side = Callable[[Intervals, Intervals, Intervals], Intervals]
+"""Boxes (…, 2) of A_i, A_j and M in plan → the range of the side."""
 
 
 def side_range(start: Array, end: Array, position: Array, exit_uncertainty: float, position_uncertainty: float,
@@ -25,64 +28,85 @@ def side_range(start: Array, end: Array, position: Array, exit_uncertainty: floa
     exit_uncertainty, position_uncertainty : half widths of the boxes [m]
     Raises InvalidInput for an unknown form.
 
-    >>> import numpy as np
     >>> A, B, M = np.array([0, 0.0]), np.array([4, 0.0]), np.array([2, 0.3])
     >>> [f"{side_range(A, B, M, 0.02, 0.05, form)[0]:.3f}" for form in ("corners", "translated", "natural")]
     ['0.911', '0.888', '0.828']
     """
     if form not in FORMS:
         raise InvalidInput(f"interval form must be one of {', '.join(FORMS)}, got {form!r}")
-    with outward():
-        boxes = [_box(start, exit_uncertainty), _box(end, exit_uncertainty), _box(position, position_uncertainty)]
-        return FORMS[form](*boxes)
+    a, b, m = (exact(center) + Intervals(-radius, radius) for center, radius in (
+        (start, exit_uncertainty), (end, exit_uncertainty), (position, position_uncertainty)))
+    found = FORMS[form](a, b, m)
+    return float(found.lower), float(found.upper)
 
 
-def _box(center: Array, radius: float) -> Any:
-    from codac import Interval
-
-    return [Interval(float(x) - radius, float(x) + radius) for x in center]
+def _natural(a: Intervals, b: Intervals, m: Intervals) -> Intervals:
+    return _cross(b - a, m - a)
 
 
-def _natural(a: Any, b: Any, m: Any) -> tuple[float, float]:
-    value = (b[0] - a[0]) * (m[1] - a[1]) - (b[1] - a[1]) * (m[0] - a[0])
-    return value.lb(), value.ub()
+def _translated(a: Intervals, b: Intervals, m: Intervals) -> Intervals:
+    return _cross(a - m, b - m)
 
 
-def _translated(a: Any, b: Any, m: Any) -> tuple[float, float]:
-    value = (a[0] - m[0]) * (b[1] - m[1]) - (a[1] - m[1]) * (b[0] - m[0])
-    return value.lb(), value.ub()
+def _cross(x: Intervals, y: Intervals) -> Intervals:
+    products = x * y[..., ::-1]
+    return products[..., 0] - products[..., 1]
 
 
-def _corner_range(a: Any, b: Any, m: Any) -> tuple[float, float]:
+def _corner_range(a: Intervals, b: Intervals, m: Intervals) -> Intervals:
     """Multilinear: smallest and largest at the 64 corners, each evaluated with outward rounding."""
-    from itertools import product
-
-    from codac import Interval
-
-    ends = [[Interval(x.lb()), Interval(x.ub())] for x in (*a, *b, *m)]
-    values = [_natural((x, y), (u, v), (p, q)) for x, y, u, v, p, q in product(*ends)]
-    return min(low for low, _ in values), max(high for _, high in values)
+    ends = [end for box in (a, b, m) for end in zip(box.lower, box.upper)]
+    corners = exact(np.array(list(product(*ends))))
+    found = _natural(corners[:, :2], corners[:, 2:4], corners[:, 4:])
+    return Intervals(found.lower.min(), found.upper.max())
 
 
-def _contractor(a: Any, b: Any, m: Any) -> tuple[float, float]:
-    """The natural form, then its ends pulled in while a forward-backward contractor proves the strip beyond empty."""
-    low, high = _natural(a, b, m)
-    return _pull_in(a, b, m, low, high), -_pull_in(b, a, m, -high, -low)
+def _contractor(a: Intervals, b: Intervals, m: Intervals) -> Intervals:
+    """The natural form, then its ends pulled in while a contractor proves the strip beyond empty."""
+    whole = _natural(a, b, m)
+    return Intervals(_pull_in(a, b, m, whole.lower, whole.upper), -_pull_in(b, a, m, -whole.upper, -whole.lower))
 
 
-def _pull_in(a: Any, b: Any, m: Any, low: float, high: float) -> float:
-    """The largest t found by halving for which no point of the boxes has a side in [low, t]."""
-    from codac import AnalyticFunction, CtcFixpoint, CtcInverse, Interval, IntervalVector, VectorVar
+def _pull_in(a: Intervals, b: Intervals, m: Intervals, low: float, high: float) -> float:
+    """The largest t, to a millionth of the range, for which no point of the boxes has a side in [low, t]."""
+    for _ in range(4):
+        ends = np.linspace(low, high, 33)
+        proven = _out_of_reach(a, b, m, Intervals(np.full(32, low - 1.0), ends[1:]))
+        first = int(proven.argmin())        # the last one, which is the whole range, is not out of reach
+        low, high = ends[first], ends[first + 1]
+    return float(low)
 
-    x = VectorVar(6)
-    side = AnalyticFunction([x], (x[2] - x[0]) * (x[5] - x[1]) - (x[3] - x[1]) * (x[4] - x[0]))
-    proven, open_end = low, high
-    for _ in range(20):
-        middle = (proven + open_end) / 2
-        box = IntervalVector([*a, *b, *m])
-        CtcFixpoint(CtcInverse(side, Interval(low - 1.0, middle)), 1e-3).contract(box)
-        proven, open_end = (middle, open_end) if box.is_empty() else (proven, middle)
-    return proven
+
+def _out_of_reach(a: Intervals, b: Intervals, m: Intervals, strips: Intervals) -> NDArray[np.bool_]:
+    """(k,) for each strip: narrow the boxes to what it allows until one of them is empty.
+
+    The side is of second degree: side(c + h) = side(c) + g · h with its gradient g at c + h / 2.
+    """
+    box = Intervals(np.concatenate([a.lower, b.lower, m.lower]), np.concatenate([a.upper, b.upper, m.upper]))
+    box, before = box * np.ones((len(strips.lower), 1)), np.inf
+    empty = np.zeros(len(strips.lower), dtype=bool)
+    with np.errstate(all="ignore"):
+        while not (empty | ~(box.width < 0.999 * before).any(axis=-1)).all():
+            before, c = box.width, (box.lower + box.upper) / 2
+            h, z = box - c, (box + c) * 0.5
+            g = stack([z[:, j] - z[:, k] for j, k in ((3, 5), (4, 2), (5, 1), (0, 4), (1, 3), (2, 0))])
+            wanted = strips - _natural(exact(c[:, :2]), exact(c[:, 2:4]), exact(c[:, 4:]))
+            others = ((g * h)[:, None, :] * (1 - np.eye(6))).total()
+            box = box & _factor(h, wanted[:, None] - others, g) + c
+            empty |= (box.width < 0).any(axis=-1)
+    return empty
+
+
+def _factor(x: Intervals, product: Intervals, other: Intervals) -> Intervals:
+    """What of x can make the product with the other factor; where that holds zero, to either side of it."""
+    parts = []
+    for sign in (1.0, -1.0):
+        divisor = other * sign & Intervals(0.0, np.inf)
+        part = x & (product * sign) / divisor
+        none = (part.width < 0) | (divisor.width < 0)
+        parts.append((np.where(none, np.inf, part.lower), np.where(none, -np.inf, part.upper)))
+    (low, high), (other_low, other_high) = parts
+    return Intervals(np.minimum(low, other_low), np.maximum(high, other_high))
 
 
 FORMS: dict[str, Side] = {"corners": _corner_range, "translated": _translated, "natural": _natural,

@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array, as_number
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
+from ..mechanics.intervals import Intervals
 from ..mechanics.statics import gravity_wrench, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
 from .capacity import capacity_margins
 from .criterion import Flags
-from .interval_arrays import Intervals
 from .interval_statics import PoseBoxes, centers, certainly_inside, certainly_outside
 from .sweep import Progress
 from .tensions import best_tensions, external_wrenches

@@ -8,16 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
-from ..mechanics.intervals import outward
+from ..mechanics.intervals import Intervals, exact, stack
 from ..robot import Robot
 from ..robot.pose import Pose
 from .criterion import Flags
-from .interval_arrays import Intervals, exact, stack
 
 _TINY = 1e-12
 
@@ -100,14 +98,7 @@ class PoseBoxes:
     @cached_property
     def _cos_sin(self) -> tuple[Intervals, Intervals]:
         assert self.angle is not None
-        ends = list(zip(self.angle.lower.tolist(), self.angle.upper.tolist()))
-        known: dict[Any, Any] = {}
-        with outward() as codac:
-            for end in set(ends):
-                turn = codac.Interval(*end)
-                known[end] = [bound for part in (codac.cos(turn), codac.sin(turn)) for bound in (part.lb(), part.ub())]
-        a, b, c, d = np.array([known[end] for end in ends]).T
-        return Intervals(a, b), Intervals(c, d)
+        return self.angle.cos(), self.angle.sin()
 
     def _turned(self, points: Array) -> Intervals:
         """(N or 1, k, d) R x of exact points (k, d)."""
