@@ -83,7 +83,7 @@ def _out_of_reach(a: Intervals, b: Intervals, m: Intervals, strips: Intervals) -
     The side is of second degree: side(c + h) = side(c) + g · h with its gradient g at c + h / 2.
     """
     box = Intervals(np.concatenate([a.lower, b.lower, m.lower]), np.concatenate([a.upper, b.upper, m.upper]))
-    box, before = box * np.ones((len(strips.lower), 1)), np.inf
+    box, before = box * np.ones((len(strips.lower), 1)), np.full(6, np.inf)
     empty = np.zeros(len(strips.lower), dtype=bool)
     with np.errstate(all="ignore"):
         while not (empty | ~(box.width < 0.999 * before).any(axis=-1)).all():
