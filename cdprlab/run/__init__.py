@@ -1,9 +1,9 @@
 """The closed loop: reference, controller, tension distribution, engine; and the log of what happened."""
 
 from .distributor import INFEASIBLE
-from .log import Log, save_record, write_csv
+from .log import Log, save_record
 from .loop import Progress
 from .record import Run
 from .start import WOUND, Cuts, run
 
-__all__ = ["INFEASIBLE", "WOUND", "Cuts", "Log", "Progress", "Run", "run", "save_record", "write_csv"]
+__all__ = ["INFEASIBLE", "WOUND", "Cuts", "Log", "Progress", "Run", "run", "save_record"]

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, frozen
 from ..mechanics.trajectory import Reference
 from ..robot import Robot
-from ..robot.pose import Pose
+from ..robot.pose import Pose, rotation_vector
 from ..world import World
-from .log import save_record
+from .log import Log, save_record
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +53,29 @@ class Run:
     settings: dict[str, Any] = field(repr=False)
     commanded_lengths: Array | None = None
     base_poses: Array | None = None
+
+    @classmethod
+    def of(cls, log: Log, reference: Reference, *, world: World, at_end: bool = False, **about: Any) -> Run:
+        """A run from what `fly` kept of it.
+
+        reference : of batch (N,)
+        at_end : rows tell of each control step's end, not of its begin
+        about : the fields that the log does not have
+        """
+        steps = len(log) - 1
+        rows = slice(1, None) if at_end else slice(steps)
+        poses = Pose.of(log["position"][rows], log["rotation"][rows])
+        commanded = (log["commanded_tensions"][:steps] if "commanded_tensions" in log else
+                     frozen(np.full((steps, world.robot.n_cables), np.nan)))
+        turn = rotation_vector(reference.pose.rotation @ np.swapaxes(poses.rotation, -1, -2))
+        error = np.concatenate([reference.pose.position - poses.position, turn], axis=-1)
+        basis = world.robot.pattern.basis(poses.rotation)
+        return cls(world=world, poses=poses, twists=log["twist"][rows], reference=reference,
+                   commanded_tensions=commanded, measured_tensions=log["measured_tensions"][1:],
+                   lengths=log["lengths"][rows], errors=frozen((error[:, None] @ basis)[:, 0]),
+                   feasible=log["feasible"][:steps] > 0 if "feasible" in log else np.ones(steps, dtype=bool),
+                   commanded_lengths=log["commanded_lengths"][:steps] if "commanded_lengths" in log else None,
+                   **about)
 
     def robot_at(self, index: int) -> Robot:
         """The robot with its bases where they stood at one control step."""

@@ -1,21 +1,25 @@
-"""A run from its request: checked, given an engine, flown or wound, and logged."""
+"""A run from its request: checked, given an engine, commanded, and logged."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_number
+from ..arrays import Array, as_number, frozen
 from ..errors import InvalidInput
+from ..mechanics.cables import cable_lengths
+from ..mechanics.statics import wrench_matrix
+from ..mechanics.trajectory import Reference
 from ..simulate import Simulator, open_simulator
 from ..world import World
 from .controllers import ComputedTorque, Controller
 from .distributor import Distributor
 from .drive import Drive
-from .loop import Loop, Progress
+from .loop import LengthCommand, Progress, TensionCommand, counted, fly
 from .record import Run
 
 WOUND = ("length", "elastic")
@@ -56,30 +60,46 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
     ...
     cdprlab.errors.WorldError: unknown world 'nowhere'; there are ...
     """
-    job = world.task(task)
-    distributor = Distributor(world.robot, method, infeasible)
+    job, robot, wound = world.task(task), world.robot, cables in WOUND
+    distributor = Distributor(robot, method, infeasible)
     substeps, period = _control_steps(dt, control_period)
     length = job.duration + job.hold if duration is None else as_number(duration, "duration", "s", positive=True)
     times: Array = np.arange(max(1, round(length / period)), dtype=float) * period
-    if cables in WOUND and controller is not None:
+    if wound and controller is not None:
         raise InvalidInput(f"cables={cables!r} winds by inverse kinematics and takes no controller")
     law = ComputedTorque() if controller is None else controller
-    loop = Loop(world.robot, law, distributor, external_wrench, times.size,
-                _cut_steps(cut or {}, world.robot.n_cables, times.size, period),
-                None if base_speeds is None else Drive(base_speeds, period))
+    command = LengthCommand() if wound else TensionCommand(law, distributor)
+    cuts = _cut_steps(cut or {}, robot.n_cables, times.size, period)
+    drive = None if base_speeds is None else Drive(base_speeds, period)
+    path = job.trajectory()
+    reference = path(times)
     engine = simulator or open_simulator(world, cables, dt, **engine_options)
     try:
         engine.reset(job.start)
-        path = job.trajectory()
-        if cables in WOUND:
-            elapsed = loop.wind(engine, path(times), path(times + period), substeps, progress)
-        else:
-            elapsed = loop.fly(engine, path(times), substeps, progress)
+        wishes: Iterable[Any] = map(Reference, *reference)
+        if wound:
+            # By each step's end the lengths of where the platform should then be, from where its bases then stand.
+            ahead = path(times + period).pose
+            wishes = (cable_lengths(robot, ahead).tolist() if drive is None else
+                      (cable_lengths(drive.step(engine), pose).tolist() for pose in ahead))
+        if external_wrench is not None and not callable(external_wrench):
+            engine.push(external_wrench)
+
+        def happen(k: int) -> None:
+            if drive is not None and not wound:
+                drive.step(engine)
+            if k in cuts:
+                engine.cut(cuts[k])
+                command.cut(cuts[k])
+            if callable(external_wrench):
+                engine.push(external_wrench(k * period))
+
+        log, elapsed = fly(engine, command, counted(wishes, times.size, progress), substeps, happen)
     finally:
         if simulator is None:
             engine.close()
     name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
-    name, ruler = ("inverse_kinematics",) * 2 if cables in WOUND else (name, _describe(law))
+    name, ruler = ("inverse_kinematics",) * 2 if wound else (name, _describe(law))
     settings = {"dt": dt, "control_period": period, "controller": ruler, "infeasible": infeasible,
                 "external_wrench": None if external_wrench is None else str(external_wrench),
                 "duration": float(times.size * period), "seed": seed, **engine_options}
@@ -87,7 +107,14 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
         settings["base_speeds"] = str(base_speeds)
     if cut:
         settings["cut"] = {float(at): np.ravel(indices).tolist() for at, indices in cut.items()}
-    return loop.log(world, task, name, cables, times, times.size * period / elapsed, dt, period, settings)
+    run = Run.of(log, reference, world=world, task=task, method=name, cables=cables, time=frozen(times),
+                 real_time_factor=times.size * period / elapsed, dt=dt, control_period=period, settings=settings,
+                 base_poses=None if drive is None else frozen(np.array(drive.poses)))
+    if wound:
+        return run
+    W = wrench_matrix(robot, run.poses) if drive is None else np.array(drive.matrices)
+    wanted = log["wanted_wrench"][:-1]
+    return replace(run, feasible=distributor.feasible(W, -wanted, run.commanded_tensions, cuts))
 
 
 def _control_steps(dt: float, control_period: float | None) -> tuple[int, float]:

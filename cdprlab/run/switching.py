@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +18,8 @@ from ..robot import Robot
 from ..robot.pose import Pose
 from ..simulate import open_simulator
 from ..world import World
-from . import Progress, Run
+from .loop import LengthCommand, Progress, counted, fly
+from .record import Run
 
 Flags = NDArray[np.bool_]
 
@@ -52,13 +52,15 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
     m = world.robot.n_cables
     longer = as_array(np.broadcast_to(np.asarray(length_errors, dtype=float), (m,)), "length_errors", (m,), "m")
     real = dataclasses.replace(world, robot=_displaced(world.robot, exit_errors))
+    steps = len(plan.time)
     with open_simulator(real, cables, dt) as engine:
         _hang(engine, plan.lengths[0] + longer)
-        began = time.perf_counter()
-        rows = _wind(engine, plan, longer, progress)
-        factor = len(plan.time) * dt / (time.perf_counter() - began)
+        log, elapsed = fly(engine, LengthCommand(), counted((plan.lengths + longer).tolist(), steps, progress))
     settings = {"slack": float(slack), "speed": float(speed), "reeling": float(reeling)}
-    return _as_run(real, plan, rows, factor, dt, settings, cables)
+    run = Run.of(log, _motion(plan, dt), at_end=True, world=real, task="sequence", method="cable_configurations",
+                 cables=cables, time=frozen(plan.time), real_time_factor=steps * dt / elapsed, dt=dt,
+                 control_period=dt, settings=settings)
+    return dataclasses.replace(run, commanded_lengths=frozen(plan.lengths))
 
 
 def taut_cables(run: Run) -> Flags:
@@ -135,31 +137,9 @@ def _hang(engine: Any, lengths: Array) -> None:
         pass
 
 
-def _wind(engine: Any, plan: Winding, longer: Array, progress: Progress | None) -> Array:
-    """One row a step: position, rotation, twist, lengths, tensions, and whether the winches kept up."""
-    rows: list[Array] = []
-    wind = engine.wind
-    every = max(1, len(plan.time) // 100)
-    for k, wound in enumerate(plan.lengths + longer):
-        kept = wind(wound)
-        rows.append(np.concatenate([engine.position, engine.rotation.ravel(), engine.twist, engine.lengths,
-                                    engine.tensions, [kept]]))
-        if progress is not None and ((k + 1) % every == 0 or k + 1 == len(plan.time)):
-            progress(k + 1, len(plan.time))
-    return np.array(rows)
-
-
-def _as_run(world: World, plan: Winding, rows: Array, factor: float, dt: float, settings: dict[str, Any],
-            cables: str) -> Run:
-    m = world.robot.n_cables
-    positions, rotations, twists, lengths, tensions, kept = np.split(rows, np.cumsum([3, 9, 6, m, m]), axis=1)
-    n = len(plan.time)
-    wanted = Pose.of(frozen(plan.positions), frozen(np.broadcast_to(np.eye(3), (n, 3, 3)).copy()))
+def _motion(plan: Winding, dt: float) -> Reference:
+    """The planned motion, its velocity and acceleration by differences."""
     velocity = np.gradient(plan.positions, dt, axis=0)
-    still = np.zeros((n, 3))
-    reference = Reference(wanted, np.concatenate([velocity, still], axis=1),
-                          np.concatenate([np.gradient(velocity, dt, axis=0), still], axis=1))
-    return Run(world, "sequence", "cable_configurations", cables, frozen(plan.time),
-               Pose.of(frozen(positions.copy()), frozen(rotations.reshape(-1, 3, 3).copy())), twists, reference,
-               frozen(np.full((n, m), np.nan)), frozen(tensions.copy()), frozen(lengths.copy()),
-               frozen(plan.positions - positions), kept[:, 0] > 0, factor, dt, dt, settings, frozen(plan.lengths))
+    still = np.zeros_like(velocity)
+    return Reference(Pose(plan.positions), np.hstack([velocity, still]),
+                     np.hstack([np.gradient(velocity, dt, axis=0), still]))

@@ -1,13 +1,10 @@
-"""Two controllers of one interface: velocity control of the winches, and torque control behind their friction.
-
-Both are started with the engine, and each control step get what the robot shall do and advance the engine by it.
-"""
+"""Two commands of winches with motors: velocity control, and torque control behind their friction."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from functools import cache
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 
@@ -25,56 +22,44 @@ from ..mechanics.winch import (
     motor_torque,
 )
 from ..robot import Robot, Winch, turned_to
+from ..simulate import Simulator
 from ..simulate.mobile import MobileSimulator
 from ..tensions.distribution import solver_for
 from ..tensions.standing import standing_tensions
+from .log import Columns
+from .loop import Command
 
 
-class Order(NamedTuple):
-    """What to do in the coming control step.
+class WinchControl(Command):
+    """A controller of the winches; a wish is where the platform should be as the control step begins.
 
-    reference : where the platform should be at its begin
-    robot : with what it is known to carry; its bases as the world has them
-    base_speeds : (3p,) driven during the step [rad/s, m/s]
-    period : [s]
+    ``cables`` is the engine's cable model it needs. It logs the tensions it wants and what the motors do for them;
+    ``feasible`` says whether the wanted wrench was balanced within the limits, or the winches reached their lengths.
     """
-
-    reference: Reference
-    robot: Robot
-    base_speeds: Array
-    period: float
-
-
-class Effort(NamedTuple):
-    """What it took.
-
-    tensions : (m,) wanted [N]
-    torques : (m,) of the motors [N m]; speeds : (m,) of the motors, positive winding in [rad/s]
-    feasible : the wanted wrench was balanced within the limits, or the winches reached their lengths
-    """
-
-    tensions: Array
-    torques: Array
-    speeds: Array
-    feasible: bool
-
-
-class WinchControl(ABC):
-    """A controller of the winches; ``cables`` is the engine's cable model it needs."""
 
     name: ClassVar[str]
     cables: ClassVar[str]
+    engine: MobileSimulator
+    feasible: bool
 
-    def start(self, engine: MobileSimulator) -> None:
-        """Get ready for an engine that has just been reset."""
-        self.winch, self.footings = _winch_of(engine.world.robot), footings(engine.world.robot)
+    def start(self, engine: Simulator, substeps: int) -> Columns:
+        self.winch, self.period = _winch_of(engine.world.robot), engine.dt * substeps
+        self.footings = footings(engine.world.robot)
+        return super().start(engine, substeps)
 
-    @abstractmethod
-    def step(self, engine: MobileSimulator, order: Order) -> Effort:
-        """Advance the engine by one control step."""
+    def columns(self, robot: Robot) -> Columns:
+        m = robot.n_cables
+        return {"commanded_tensions": ((m,), "N"), "motor_torques": ((m,), "N m"), "motor_speeds": ((m,), "rad/s"),
+                "feasible": ((), "")}
 
-    def standing_rows(self, engine: MobileSimulator) -> TippingRows:
+    def effort(self, tensions: Array, torques: Array, rates: Array) -> Iterable[float]:
+        """What `step` returns; rates : (m,) of the cables, positive paying out [m/s]."""
+        speeds = motor_speed(self.winch, rates)
+        return *tensions.tolist(), *torques.tolist(), *speeds.tolist(), self.feasible
+
+    def standing_rows(self) -> TippingRows:
         """G τ + g ≤ 0 of all bases' edges, one below the other, where the bases are now."""
+        engine = self.engine
         rows = [TippingRows(np.zeros((0, engine.tensions.size)), np.zeros(0))]
         for footing in self.footings:
             rows.append(footing.rows(engine.directions, turned_to(engine.base_poses[footing.base, 2], 3)))
@@ -101,18 +86,18 @@ class TorqueControl(WinchControl):
         self.kp, self.kd, self.standing, self.toward = float(kp), float(kd), standing, float(toward)
         self.margin, self.reserve, self.friction = float(margin), float(reserve), friction
 
-    def start(self, engine: MobileSimulator) -> None:
-        super().start(engine)
-        robot = engine.world.robot
+    def start(self, engine: Simulator, substeps: int) -> Columns:
+        asked, robot = super().start(engine, substeps), engine.world.robot
         self.low, self.high = robot.tension_min + self.margin, robot.tension_max - self.margin
         self.relaxed = solver_for("relaxed", robot.n_dof, self.low, self.high)
         self.believed = _identified(self.winch) if self.friction is None else self.friction
         self.real = Friction.of(self.winch)
+        return asked
 
-    def step(self, engine: MobileSimulator, order: Order) -> Effort:
-        W, wish = engine.wrench_matrix, order.reference
-        mass, bias = mass_and_bias(order.robot, engine.rotation, engine.twist)
-        tau, feasible = self._tensions(engine, W, mass @ self._acceleration(engine, wish) + bias)
+    def step(self, wish: Reference) -> Iterable[float]:
+        engine, W = self.engine, self.engine.wrench_matrix
+        mass, bias = mass_and_bias(engine.carrying, engine.rotation, engine.twist)
+        tau = self._tensions(W, mass @ self._acceleration(wish) + bias)
         # B_b q̇_b, what driving bases pay of the cables: −u · Ȧ.
         paid = -(engine.directions * engine.exit_velocities).sum(axis=1)
         # Friction of the speed that is wanted, not of the one measured: its sign must not chatter at rest.
@@ -122,22 +107,24 @@ class TorqueControl(WinchControl):
         # What the cables really carry: the winches' own friction and inertia stand between.
         lightness = np.linalg.inv(mass)
         pulled = cable_tensions(self.winch, self.real, torques, rates, lightness @ bias @ W, W.T @ lightness @ W,
-                                order.period)
-        engine.step(pulled, round(order.period / engine.dt))
-        return Effort(tau, torques, motor_speed(self.winch, rates), feasible)
+                                self.period)
+        engine.step(pulled, self.substeps)
+        return self.effort(tau, torques, rates)
 
-    def _acceleration(self, engine: MobileSimulator, wish: Reference) -> Array:
+    def _acceleration(self, wish: Reference) -> Array:
         """a_d + K_d ė + K_p e, as `ComputedTorque` asks for it."""
+        engine = self.engine
         off = np.array([*(wish.pose.position - engine.position), *turn_between(engine.rotation, wish.pose.rotation)])
         return wish.acceleration + self.kd * (wish.twist - engine.twist) + self.kp * off
 
-    def _tensions(self, engine: MobileSimulator, W: Array, wrench: Array) -> tuple[Array, bool]:
+    def _tensions(self, W: Array, wrench: Array) -> Array:
         rows, offset = np.zeros((0, W.shape[1])), np.zeros(0)
         if self.standing:
-            rows, offset = self.standing_rows(engine)
+            rows, offset = self.standing_rows()
             offset = offset + self.reserve
         tau, reason = standing_tensions(W, -wrench, self.low, self.high, rows, offset, toward=self.toward)
-        return (self.relaxed(W, -wrench)[0], False) if reason else (tau, True)
+        self.feasible = not reason
+        return self.relaxed(W, -wrench)[0] if reason else tau
 
 
 class VelocityControl(WinchControl):
@@ -157,33 +144,31 @@ class VelocityControl(WinchControl):
             raise InvalidInput(f"gain must not be negative [1/s], got {gain:g}")
         self.gain, self.margin, self.reserve = float(gain), float(margin), float(reserve)
 
-    def start(self, engine: MobileSimulator) -> None:
-        super().start(engine)
-        robot = engine.world.robot
-        self.lengths, self.stiffness = np.array(engine.rope_lengths), _elasticity(robot)
+    def start(self, engine: Simulator, substeps: int) -> Columns:
+        asked, robot = super().start(engine, substeps), engine.world.robot
+        self.lengths, self.stiffness = np.array(self.engine.rope_lengths), _elasticity(robot)
         self.fastest = np.minimum(robot.speed_max, self.winch.speed * self.winch.drum_radius / self.winch.gear_ratio)
         self.low, self.high = robot.tension_min + self.margin, robot.tension_max - self.margin
         self.wanted, self.friction = engine.tensions, Friction.of(self.winch)
+        return asked
 
-    def step(self, engine: MobileSimulator, order: Order) -> Effort:
-        wish = order.reference
+    def step(self, wish: Reference) -> Iterable[float]:
+        engine = self.engine
         directions, lengths, W = engine.cables_at(wish.pose)
         # J t − B_b q̇_b: −Wᵀ t, and what driving bases pay of the cables.
         rates = -wish.twist @ W + (directions * engine.exit_velocities).sum(axis=1)
-        feasible = self._distribute(engine, order, W)
+        self.feasible = self._distribute(wish, W)
         unstretched = lengths / (1 + self.wanted / self.stiffness)
         rates = rates + self.gain * (unstretched - self.lengths)
         kept = np.minimum(np.maximum(rates, -self.fastest), self.fastest)
-        self.lengths = self.lengths + kept * order.period
-        feasible &= engine.wind(self.lengths, round(order.period / engine.dt)) and bool((kept == rates).all())
-        torques = motor_torque(self.winch, self.friction, engine.tensions, kept, 0.0)
-        return Effort(self.wanted, torques, motor_speed(self.winch, kept), feasible)
+        self.lengths = self.lengths + kept * self.period
+        self.feasible &= engine.wind(self.lengths, self.substeps) and bool((kept == rates).all())
+        return self.effort(self.wanted, motor_torque(self.winch, self.friction, engine.tensions, kept, 0.0), kept)
 
-    def _distribute(self, engine: MobileSimulator, order: Order, W: Array) -> bool:
+    def _distribute(self, wish: Reference, W: Array) -> bool:
         """The tensions that hold platform and load where they should be."""
-        wish = order.reference
-        mass, bias = mass_and_bias(order.robot, wish.pose.rotation, wish.twist)
-        rows, offset = self.standing_rows(engine)
+        mass, bias = mass_and_bias(self.engine.carrying, wish.pose.rotation, wish.twist)
+        rows, offset = self.standing_rows()
         tau, reason = standing_tensions(W, -(mass @ wish.acceleration + bias), self.low, self.high, rows,
                                         offset + self.reserve)
         self.wanted = self.wanted if reason else tau

@@ -49,6 +49,7 @@ class MobileSimulator(BoxSimulator):
     def reset(self, pose: Pose | None = None) -> State:
         self._link, self._speeds = -1, np.zeros(3 * len(self.world.robot.bases))
         self.is_stabilized = False
+        self.carrying = self.world.robot
         self._bodies, self._targets = [], _places(self.world.robot)
         self._present: Robot | None = None
         self._standing: Array | None = None
@@ -112,10 +113,11 @@ class MobileSimulator(BoxSimulator):
         return self._speeds
 
     def carry(self, robot: Robot) -> None:
-        """Let ropes of commanded length know what hangs on them; tensions need not be told.
+        """Let those who command, and ropes of commanded length, know what hangs on them.
 
         robot : the world's with the payload it carries now
         """
+        self.carrying = robot
         if self._ropes is not None:
             elasticity = robot.elasticity if self.cables == "elastic" else None
             self._ropes = self._paid_out(rope_law(robot, self.dt, elasticity))

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -15,12 +14,14 @@ from ...errors import InvalidInput
 from ...mechanics.fast_control import turn_between
 from ...mechanics.trajectory import Reference, Trajectory, hold, quintic
 from ...robot.pose import Pose
-from ...run.winches import Effort, Order, WinchControl, winch_control
+from ...run import Log
+from ...run.loop import fly
+from ...run.winches import WinchControl, winch_control
 from ...simulate import open_simulator
 from ...simulate.mobile import MobileSimulator
 from ...world import World
 from ...world.model import PickAndPlace
-from .job_record import Job, Log
+from .job_record import Job, as_job, job_columns
 from .machine import FAULTS, Guard, Machine, Phase, Sensors
 from .phases import BOX, driving_speed, job_phases, payload
 
@@ -66,15 +67,13 @@ def pick_and_place(world: World, task: str = "pick_and_place", control: str | Wi
     with open_simulator(begin, law.cables, dt, bodies=True, solver_iterations=20) as engine:
         assert isinstance(engine, MobileSimulator)
         engine.add_box(BOX, job.box_position, job.box_size, job.box_mass, friction=_ROLLERS)
-        law.start(engine)
-        began = time.perf_counter()
-        log = _Loop(engine, job, machine, law, control_period).run(progress)
-        elapsed = time.perf_counter() - began
-    return log.job(world, task, job, law.name, machine, elapsed, {"dt": dt, "control_period": control_period,
-                                                                   "speed": speed})
+        work = _Work(engine, job, machine, law, control_period)
+        log, elapsed = fly(engine, law, work.wishes(progress), substeps)
+    return as_job(world, task, job, law.name, machine, log, work.log, elapsed,
+                  {"dt": dt, "control_period": control_period, "speed": speed})
 
 
-class _Loop:
+class _Work:
     """One job under way: what changes from step to step."""
 
     def __init__(self, engine: MobileSimulator, task: PickAndPlace, machine: Machine, law: WinchControl,
@@ -85,23 +84,24 @@ class _Loop:
         self.bases = engine.base_poses.copy()
         self.driven = np.zeros(self.bases.size)
         self.stroke, self.offset = 1.0, np.zeros(3)
-        self.empty = self.robot = engine.world.robot
+        self.empty = engine.world.robot
         self.carried: tuple[float, ...] = (0.0,)
         self.overloaded = self.missing = 0.0
-        self.log = Log()
+        self.log = Log(job_columns(engine.world.robot))
 
-    def run(self, progress: Progress | None) -> Log:
+    def wishes(self, progress: Progress | None) -> Iterator[Reference]:
+        """Where the platform should be, step after step, until the job is done or has been stopped for a while."""
         machine, total = self.machine, sum(phase.duration for phase in self.machine.phases)
         self._begin(machine.phase)
         steps, ended, shown = 0, 0.0, 0.0
         while not ((machine.stopped or machine.done) and steps * self.period > ended + _AFTERMATH):
             now = steps * self.period
             wish = self._wish(now)
-            speeds = self._drive(now)
+            self._drive(now)
             self._draw(now)
             sensors = self._look(now, wish)
-            effort = self.law.step(self.engine, Order(wish, self.robot, speeds, self.period))
-            self._note(now, wish, sensors, effort)
+            yield wish
+            self._note(now, wish, sensors)
             steps += 1
             if machine.step(sensors._replace(time=steps * self.period)):
                 ended = steps * self.period
@@ -109,7 +109,6 @@ class _Loop:
             if progress is not None and now - shown >= 0.5:
                 shown = now
                 progress(min(round(now * 1e3), round(total * 1e3)), round(total * 1e3))
-        return self.log
 
     def _wish(self, now: float) -> Reference:
         """The reference, sampled once a phase: a single sample costs as much as a hundred."""
@@ -137,7 +136,7 @@ class _Loop:
             self.offset = self._held() - (self.stroke - 1) * self.task.stroke
         self.bases = self.engine.base_poses.copy()
 
-    def _drive(self, now: float) -> Array:
+    def _drive(self, now: float) -> None:
         speeds = np.zeros(self.bases.size)
         if self.machine.stopped:   # brake, not stop dead: the cables would feel it
             slower = np.abs(self.driven) - _ACCELERATION * self.period
@@ -148,7 +147,6 @@ class _Loop:
                 if goal is not None:
                     speeds[3 * k:3 * k + 3] = self._speed_of(k, goal, now - self.machine.began + self.period / 2)
         self.driven = self.engine.drive(speeds)
-        return self.driven
 
     def _speed_of(self, k: int, goal: tuple[float, float, float], t: float) -> Array:
         """θ̇, ρ̇₁, ρ̇₂ of one base, a rest-to-rest drive along each."""
@@ -171,8 +169,7 @@ class _Loop:
         load, place = payload(self.task, self.stroke) if engine.is_gripped(BOX) else (0.0, self.task.seat)
         if (load, *place) != self.carried:
             self.carried = load, *place
-            self.robot = self.empty.with_payload(load, place) if load else self.empty
-            engine.carry(self.robot)
+            engine.carry(self.empty.with_payload(load, place) if load else self.empty)
 
     # --- looking and writing down -----------------------------------------------------------------
     def _held(self) -> Array:
@@ -192,12 +189,12 @@ class _Loop:
                        self.overloaded, self.missing, engine.wheel_loads(), base_error, gripped,
                        slipped, (engine.position, engine.rotation), now_at)
 
-    def _note(self, now: float, wish: Reference, sensors: Sensors, effort: Effort) -> None:
-        engine, robot = self.engine, self.empty
+    def _note(self, now: float, wish: Reference, sensors: Sensors) -> None:
+        engine, robot, box = self.engine, self.empty, self.engine.box_pose(BOX)
         tau = engine.tensions
         beyond = (tau < robot.tension_min - _SLACK).any() or (tau > robot.tension_max + _SLACK).any()
         self.overloaded = self.overloaded + self.period if beyond else 0.0
-        self.missing = 0.0 if effort.feasible else self.missing + self.period
-        self.log.add(now, self.machine, engine, wish, sensors, effort, self.stroke, self.carried[0])
-
-
+        self.missing = 0.0 if self.law.feasible else self.missing + self.period
+        self.log.keep([now], wish.pose.position, wish.pose.rotation, sensors.bases, engine.tilts,
+                      *sensors.wheels.values(), box.position, box.rotation,
+                      [self.stroke, self.carried[0], len(self.machine.history) - 1])

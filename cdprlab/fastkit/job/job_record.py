@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,17 +9,14 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array, frozen
-from ...mechanics.trajectory import Reference
 from ...robot import Robot
 from ...robot.pose import Pose, rotation_vector
-from ...run import write_csv
-from ...run.winches import Effort
-from ...simulate.mobile import MobileSimulator
+from ...run import Log, save_record
+from ...run.log import Columns
 from ...world import World
 from ...world.model import PickAndPlace
 from ..events import Event
-from .machine import SETTLING, Machine, Sensors
-from .phases import BOX
+from .machine import SETTLING, Machine
 
 _UNITS = {
     "time": "s", "positions": "m", "rotations": "", "reference_positions": "m", "reference_rotations": "",
@@ -128,49 +124,41 @@ class Job:
 
         folder : made if missing
         """
-        target = Path(folder)
-        target.mkdir(parents=True, exist_ok=True)
         parts = {"": self.poses, "reference_": self.reference, "box_": self.box_poses}
         arrays: dict[str, Any] = {name: getattr(self, name) for name in _UNITS if hasattr(self, name)}
         arrays["state"] = self.states
         for kind, pose in parts.items():
             arrays[f"{kind}positions"], arrays[f"{kind}rotations"] = pose.position, pose.rotation
-        arrays = {name: np.asarray(arrays[name]) for name in _UNITS}
-        np.savez_compressed(target / "log.npz", units=np.array(json.dumps(_UNITS)), **arrays)
-        write_csv(target / "log.csv", {name: (values[::_EVERY], _UNITS[name]) for name, values in arrays.items()})
+        settings = {"task": self.task_name, "control": self.control, **self.settings}
+        target = save_record(folder, {name: (np.asarray(arrays[name]), unit) for name, unit in _UNITS.items()},
+                             self.world, settings, _EVERY)
         lines = ["time [s],state,why", *(f"{event.time:.3f},{event.state},\"{event.why}\"" for event in self.events)]
         (target / "events.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        self.world.save(target / "world.yaml")
-        settings = {"task": self.task_name, "control": self.control, **self.settings}
-        (target / "settings.json").write_text(json.dumps(settings, indent=1) + "\n", encoding="utf-8")
         return target
 
 
-class Log:
-    """Rows as they come; a `Job` in the end."""
+def job_columns(robot: Robot) -> Columns:
+    """What a job keeps of each control step, beside what `fly` does."""
+    p, k = len(robot.bases), len(robot.bases[0].footprint)
+    return {"time": ((), "s"), "reference_positions": ((3,), "m"), "reference_rotations": ((3, 3), ""),
+            "base_poses": ((p, 3), "m, m, rad"), "tilts": ((p,), "rad"), "wheels": ((p, k), "N"),
+            "box_positions": ((3,), "m"), "box_rotations": ((3, 3), ""), "stroke": ((), ""), "carried": ((), "kg"),
+            "state": ((), "")}
 
-    def __init__(self) -> None:
-        self.rows: dict[str, list[Any]] = {name: [] for name in _UNITS}
 
-    def add(self, now: float, machine: Machine, engine: MobileSimulator, wish: Reference, sensors: Sensors,
-            effort: Effort, stroke: float, carried: float) -> None:
-        """Write down one control step."""
-        box, pose = engine.box_pose(BOX), wish.pose
-        values = (now, *sensors.pose, pose.position, pose.rotation, effort.tensions, engine.tensions, effort.torques,
-                  effort.speeds, engine.lengths, sensors.bases, engine.tilts, list(sensors.wheels.values()),
-                  box.position, box.rotation, stroke, carried, len(machine.history) - 1, effort.feasible)
-        for rows, value in zip(self.rows.values(), values):
-            rows.append(value)
-
-    def job(self, world: World, name: str, task: PickAndPlace, control: str, machine: Machine, elapsed: float,
-            settings: dict[str, Any]) -> Job:
-        """All of it, stacked."""
-        rows = {name: frozen(np.array(values)) for name, values in self.rows.items()}
-        poses, wanted, boxes = (Pose.of(rows.pop(kind + "positions"), rows.pop(kind + "rotations"))
-                                for kind in ("", "reference_", "box_"))
-        turn = rotation_vector(wanted.rotation @ np.swapaxes(poses.rotation, -1, -2))
-        errors = np.concatenate([wanted.position - poses.position, turn], axis=1)
-        return Job(world, name, task, control, machine.state, machine.history[-1].why, tuple(machine.history),
-                   poses=poses, reference=wanted, errors=frozen(errors), box_poses=boxes, states=rows.pop("state"),
-                   words={phase.name: phase.what for phase in machine.phases},
-                   real_time_factor=float(rows["time"][-1]) / elapsed, settings=settings, **rows)
+def as_job(world: World, name: str, task: PickAndPlace, control: str, machine: Machine, flown: Log, more: Log,
+           elapsed: float, settings: dict[str, Any]) -> Job:
+    """A job from both its logs."""
+    steps = len(more)
+    poses = Pose.of(flown["position"][:steps], flown["rotation"][:steps])
+    wanted = Pose.of(more["reference_positions"], more["reference_rotations"])
+    turn = rotation_vector(wanted.rotation @ np.swapaxes(poses.rotation, -1, -2))
+    errors = np.concatenate([wanted.position - poses.position, turn], axis=1)
+    kept = {name: more[name] for name in ("time", "base_poses", "tilts", "wheels", "stroke", "carried")}
+    return Job(world, name, task, control, machine.state, machine.history[-1].why, tuple(machine.history),
+               poses=poses, reference=wanted, errors=frozen(errors), commanded=flown["commanded_tensions"][:steps],
+               tensions=flown["measured_tensions"][1:], torques=flown["motor_torques"][:steps],
+               motor_speeds=flown["motor_speeds"][:steps], lengths=flown["lengths"][1:],
+               box_poses=Pose.of(more["box_positions"], more["box_rotations"]), states=more["state"].astype(int),
+               words={phase.name: phase.what for phase in machine.phases}, feasible=flown["feasible"][:steps] > 0,
+               real_time_factor=float(kept["time"][-1]) / elapsed, settings=settings, **kept)
