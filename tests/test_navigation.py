@@ -55,13 +55,12 @@ def test_distance_of_rectangles_is_that_of_their_points():
         pa, pb = (q[0] + grid @ np.stack([q[1] - q[0], q[3] - q[0]]) for q in (a, b))
         near = np.linalg.norm(pa[:, None] - pb[None], axis=-1).min()
         spacing = 1.5 * np.sqrt(2) / 11       # of the points sampled
-        exact = rectangle_distance(poses[0], sizes[0], b[None])[0]
+        exact = rectangle_distance(poses[0], sizes[0], poses[1], sizes[1])
         assert near - spacing <= exact <= near + 1e-12
-        np.testing.assert_allclose(rectangle_distance(poses[1], sizes[1], a[None])[0], exact, atol=1e-12)
+        np.testing.assert_allclose(rectangle_distance(poses[1], sizes[1], poses[0], sizes[0]), exact, atol=1e-12)
     # Whichever of the two has the other inside.
-    inside, around = rectangle([0.5, 0.2, 0.3], [1, 1]), rectangle([0, 0, 0], [9, 9])
-    assert rectangle_distance([0, 0, 0], [9, 9], inside[None])[0] == 0
-    assert rectangle_distance([0.5, 0.2, 0.3], [1, 1], around[None])[0] == 0
+    inside, around = ([0.5, 0.2, 0.3], [1, 1]), ([0, 0, 0], [9, 9])
+    assert rectangle_distance(*inside, *around) == rectangle_distance(*around, *inside) == 0
 
 
 def test_a_pose_seen_from_another_and_put_back_is_the_same():
@@ -323,10 +322,10 @@ def test_the_pair_gives_way_to_somebody_it_has_cornered(pair, period):
 def test_a_cornered_person_steps_back_and_not_into_anything():
     wall = Hall.of([[-1.0, 0, 0.2, 4, 0]], [[-5, -4], [5, 4]])
     person = Walker([[-0.3, 0.0], [3.0, 0.0]], hall=wall)
-    machine = rectangle([1.25, 0, 0], [2, 1])                            # its front 30 cm before the person
+    machine = [1.25, 0, 0], [2, 1]                                       # its front 30 cm before the person
     for _ in range(200):
         before = np.array(person.place)
-        person.walk(0.1, machine)
+        person.walk(0.1, *machine)
         assert np.linalg.norm(person.place - before) <= 0.6 * 0.1 + 1e-12
     assert person.place[0] < -0.35                                # it was care, 0.4 m, that was missing
     assert wall.distance(person.place) > person.radius
@@ -337,7 +336,7 @@ def test_a_cornered_person_steps_back_and_not_into_anything():
 def test_somebody_walking_along_the_pair_walks_on():
     person = Walker([[-1.4, 0.99], [2.0, 0.99]])                  # 24 cm from its side: nearer than they would come
     for _ in range(60):
-        person.walk(0.1, rectangle([0, 0, -0.001], [3, 1]))
+        person.walk(0.1, [0, 0, -0.001], [3, 1])
     assert person.place[0] > 1.0
 
 

@@ -1,4 +1,4 @@
-"""Geometry on the floor: poses (x, y, heading) that carry points and poses, segments, solid convex outlines."""
+"""Geometry on the floor: poses (x, y, heading) that carry points and poses, segments, solid rectangles."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def step_between(before: ArrayLike, after: ArrayLike) -> Array:
     return np.concatenate([way[..., 0, :], d[..., 2:]], axis=-1)
 
 
-# --- segments and outlines --------------------------------------------------------------------------------
+# --- segments and rectangles --------------------------------------------------------------------------------
 def rectangle(pose: ArrayLike, size: ArrayLike) -> Array:
     """(…, 4, 2) corners, counter-clockwise, of rectangles at poses (…, 3), (…, 2) along and across them [m]."""
     return carried(pose, _CORNERS * np.asarray(size)[..., None, :])
@@ -88,18 +88,27 @@ def off_segments(points: Array, segments: Array) -> Array:
     return off - np.clip(share, 0, 1)[..., None] * along
 
 
-def point_distance(points: ArrayLike, outlines: Array) -> Array:
-    """(…, k) of points (…, 2) to solid convex outlines (k, c, 2), counter-clockwise; 0 inside [m]."""
-    p, sides = np.asarray(points, dtype=float)[..., None, None, :], edges(outlines)
-    along, off = sides[..., 1, :] - sides[..., 0, :], p - sides[..., 0, :]
-    outside = (along[..., 0] * off[..., 1] - along[..., 1] * off[..., 0] < 0).any(axis=-1)
-    return np.where(outside, np.linalg.norm(off_segments(p, sides), axis=-1).min(axis=-1), 0.0)
+def off_rectangles(points: ArrayLike, poses: ArrayLike, sizes: ArrayLike) -> Array:
+    """(…, 2) from the nearest point of a solid rectangle at a pose (…, 3), (…, 2) along and across, to a point (…, 2).
+
+    >>> off_rectangles([0, 2], [0, 0, np.pi / 2], [3, 1]).round(2).tolist()
+    [0.0, 0.5]
+    """
+    q, half = np.asarray(poses, dtype=float), np.asarray(sizes, dtype=float) / 2
+    R = turn(q[..., 2])
+    local = ((points - q[..., :2])[..., None, :] @ R)[..., 0, :]
+    return (R @ (local - np.clip(local, -half, half))[..., None])[..., 0]
 
 
-def rectangle_distance(poses: ArrayLike, size: ArrayLike, outlines: Array) -> Array:
-    """(…, k) of a rectangle at poses (…, 3) to solid convex outlines (k, c, 2); 0 where they touch or overlap [m]."""
-    q = np.asarray(poses, dtype=float)
-    ends = edges((outlines - q[..., None, None, :2]) @ turn(q[..., 2])[..., None, :, :])
+def point_distance(points: ArrayLike, poses: ArrayLike, sizes: ArrayLike) -> Array:
+    """(…) of that point from that rectangle; 0 inside [m]."""
+    return np.linalg.norm(off_rectangles(points, poses, sizes), axis=-1)
+
+
+def rectangle_distance(pose: ArrayLike, size: ArrayLike, poses: ArrayLike, sizes: ArrayLike) -> Array:
+    """(…) of a rectangle at a pose (…, 3), (2,) along and across, to another; 0 where they touch or overlap [m]."""
+    q = np.asarray(pose, dtype=float)
+    ends = edges((rectangle(poses, sizes) - q[..., None, :2]) @ turn(q[..., 2]))
     to_edges = box_distance(ends[..., 0, :], ends[..., 1, :], np.asarray(size) / 2).min(axis=-1)
-    # An outline may have all of the rectangle inside, far from its own edges.
-    return np.minimum(to_edges, point_distance(q[..., :2], outlines))
+    # The other may have all of the first inside, far from its own edges.
+    return np.minimum(to_edges, point_distance(q[..., :2], poses, sizes))

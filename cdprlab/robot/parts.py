@@ -114,6 +114,12 @@ class Base:
             raise InvalidInput(f"speed limits must not be negative, got {self.speed_max.tolist()}", ("speed",))
 
     @property
+    def pose(self) -> tuple[float, float, float]:
+        """(x, y, heading), as `Robot.with_bases` takes it [m, m, rad]."""
+        x, y = self.position.tolist()
+        return x, y, self.heading
+
+    @property
     def rotation(self) -> Array:
         """(d, d) from the base's frame to the world."""
         return turned_to(self.heading, self.center_of_mass.shape[0])

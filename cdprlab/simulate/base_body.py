@@ -35,7 +35,7 @@ def make_base(engine: Any, client: int, base: Base, exits: Array, anchors: Array
     middle : (3,) of where the platform is to be: legs aimed there keep far from singular [m]
     tip_mass : [kg]
     """
-    links, values = _standing(engine, client, base), [*base.position.tolist(), base.heading, 0.0, 0.0, 0.0, 0.0]
+    links, values = _standing(engine, client, base), [*base.pose, 0.0, 0.0, 0.0, 0.0]
     slide, swing = engine.JOINT_PRISMATIC, engine.JOINT_REVOLUTE
     seen, ends = ((points - base.origin) @ base.rotation for points in (middle, anchors))   # in the base's frame
     for exit_point, anchor in zip(exits, ends):

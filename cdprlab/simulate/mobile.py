@@ -234,7 +234,7 @@ class MobileSimulator(BoxSimulator):
 
 def _places(robot: Robot) -> list[list[float]]:
     """x, y and heading of each base [m, rad]."""
-    return [[*base.position.tolist(), base.heading] for base in robot.bases]
+    return [list(base.pose) for base in robot.bases]
 
 
 def _mounted(robot: Robot) -> tuple[Array, Array]:

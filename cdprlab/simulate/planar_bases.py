@@ -23,7 +23,7 @@ class DrivenBases:
     def __init__(self, robot: Robot, dt: float) -> None:
         self._start, self._dt = robot, dt
         self._present: Robot | None = robot
-        self._poses = [[*base.position.tolist(), base.heading] for base in robot.bases]
+        self._poses = [list(base.pose) for base in robot.bases]
         self._speeds = [[0.0, 0.0, 0.0] for _ in robot.bases]
         self.moving = False
         self.exits: list[list[float]] = robot.exit_points.tolist()

@@ -21,6 +21,7 @@ from ...simulate import open_simulator
 from ...simulate.mobile import MobileSimulator
 from ...world import World
 from ...world.model import PickAndPlace
+from ..plane import relative
 from .job_record import Job, as_job, job_columns
 from .machine import FAULTS, Guard, Machine, Phase, Sensors
 from .phases import BOX, driving_speed, job_phases, payload
@@ -150,13 +151,8 @@ class _Work:
 
     def _speed_of(self, k: int, goal: tuple[float, float, float], t: float) -> Array:
         """θ̇, ρ̇₁, ρ̇₂ of one base, a rest-to-rest drive along each."""
-        x, y, heading = self.bases[k].tolist()
-        c, s = np.cos(heading), np.sin(heading)
-        dx, dy = goal[0] - x, goal[1] - y
-        ways = goal[2] - heading, c * dx + s * dy, c * dy - s * dx
-        limits = self.empty.bases[k].speed_max.tolist()
-        return np.array([driving_speed(t, way, limit, _ACCELERATION) if abs(way) > 1e-9 else 0.0
-                         for way, limit in zip(ways, limits)])
+        way = relative(goal, self.bases[k])
+        return driving_speed(t, way[[2, 0, 1]], self.empty.bases[k].speed_max, _ACCELERATION)
 
     def _draw(self, now: float) -> None:
         """The gripper's stroke, and what the platform is known to carry."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...errors import InvalidInput
@@ -13,6 +14,7 @@ from ...robot.pose import Pose
 from ...simulate.mobile import MobileSimulator
 from ...world import World
 from ...world.model import PickAndPlace
+from ..plane import placed, relative
 from .machine import Phase, Sensors, box_there, settled
 
 BOX = "box"
@@ -48,7 +50,7 @@ def _deployment(world: World, task: PickAndPlace, acceleration: float) -> Iterat
              ("line up", "the base takes its place"))
     for name, start in task.coupled.items():
         base = world.robot.base(name)
-        yield from _legs(base, start, _place(base), task.aside, words, acceleration)
+        yield from _legs(base, start, base.pose, task.aside, words, acceleration)
     yield Phase("stabilize", "the stabilizers go down, no base can drive", 0.5,
                 begin=MobileSimulator.lower_stabilizers)
 
@@ -63,7 +65,7 @@ def _folding(world: World, task: PickAndPlace, acceleration: float) -> Iterator[
              ("close up", "beside the other base, as before"))
     for name, goal in task.coupled.items():
         base = world.robot.base(name)
-        yield from _legs(base, _place(base), goal, task.aside, words, acceleration)
+        yield from _legs(base, base.pose, goal, task.aside, words, acceleration)
     yield Phase("link", "the electromagnetic link closes", 0.5, drives=dict(task.coupled), guard=_arrived,
                 begin=MobileSimulator.couple)
 
@@ -71,31 +73,18 @@ def _folding(world: World, task: PickAndPlace, acceleration: float) -> Iterator[
 def _legs(base: Base, start: Place, goal: Place, aside: float, words: tuple[tuple[str, str], ...],
           acceleration: float) -> Iterator[Phase]:
     """A base's way from place to place, a state each: out sideways, along, back in; without ``aside`` only along."""
-    stops, told = [start, _beside(start, aside), _beside(goal, aside), goal], words
-    if not aside:
-        stops, told = [start, goal], words[1:2]
+    stops, told = [start, goal], words[1:2]
+    if aside:
+        stops, told = [start, *(_beside(end, aside) for end in stops), goal], words
     for (state, what), here, there in zip(told, stops, stops[1:]):
-        yield Phase(state, what, _driving_time(base, here, there, acceleration), drives={base.name: there},
-                    guard=_arrived)
-
-
-def _place(base: Base) -> Place:
-    """Where the world has a base."""
-    return float(base.position[0]), float(base.position[1]), base.heading
+        lasting = driving_time(relative(there, here), base.speed_max[[1, 2, 0]], acceleration).max()
+        yield Phase(state, what, float(lasting), drives={base.name: there}, guard=_arrived)
 
 
 def _beside(place: Place, aside: float) -> Place:
     """A place moved along the base's own y axis."""
-    x, y, heading = place
-    return x - float(np.sin(heading)) * aside, y + float(np.cos(heading)) * aside, heading
-
-
-def _driving_time(base: Base, here: Place, there: Place, acceleration: float) -> float:
-    """Of the longest of the three drives between two places [s]."""
-    c, s = np.cos(here[2]), np.sin(here[2])
-    dx, dy = there[0] - here[0], there[1] - here[1]
-    ways = there[2] - here[2], c * dx + s * dy, c * dy - s * dx
-    return max(driving_time(float(way), float(limit), acceleration) for way, limit in zip(ways, base.speed_max))
+    x, y, heading = placed(place, [[0.0, aside, 0.0]])[0].tolist()
+    return x, y, heading
 
 
 def _taking(task: PickAndPlace, speed: float) -> Iterator[Phase]:
@@ -148,31 +137,28 @@ def _arrived(sensors: Sensors) -> str:
 
 
 # --- motions along one line ---------------------------------------------------------------------------
-def driving_time(way: float, limit: float, acceleration: float) -> float:
-    """How long a rest-to-rest drive takes with these limits [s].
+def driving_time(way: ArrayLike, limit: ArrayLike, acceleration: float) -> Array:
+    """(…) how long rest-to-rest drives over ways (…) take with these limits (…) [s].
 
-    >>> round(driving_time(1.0, 0.2, 0.2), 6)
-    6.0
+    >>> driving_time([1.0, 0.0], 0.2, 0.2).round(6).tolist()
+    [6.0, 0.0]
     """
-    way = abs(way)
-    if way < 1e-12:
-        return 0.0
-    if limit <= 0:
+    far = np.abs(way)
+    far = np.where(far > 1e-9, far, 0.0)
+    top = np.minimum(limit, np.sqrt(far * acceleration))
+    if ((top <= 0) & (far > 0)).any():
         raise InvalidInput("a base is to drive in a direction that its speed limits hold")
-    top = min(limit, np.sqrt(way * acceleration))
-    return float(way / top + top / acceleration)
+    return np.asarray(far / np.where(far > 0, top, 1.0) + top / acceleration)
 
 
-def driving_speed(t: float, way: float, limit: float, acceleration: float) -> float:
-    """The speed of that drive at time t: up with ``acceleration``, steady, down again [m/s or rad/s].
+def driving_speed(t: float, way: ArrayLike, limit: ArrayLike, acceleration: float) -> Array:
+    """(…) the speeds of these drives at time t: up with ``acceleration``, steady, down again [m/s or rad/s].
 
-    >>> driving_speed(3.0, -1.0, 0.2, 0.2)
+    >>> float(driving_speed(3.0, -1.0, 0.2, 0.2))
     -0.2
     """
-    total = driving_time(way, limit, acceleration)
-    if not 0 < t < total:
-        return 0.0
-    return float(np.sign(way) * min(acceleration * t, limit, acceleration * (total - t)))
+    left = driving_time(way, limit, acceleration) - t
+    return np.sign(way) * np.clip(acceleration * np.minimum(t, left), 0.0, limit)
 
 
 def payload(task: PickAndPlace, stroke: float) -> tuple[float, Array]:

@@ -103,7 +103,7 @@ def moved_pair(world: World, pose: ArrayLike) -> World:
     pose : (3,) of the pair [m, m, rad]
     """
     here = pair_pose(world)[0]
-    robot = world.robot.with_bases({base.name: shifted((*base.position, base.heading), here, pose)
+    robot = world.robot.with_bases({base.name: shifted(base.pose, here, pose)
                                     for base in world.robot.bases})
     x, y, spin = shifted((*world.pose.position[:2], 0.0), here, pose)
     turned = Pose([x, y, world.pose.position[2]], rpy=[0, 0, spin])

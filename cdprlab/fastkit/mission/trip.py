@@ -107,7 +107,7 @@ class Trip:
         assert mission.journey is not None
         berth, stands = self.berth, mission.journey.poses[-1]
         coupled = {name: shifted(place, berth, stands) for name, place in self.task.coupled.items()}
-        deployed = {base.name: shifted((*base.position, base.heading), berth, stands)
+        deployed = {base.name: shifted(base.pose, berth, stands)
                     for base in self.world.robot.bases}
         return replace(self.world, robot=self.world.robot.with_bases(deployed),
                        tasks={mission.task: replace(self.task, coupled=coupled)})

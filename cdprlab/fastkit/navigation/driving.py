@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array
-from ..plane import checked_pose, edges, moved, off_segments, point_distance, rectangle_distance, step_between, turn
+from ..plane import checked_pose, moved, off_rectangles, point_distance, rectangle_distance, step_between, turn
 from .hall import Hall
 from .laser import Scanner, cast
 from .localization import Odometry
@@ -37,42 +37,38 @@ class Walker:
         self.place, self.onward = np.array(self.way[0]), 1
         self.waited, self.turned = 0.0, 0
 
-    def walk(self, period: float, machine: Array) -> None:
-        """Walk on, the machine's outline (4, 2) in mind."""
+    def walk(self, period: float, pose: ArrayLike, size: ArrayLike) -> None:
+        """Walk on for a period [s], minding a machine at pose (3,), (2,) along and across [m]."""
         left = self.way[self.onward] - self.place
         far = float(np.linalg.norm(left))
         if far < 1e-9:
             self.onward = 1 - self.onward
             return
         then = self.place + left * min(1.0, self.speed * period / far)
-        near, now = self._gap(then, machine), self._gap(self.place, machine)
+        near, now = (point_distance([then, self.place], pose, size) - self.radius).tolist()
         # Along a machine one walks on, but not ever closer.
         along = 0.2 * float(np.linalg.norm(then - self.place)) if near > self.care / 2 else 0.0
         if near < self.care and near < now - along:
-            self._wait(period, machine, now)
+            self._wait(period, pose, size)
             return
         self.place, self.waited, self.turned = then, 0.0, 0
         if far <= self.speed * period:
             self.onward = 1 - self.onward
 
-    def _wait(self, period: float, machine: Array, now: float) -> None:
+    def _wait(self, period: float, pose: ArrayLike, size: ArrayLike) -> None:
         self.waited += period
         if self.waited > self.patience:
             self.onward, self.waited, self.turned = 1 - self.onward, 0.0, self.turned + 1
-        if self.turned > 1 and now < self.care:      # turned round and could not walk that way either
-            off = off_segments(self.place, edges(machine))
-            far = np.linalg.norm(off, axis=1)
-            away = off[far.argmin()] / max(far.min(), 1e-9) * self.speed * period
+        off = off_rectangles(self.place, pose, size)
+        far = float(np.linalg.norm(off))
+        if self.turned > 1 and far - self.radius < self.care:    # turned round and could not walk that way either
+            away = off / max(far, 1e-9) * self.speed * period
             for angle in (0.0, 0.8, -0.8, 1.5, -1.5):            # straight back, or past what stands there
                 back = self.place + turn(angle) @ away
                 roomy = self._room(back) >= min(self._room(self.place), 0.2)
-                if roomy and self._gap(back, machine) >= now:
+                if roomy and point_distance(back, pose, size) >= far:
                     self.place = back
                     return
-
-    def _gap(self, place: Array, machine: Array) -> float:
-        """Between the person, standing there, and the machine's outline [m]."""
-        return float(point_distance(place, machine[None])[0]) - self.radius
 
     def _room(self, place: Array) -> float:
         """Between the person and what stands in the hall [m]."""
@@ -110,7 +106,7 @@ class Pair(ABC):
         before = self.pose
         self.move(twist, period)
         for walker in self.walkers:
-            walker.walk(period, self.vehicle.outline(self.pose))
+            walker.walk(period, self.pose, self.vehicle.size)
         return self.odometry.measured(step_between(before, self.pose), self._random)
 
     def scan(self) -> Array:
@@ -156,6 +152,6 @@ def clearance(vehicle: Vehicle, poses: ArrayLike, hall: Hall, people: ArrayLike 
     q, walking = np.asarray(poses, dtype=float), np.reshape(people, (-1, 3))
     outline, (low, high) = vehicle.outline(q), hall.bounds
     to_edge = np.minimum(outline - low, high - outline).min(axis=-1)
-    to_things = rectangle_distance(q, vehicle.size, hall.outlines)
+    to_things = rectangle_distance(q[..., None, :], vehicle.size, hall.places, hall.sizes)
     to_people = vehicle.distances(q, walking[:, :2]) - walking[:, 2]
     return np.maximum(np.concatenate([to_edge, to_things, to_people], axis=-1).min(axis=-1), 0.0)

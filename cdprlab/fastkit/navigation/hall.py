@@ -17,24 +17,28 @@ from ..plane import edges, point_distance, rectangle
 class Hall:
     """A known map: k solid rectangles on a floor.
 
-    rectangles : (k, 5) center x, y, edges along and across [m], heading [rad]
+    places : (k, 3) of their centers [m, m, rad]; sizes : (k, 2) along and across [m]
     bounds : (2, 2) lowest and highest corner of the floor that may be driven on [m]
     seen : (k,) whether a scanner's plane cuts it; all keep bases away
     """
 
-    rectangles: Array
+    places: Array
+    sizes: Array
     bounds: Array
     seen: NDArray[np.bool_]
 
     @classmethod
     def of(cls, rectangles: ArrayLike, bounds: ArrayLike, seen: ArrayLike = True) -> Hall:
-        """A hall of rectangles, by default all as high as the scanners; arguments as above.
+        """A hall of rectangles, by default all as high as the scanners.
+
+        rectangles : (k, 5) center x, y, edges along and across [m], heading [rad]; others as above
 
         >>> Hall.of([[0, 0, 2, 1, 0]], [[-3, -3], [3, 3]]).distance([0, 1.5]).tolist()
         1.0
         """
         rows = as_array(rectangles, "rectangles", ("k", 5), "m, rad")
-        return cls(rows, as_array(bounds, "bounds", (2, 2), "m"), np.broadcast_to(np.asarray(seen), len(rows)))
+        return cls(frozen(rows[:, [0, 1, 4]]), rows[:, 2:4], as_array(bounds, "bounds", (2, 2), "m"),
+                   np.broadcast_to(np.asarray(seen), len(rows)))
 
     @classmethod
     def of_world(cls, world: World, bounds: ArrayLike, height: float = 0.2, tallest: float = 2.4) -> Hall:
@@ -51,14 +55,15 @@ class Hall:
         return cls.of(np.reshape(rows, (-1, 5)), bounds, np.array(seen, dtype=bool))
 
     def with_rectangles(self, rectangles: ArrayLike) -> Hall:
-        """The hall and more that stands in it; (k, 5) as above."""
-        rows = np.concatenate([self.rectangles, rectangles])
-        return Hall.of(rows, self.bounds, np.append(self.seen, np.ones(len(rows) - len(self.seen), dtype=bool)))
+        """The hall and more that stands in it; (k, 5) as in `of`."""
+        more = Hall.of(rectangles, self.bounds)
+        places, sizes = np.vstack([self.places, more.places]), np.vstack([self.sizes, more.sizes])
+        return Hall(frozen(places), frozen(sizes), self.bounds, np.append(self.seen, more.seen))
 
     @cached_property
     def outlines(self) -> Array:
         """(k, 4, 2) corners of each rectangle, counter-clockwise [m]."""
-        return frozen(rectangle(self.rectangles[:, [0, 1, 4]], self.rectangles[:, 2:4]))
+        return frozen(rectangle(self.places, self.sizes))
 
     @cached_property
     def segments(self) -> Array:
@@ -68,7 +73,7 @@ class Hall:
     def distance(self, points: ArrayLike) -> Array:
         """(…) distance of (…, 2) points to the nearest rectangle, 0 inside one [m]; inf in an empty hall."""
         p = as_array(points, "points", (2,), "m", batch=True)
-        return point_distance(p, self.outlines).min(axis=-1, initial=np.inf)
+        return point_distance(p[..., None, :], self.places, self.sizes).min(axis=-1, initial=np.inf)
 
 
 def walls(bounds: ArrayLike, thickness: float = 0.1) -> Array:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import distance_transform_edt
 
 from ...arrays import Array, as_number, frozen
-from ..plane import carried, turn
+from ..plane import carried, point_distance
 from .hall import Hall
 from .vehicle import Vehicle
 
@@ -48,13 +48,12 @@ class OccupancyGrid:
         shape = np.maximum(np.ceil((high - low) / cell - 1e-9).astype(int), 1)
         occupied = np.zeros(shape, dtype=bool)
         hidden = cell / np.sqrt(2)                      # from a cell's center to its corner
-        for x, y, length, width, heading in hall.rectangles.tolist():
-            half = np.array([length, width]) / 2
-            where, off = _near(occupied, low, cell, np.array([x, y]), float(np.hypot(*half)) + hidden)
-            occupied[where] |= (np.abs(off @ turn(heading)) <= half + hidden).all(axis=-1)
-        for point in np.asarray(points, dtype=float).reshape(-1, 2):
-            where, off = _near(occupied, low, cell, point, reach + hidden)
-            occupied[where] |= np.linalg.norm(off, axis=-1) <= reach + hidden
+        for place, size in zip(hall.places, hall.sizes):
+            where, centers = _near(occupied, low, cell, place[:2], float(np.hypot(*size)) / 2 + hidden)
+            occupied[where] |= point_distance(centers, place, size + 2 * hidden) == 0
+        for point in np.reshape(points, (-1, 2)):
+            where, centers = _near(occupied, low, cell, point, reach + hidden)
+            occupied[where] |= np.linalg.norm(centers - point, axis=-1) <= reach + hidden
         occupied.setflags(write=False)
         # One ring of occupied cells outside: the floor's edge is a wall.
         walled = np.pad(occupied, 1, constant_values=True)
@@ -92,8 +91,8 @@ class OccupancyGrid:
 
 
 def _near(occupied: Flags, low: Array, cell: float, middle: Array, radius: float) -> tuple[tuple[slice, slice], Array]:
-    """The cells around a place, and (…, 2) how far their centers are off it."""
+    """The cells around a place, and (…, 2) where their centers are [m]."""
     first = np.clip(np.floor((middle - radius - low) / cell).astype(int), 0, occupied.shape)
     last = np.clip(np.ceil((middle + radius - low) / cell).astype(int) + 1, first, occupied.shape)
-    x, y = (low[i] + (np.arange(first[i], last[i]) + 0.5) * cell - middle[i] for i in (0, 1))
+    x, y = (low[i] + (np.arange(first[i], last[i]) + 0.5) * cell for i in (0, 1))
     return (slice(first[0], last[0]), slice(first[1], last[1])), np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Array
-from ..plane import rectangle, rectangle_distance
+from ..plane import rectangle_distance
 from .driving import Walker
 from .hall import Hall, walls
 from .vehicle import Vehicle
@@ -45,8 +45,7 @@ def practice_hall(vehicle: Vehicle, seed: int, size: tuple[float, float] = (10.0
     rows = [*walls([[0, 0], size]), shelf]
     for _ in range(pallets):
         x, y, along, across, heading = random.uniform([0, 0.5, 0.5, 0.4, 0], [length, height - 1.0, 1.2, 0.8, np.pi])
-        pallet = rectangle([x, y, heading], [along, across])
-        if rectangle_distance(keep, vehicle.size, pallet[None]).min() > 0.45:
+        if rectangle_distance(keep, vehicle.size, [x, y, heading], [along, across]).min() > 0.45:
             rows.append(np.array([x, y, along, across, heading]))
     middle = (start[:2] + goal[:2]) / 2
     aside = np.array([random.uniform(2.0, 3.0), random.uniform(-0.5, 0.5)])

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ...arrays import Array, frozen
 from ...errors import InvalidInput
 from ...robot import Robot
-from ..plane import difference, placed, rectangle, turn
+from ..plane import difference, placed, point_distance, rectangle
 from .laser import Scanner
 
 
@@ -78,9 +78,7 @@ class Vehicle:
 
     def distances(self, pose: ArrayLike, points: Array) -> Array:
         """(…, u) of points (u, 2) from the rectangle at pose (…, 3), both in one frame; 0 inside [m]."""
-        q = np.asarray(pose, dtype=float)
-        local = (points - q[..., None, :2]) @ turn(q[..., 2])
-        return np.linalg.norm(np.maximum(np.abs(local) - self.size / 2, 0), axis=-1)
+        return point_distance(points, np.asarray(pose)[..., None, :], self.size)
 
     # --- the bases --------------------------------------------------------------------------------
     def bases(self, pose: ArrayLike) -> Array:
