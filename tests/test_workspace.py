@@ -10,7 +10,8 @@ from scipy.optimize import linprog
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
 from cdprlab.workspace import AllOrientations, AnyOrientation, position_grid
-from cdprlab.workspace.tensions import mass_matrix, tension_margins
+from cdprlab.workspace.capacity import tension_margins
+from cdprlab.workspace.tensions import mass_matrix
 from robots import case, random_poses, robot_1r2t, robot_3r3t, two_bases
 
 WORLDS = ("caroca", "planar_rigid", "ipanema3", "planar_point", "kntu_planar", "cogiro", "robocrane")

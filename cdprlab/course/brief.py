@@ -15,9 +15,9 @@ from ..mechanics.cables import cable_lengths
 from ..mechanics.statics import gravity_wrench, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
+from ..workspace.capacity import best_tensions
 from ..workspace.grids import low_discrepancy_poses
 from ..workspace.interference import cable_distances, cable_pairs, obstacle_distances, platform_distances
-from ..workspace.tensions import best_tensions
 from ..world import World, load_world
 
 _ROUNDING = 1e-6
@@ -280,7 +280,7 @@ def _directed(robot: Robot, poses: Pose) -> tuple[bool, str]:
 
 def _advice(robot: Robot, tau: Array, missing: float) -> str:
     low, high = robot.tension_min - tau, tau - robot.tension_max
-    if low.max() >= high.max():
+    if low.max() > high.max() + 1e-6:      # as much of both is missing: the winch is told
         i = int(np.argmax(low))
         return (f"at best cable {i + 1} has {tau[i]:.0f} N, {missing:.0f} N short of what keeps it taut. The others do "
                 "its work there: move its exit point outwards, or its anchor point to the other side")

@@ -1,11 +1,72 @@
-"""Wrench feasibility by the facets of the available wrench set: a whole box of wrenches at the price of one."""
+"""How much room wrenches leave: to the tension limits, to the facets of the available wrench set, to tipping."""
 
 from __future__ import annotations
 
-import numpy as np
+from itertools import product
 
-from ..arrays import Array, plain
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array, plain
+from ..mechanics.optimization import largest_last
+from ..robot import Robot
 from ..sets.zonotope import hyperplane_shifting
+from .criterion import Flags
+
+ROUNDING = 1e-9
+"""Of the largest limit: margins this far below zero are rounding."""
+
+
+def tension_margins(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> Array:
+    """Largest s with W τ + w_e = 0 and τ_min + s ≤ τ ≤ τ_max − s, for each pose; −inf where nothing balances w_e.
+
+    W : (N, n, m); w_e : (N, n) [N, N m]; low, high : (m,) [N]
+    at_high : whether s is kept from the upper limits too
+    Returns (N,) [N], negative where the limits must be broken by −s.
+
+    >>> W = np.array([[[1.0, -1.0]]])
+    >>> tension_margins(W, np.zeros((1, 1)), np.array([1.0, 1.0]), np.array([5.0, 9.0]))
+    array([2.])
+    """
+    return best_tensions(W, w_e, low, high, at_high=at_high)[0]
+
+
+def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> tuple[Array, Array]:
+    """`tension_margins` and tensions (N, m) that have them, NaN where nothing balances w_e."""
+    from ..compiled import margins as kernel
+
+    n, m = W.shape[-2:]
+    s, tau, found = kernel.margins(plain(W), plain(w_e), plain(low), plain(high), 1.0, 1.0 if at_high else 0.0)
+    s[found == kernel.UNREACHABLE] = -np.inf
+    rows = np.block([[-np.eye(m), np.ones((m, 1))], [np.eye(m), np.full((m, 1), float(at_high))]])
+    for k in np.flatnonzero((found == kernel.TOO_REDUNDANT) | (found == kernel.UNSETTLED)):
+        s[k], tau[k] = largest_last(rows, np.append(-low, high), np.column_stack([W[k], np.zeros(n)]), -w_e[k])
+    return s, tau
+
+
+def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
+    """Whether tensions within the limits balance each wrench: the sign of `tension_margins`, found quicker."""
+    from ..compiled import verdicts as kernel
+
+    found = kernel.verdicts(plain(W), plain(w_e), plain(low[None]), plain(high[None]))
+    inside = np.asarray(found == kernel.INSIDE)
+    many = found == kernel.TOO_REDUNDANT
+    if many.any():
+        inside[many] = tension_margins(W[many], w_e[many], low, high) >= -ROUNDING * high.max()
+    return inside
+
+
+def standing_margin(robot: Robot, W: Array, w_e: Array, A: Array, b: Array) -> float:
+    """Largest s with A τ + s ≤ b among tensions within the limits that balance w_e; −inf where there are none.
+
+    W : (n, m); w_e : (n,); A : (f, m) and b : (f,) of `tipping_rows` [m, N m]
+    """
+    n, m = W.shape
+    rows = np.zeros((2 * m + len(A), m + 1))
+    rows[:, :m] = np.concatenate([-np.eye(m), np.eye(m), A])
+    rows[2 * m:, m] = 1.0
+    sides = np.concatenate([-robot.tension_min, robot.tension_max, b])
+    return largest_last(rows, sides, np.column_stack([W, np.zeros(n)]), -w_e)[0]
 
 
 def capacity_margins(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: Array, *,
@@ -42,16 +103,23 @@ def _one_by_one(W: Array, w_e: Array, loads: Array, half: Array, low: Array, hig
     """By the planes of one pose; where W loses rank, by the corners."""
     n = W.shape[0]
     if np.linalg.matrix_rank(W) < n:
-        return _flat(W, w_e, loads, half, low, high), np.full(n, np.nan)
+        corners = box_loads(loads, half)
+        margins = tension_margins(np.broadcast_to(W, (len(corners), *W.shape)), w_e + corners, low, high)
+        return float(min(0.0, margins.min())), np.full(n, np.nan)
     normals, offsets = hyperplane_shifting(W @ (high + low) / 2, W * (high - low) / 2)
     left = (offsets - (normals @ -(w_e + loads).T).max(axis=1)) - np.abs(normals) @ half
     worst = int(np.argmin(left))
     return float(left[worst]), normals[worst]
 
 
-def _flat(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: Array) -> float:
-    from .tensions import box_loads, tension_margins
+def external_wrenches(wrenches: ArrayLike | None, n: int) -> Array:
+    """(k, n) from None, one or several."""
+    if wrenches is None:
+        return np.zeros((1, n))
+    return np.atleast_2d(as_array(wrenches, "wrenches", (n,), "N, N m", batch=True))
 
-    corners = box_loads(loads, half)
-    repeated = np.broadcast_to(W, (len(corners), *W.shape))
-    return float(min(0.0, tension_margins(repeated, w_e + corners, low, high).min()))
+
+def box_loads(loads: Array, half: Array) -> Array:
+    """(k 2ʰ, n) corners of a box around each load; directions without width make none."""
+    signs = np.array(list(product(*[(1.0, -1.0) if h else (0.0,) for h in half])))
+    return np.asarray((loads[:, None] + signs * half).reshape(-1, half.size))

@@ -14,11 +14,10 @@ from ..mechanics.intervals import Intervals
 from ..mechanics.statics import gravity_wrench, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
-from .capacity import capacity_margins
+from .capacity import best_tensions, capacity_margins, external_wrenches
 from .criterion import Flags
 from .interval_statics import PoseBoxes, centers, certainly_inside, certainly_outside
 from .sweep import Progress
-from .tensions import best_tensions, external_wrenches
 
 _MOST_BOXES = 2_000_000
 

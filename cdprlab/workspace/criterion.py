@@ -58,11 +58,6 @@ class Both(Criterion):
         return Judgement(a.inside & b.inside, smaller)
 
 
-def verdict(margins: Array) -> Judgement:
-    """Inside where the margin is not negative; NaN, where there is none, is outside."""
-    return Judgement(margins >= 0, margins)
-
-
 def unknown(inside: Flags) -> Judgement:
     """A verdict without margins."""
     return Judgement(inside, np.full(inside.shape, np.nan))

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, plain
+from ..arrays import Array, as_array
 from ..errors import InvalidInput
 from ..mechanics.statics import gravity_wrench, tipping_rows, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
-from .capacity import capacity_margins
-from .criterion import Criterion, Flags, Judgement, unknown, verdict
-from .programs import margin_by_program, standing_by_program
-
-ROUNDING = 1e-9
-"""Of the largest limit: margins this far below zero are rounding."""
+from .capacity import (
+    ROUNDING,
+    box_loads,
+    capacity_margins,
+    external_wrenches,
+    feasible,
+    standing_margin,
+    tension_margins,
+)
+from .criterion import Criterion, Judgement, unknown
 
 
 @dataclass(frozen=True)
@@ -64,14 +67,9 @@ class WrenchFeasible(Criterion):
         low, high = robot.tension_min, robot.tension_max
         loads, half = external_wrenches(self.wrenches, robot.n_dof), self._half(robot.n_dof)
         if self._by_facets():
-            s = capacity_margins(W, weight, loads, half, low, high, exact=margin)[0]
-            inside = s >= -ROUNDING * high.max()
-            return Judgement(inside, s) if margin else unknown(inside)
-        wanted = [weight + load if load.any() else weight for load in box_loads(loads, half)]
-        if not margin:
-            return unknown(np.logical_and.reduce([feasible(W, w_e, low, high) for w_e in wanted]))
-        s = np.min([tension_margins(W, w_e, low, high) for w_e in wanted], axis=0)
-        return Judgement(s >= -ROUNDING * high.max(), s)
+            found = _kept(capacity_margins(W, weight, loads, half, low, high, exact=margin)[0], high)
+            return found if margin else unknown(found.inside)
+        return _balanced(robot, W, [weight + load for load in box_loads(loads, half)], margin)
 
     def _half(self, n: int) -> Array:
         half = np.zeros(n) if self.half_widths is None else as_array(self.half_widths, "half_widths", (n,), "N, N m")
@@ -98,8 +96,7 @@ class StaticEquilibrium(Criterion):
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
         most = np.full(robot.n_cables, 100 * robot.mass * max(robot.gravity, 1.0))
-        s = tension_margins(W, weight, np.zeros(robot.n_cables), most, at_high=False)
-        return Judgement(s >= -ROUNDING * most.max(), s)
+        return _kept(tension_margins(W, weight, np.zeros(robot.n_cables), most, at_high=False), most)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,13 +114,9 @@ class DynamicEquilibrium(Criterion):
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         half = as_array(self.accelerations, "accelerations", (robot.n_dof,), "m/s², rad/s²")
         W, weight, M = wrench_matrix(robot, poses), _weights(robot, poses), mass_matrix(robot, poses)
-        low, high = robot.tension_min, robot.tension_max
         # Wrenches are convex in the acceleration: the corners decide, and directions that are held make none.
-        wanted = [weight - M @ corner for corner in box_loads(np.zeros((1, half.size)), half)]
-        if not margin:
-            return unknown(np.logical_and.reduce([feasible(W, w_e, low, high) for w_e in wanted]))
-        s = np.min([tension_margins(W, w_e, low, high) for w_e in wanted], axis=0)
-        return Judgement(s >= -ROUNDING * high.max(), s)
+        corners = box_loads(np.zeros((1, half.size)), half)
+        return _balanced(robot, W, [weight - M @ corner for corner in corners], margin)
 
 
 @dataclass(frozen=True)
@@ -144,32 +137,8 @@ class TippingSafe(Criterion):
         A = np.concatenate([edge.matrix for edge in rows.values()], axis=-2)
         b = -np.concatenate([edge.offset for edge in rows.values()], axis=-1)
         W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
-        return verdict(np.array([standing_by_program(*pose, robot) for pose in zip(W, weight, A, b)]))
-
-
-def tension_margins(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> Array:
-    """Largest s with W τ + w_e = 0 and τ_min + s ≤ τ ≤ τ_max − s, for each pose; −inf where nothing balances w_e.
-
-    W : (N, n, m); w_e : (N, n) [N, N m]; low, high : (m,) [N]
-    at_high : whether s is kept from the upper limits too
-    Returns (N,) [N], negative where the limits must be broken by −s.
-
-    >>> W = np.array([[[1.0, -1.0]]])
-    >>> tension_margins(W, np.zeros((1, 1)), np.array([1.0, 1.0]), np.array([5.0, 9.0]))
-    array([2.])
-    """
-    return best_tensions(W, w_e, low, high, at_high=at_high)[0]
-
-
-def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> tuple[Array, Array]:
-    """`tension_margins` and tensions (N, m) that have them, NaN where nothing balances w_e."""
-    from ..compiled import margins as kernel
-
-    s, tau, found = kernel.margins(plain(W), plain(w_e), plain(low), plain(high), 1.0, 1.0 if at_high else 0.0)
-    s[found == kernel.UNREACHABLE] = -np.inf
-    for k in np.flatnonzero((found == kernel.TOO_REDUNDANT) | (found == kernel.UNSETTLED)):
-        s[k], tau[k] = margin_by_program(W[k], w_e[k], low, high, at_high)
-    return s, tau
+        s = np.array([standing_margin(robot, *pose) for pose in zip(W, weight, A, b)])
+        return Judgement(s >= 0, s)
 
 
 def mass_matrix(robot: Robot, poses: Pose) -> Array:
@@ -194,17 +163,17 @@ def mass_matrix(robot: Robot, poses: Pose) -> Array:
     return np.swapaxes(basis, -1, -2) @ full @ basis
 
 
-def external_wrenches(wrenches: ArrayLike | None, n: int) -> Array:
-    """(k, n) from None, one or several."""
-    if wrenches is None:
-        return np.zeros((1, n))
-    return np.atleast_2d(as_array(wrenches, "wrenches", (n,), "N, N m", batch=True))
+def _balanced(robot: Robot, W: Array, wanted: list[Array], margin: bool) -> Judgement:
+    """Whether tensions within the limits balance all wrenches that are wanted."""
+    low, high = robot.tension_min, robot.tension_max
+    if margin:
+        return _kept(np.min([tension_margins(W, w_e, low, high) for w_e in wanted], axis=0), high)
+    return unknown(np.logical_and.reduce([feasible(W, w_e, low, high) for w_e in wanted]))
 
 
-def box_loads(loads: Array, half: Array) -> Array:
-    """(k 2ʰ, n) corners of a box around each load; directions without width make none."""
-    signs = np.array(list(product(*[(1.0, -1.0) if h else (0.0,) for h in half])))
-    return np.asarray((loads[:, None] + signs * half).reshape(-1, half.size))
+def _kept(margins: Array, high: Array) -> Judgement:
+    """Inside where margins are not negative but by rounding."""
+    return Judgement(margins >= -ROUNDING * high.max(), margins)
 
 
 def _weights(robot: Robot, poses: Pose) -> Array:
@@ -213,15 +182,3 @@ def _weights(robot: Robot, poses: Pose) -> Array:
         poses, shape = poses[:1], poses.batch_shape
         return np.broadcast_to(gravity_wrench(robot, poses), (*shape, robot.n_dof))
     return np.broadcast_to(gravity_wrench(robot, poses), (*poses.batch_shape, robot.n_dof))
-
-
-def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
-    """Whether tensions within the limits balance each wrench: the sign of `tension_margins`, found quicker."""
-    from ..compiled import verdicts as kernel
-
-    found = kernel.verdicts(plain(W), plain(w_e), plain(low[None]), plain(high[None]))
-    inside = np.asarray(found == kernel.INSIDE)
-    many = found == kernel.TOO_REDUNDANT
-    if many.any():
-        inside[many] = tension_margins(W[many], w_e[many], low, high) >= -ROUNDING * high.max()
-    return inside

@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
 from ..mechanics.kinematics import Pivot, base_jacobian, jacobian
+from ..mechanics.optimization import largest_last
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..sets.twist import base_speeds, moving_columns
 from .criterion import Criterion, Judgement
-from .programs import speed_by_program
 
 _ROUNDING = 1e-9
 
@@ -66,7 +66,7 @@ class TwistFeasible(Criterion):
             wanted = self._wanted(robot)
         J, B = jacobian(robot, poses), base_jacobian(robot, poses, self.pivot)
         B = np.broadcast_to(B, (*J.shape[:-1], B.shape[-1]))[..., columns]
-        return np.array([min(speed_by_program(rates, b, robot.speed_max, bases) for rates in wanted @ j.T)
+        return np.array([min(speed_margin(rates, b, robot.speed_max, bases) for rates in wanted @ j.T)
                          for j, b in zip(J, B)])
 
     def _wanted(self, robot: Robot) -> Array:
@@ -79,3 +79,18 @@ class TwistFeasible(Criterion):
         if (half < 0).any():
             raise InvalidInput(f"half_widths must not be negative, got {half.tolist()}")
         return half
+
+
+def speed_margin(rates: Array, B: Array, cables: Array, bases: Array) -> float:
+    """Largest s with |J t − B q̇| ≤ l̇_max − s and |q̇| ≤ q̇_max.
+
+    rates : J t, (m,); B : (m, a); cables : l̇_max, (m,) [m/s]; bases : q̇_max, (a,)
+    """
+    limited = np.isfinite(cables)
+    if not limited.any():
+        return np.inf
+    B, rates, cables = B[limited], rates[limited], cables[limited]
+    held = np.eye(len(bases), len(bases) + 1)
+    ones = np.ones((len(cables), 1))
+    rows = np.block([[-B, ones], [B, ones], [held], [-held]])
+    return largest_last(rows, np.concatenate([cables - rates, cables + rates, bases, bases]))[0]

@@ -22,8 +22,9 @@ from ...view.drawing import RobotDrawing
 from ...view.outlines import floor_height
 from ...view.style import GREY, INK, house_style
 from ...view.text_table import cable_table, fixed
+from ...workspace.capacity import best_tensions
 from ...workspace.criterion import Criterion, Flags
-from ...workspace.tensions import DynamicEquilibrium, StaticEquilibrium, WrenchClosure, WrenchFeasible, best_tensions
+from ...workspace.tensions import DynamicEquilibrium, StaticEquilibrium, WrenchClosure, WrenchFeasible
 from ...world import World
 from ..props.changed_cables import every_cable
 from .explorer import Choice, Explorer, Slider, Values, once_a_move

@@ -7,7 +7,7 @@ import numpy as np
 from ...arrays import Array
 from ...mechanics.statics import tipping_rows, wrench_matrix
 from ...robot import Robot
-from ..programs import standing_by_program
+from ..capacity import standing_margin
 from .program import UNREACHABLE, Task, worst_margin
 from .search import overlap
 
@@ -40,7 +40,7 @@ def _tipping(robot: Robot, worst: Task) -> str:
     """The base that tips most, each asked for alone; or that they tip together only."""
     pose = worst.poses[0]
     W, load = wrench_matrix(robot, pose), worst.loads[0, 0]
-    stands = {name: standing_by_program(W, load, rows.matrix, -rows.offset, robot)
+    stands = {name: standing_margin(robot, W, load, rows.matrix, -rows.offset)
               for name, rows in tipping_rows(robot, pose).items()}
     name = min(stands, key=lambda base: stands[base])
     what = (f"base {name!r} tips, a moment of {-stands[name]:.4g} N m too much about an edge of its footprint at least"
