@@ -9,13 +9,11 @@ from PIL import Image
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput, MissingDependency, SimulationDiverged
-from cdprlab.view.camera import SLACK_COLOR, TENSION_COLORS, Camera
 from robots import robot_1r2t, robot_2t, spatial_twin
 
 try:
     from cdprlab.simulate.planar import import_pymunk
     from cdprlab.simulate.planar_space import solving_order
-    from cdprlab.view.planar_camera import PlanarCamera
 
     import_pymunk()
 except MissingDependency as missing:
@@ -438,50 +436,6 @@ def test_without_the_engine_one_line_says_what_to_install(monkeypatch):
 
 
 # --- pictures -----------------------------------------------------------------------------------------------
-def near(picture, color, within=12):
-    return int((np.abs(picture.astype(int) - color).max(axis=-1) <= within).sum())
-
-
-@pytest.mark.parametrize("name", PLANAR)
-@pytest.mark.parametrize("size", [(640, 480), (200, 300)])
-def test_the_whole_robot_is_in_the_picture(name, size):
-    world = cl.load_world(name)
-    camera = PlanarCamera(world)
-    anchors = world.pose.position + world.robot.anchor_points @ world.pose.rotation.T
-    pixels = camera.project(np.concatenate([world.robot.exit_points, anchors]), *size)
-    assert (pixels >= 0).all() and (pixels <= size).all()
-    assert (np.ptp(camera.project(world.robot.exit_points, *size), axis=0) / size).max() > 0.6
-    picture = camera.picture(world.pose, [1.0] * world.robot.n_cables, *size, limits=(0, 1))
-    assert picture.shape == (size[1], size[0], 3) and near(picture, TENSION_COLORS[-1]) > 100
-
-
-def test_slack_cables_are_grey_and_the_picture_follows_the_robot():
-    world = cl.load_world("planar_mcdpr")
-    camera = PlanarCamera(world)
-    taut, slack = (camera.picture(world.pose, pull) for pull in ([10.0] * 4, [0.0] * 4))
-    assert near(slack, SLACK_COLOR) > near(taut, SLACK_COLOR) + 100
-    moved = camera.picture(world.pose, [10.0] * 4, robot=world.robot.with_bases({"left": (0.3, 0, 0)}))
-    assert (moved != taut).any(axis=-1).sum() > 1000
-    with cl.open_simulator(world) as simulator:
-        simulator.cut([0])
-        simulator.step(np.full(4, 20.0))
-        picture = simulator.render(320, 240)
-    assert picture.shape == (240, 320, 3) and near(picture, SLACK_COLOR) > 20
-    below = camera.project([1.0, 1.0], 640, 480).astype(int)
-    taut, loose = (camera.picture(world.pose, [0.0, 9, 9, 9], rope_lengths=lengths)[below[1]:, :below[0]]
-                   for lengths in (np.full(4, 0.1), np.full(4, 3.5)))
-    assert near(loose, SLACK_COLOR) > near(taut, SLACK_COLOR)   # hangs through
-
-
-def test_each_camera_refuses_the_other_worlds():
-    with pytest.raises(InvalidInput, match="spatial"):
-        PlanarCamera(cl.load_world("caroca"))
-    with pytest.raises(InvalidInput, match="planar"):
-        Camera(cl.load_world("planar_rigid"))
-    with pytest.raises(InvalidInput, match="16 x 16"):
-        PlanarCamera(cl.load_world("planar_rigid")).picture(cl.Pose([0, 0]), [1.0] * 4, 4, 4)
-
-
 def test_planar_runs_become_stills_and_films(tmp_path):
     run = cl.run(cl.load_world("planar_rigid"), duration=0.5, control_period=0.005)
     with Image.open(cl.view.still(run, tmp_path / "still.png", t=0.2)) as picture:

@@ -5,7 +5,7 @@ import pytest
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.view.camera import hanging
+from cdprlab.view.outlines import hanging
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
 G = 9.81

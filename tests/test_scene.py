@@ -6,8 +6,8 @@ from test_widgets import planar_world
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.view.camera import SLACK_COLOR, tension_colors
 from cdprlab.view.scene import RobotScene, legend_html, scene
+from cdprlab.view.style import OBSTACLE, SLACK_COLOR, tension_colors
 
 SPATIAL = [name for name in cl.world_names() if cl.load_world(name).robot.dimension == 3]
 TENSIONS = np.linspace(20.0, 400.0, 8)
@@ -61,10 +61,9 @@ def test_boxes_of_the_scene_are_solid():
     document = cl.load_world("caroca").to_dict()
     wall = {"position": [0, -1.95, 1.75], "size": [7, 0.02, 3.5]}
     world = cl.World.from_dict({**document, "scene": {**document["scene"], "obstacles": [wall]}})
-    solid = [thing for thing in RobotScene(world).plot.objects if thing.type == "Mesh"]
-    assert len(solid) == 2
-    np.testing.assert_allclose(sorted(np.ptp(thing.vertices, axis=0).tolist() for thing in solid)[-1], [7, 0.02, 3.5],
-                               rtol=1e-5)
+    solid, = (thing for thing in RobotScene(world).plot.objects
+              if thing.type == "Mesh" and thing.color == int(OBSTACLE.removeprefix("#"), 16))
+    np.testing.assert_allclose(np.ptp(solid.vertices, axis=0), [7, 0.02, 3.5], rtol=1e-5)
 
 
 def test_faces_look_outwards():

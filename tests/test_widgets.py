@@ -292,17 +292,17 @@ def test_cables_are_drawn_from_exit_to_anchor():
         robot = make()
         explorer = pose_explorer(robot)
         drawing = explorer.drawing
-        ends = np.array(drawing._cables.get_segments())
+        ends = np.array(drawing.cables.get_segments())[:, [0, -1]]
         np.testing.assert_allclose(ends[:, 0], drawing.view.flat(robot.exit_points))
         anchors = explorer.pose.position + robot.anchor_points @ explorer.pose.rotation.T
         np.testing.assert_allclose(ends[:, 1], drawing.view.flat(anchors))
-        assert [text.get_text() for text in drawing._numbers] == [str(k + 1) for k in range(robot.n_cables)]
+        assert [text.get_text() for text in drawing.numbers] == [str(k + 1) for k in range(robot.n_cables)]
 
 
 def test_numbers_of_cables_do_not_overlap_at_the_start():
     for name in cl.world_names():
         drawing: RobotDrawing = pose_explorer(cl.load_world(name)).drawing
-        places = drawing.axes.transData.transform([text.get_position() for text in drawing._numbers])
+        places = drawing.axes.transData.transform([text.get_position() for text in drawing.numbers])
         for one, other in itertools.combinations(places, 2):
             assert np.abs(one - other).max() > 9, name  # pixels: a digit of 10 pt is about 8 wide and 10 high
 

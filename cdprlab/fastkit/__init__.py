@@ -3,7 +3,6 @@
 The library knows nothing of it. This is its one door; the folders behind it have none of their own.
 """
 
-from ..view.camera import Camera
 from .events import DONE, STOPPED, Event
 from .job.job import pick_and_place
 from .job.job_record import Job
@@ -31,7 +30,6 @@ __all__ = [
     "ARRIVED",
     "DONE",
     "STOPPED",
-    "Camera",
     "EnginePair",
     "Event",
     "Follower",

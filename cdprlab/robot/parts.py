@@ -11,6 +11,9 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array, as_number, frozen
 from ..errors import InvalidInput
 
+DECK_HEIGHT = 0.25
+"""[m] Up to which a mobile base is drawn and, in the plane, solid."""
+
 
 @dataclass(frozen=True, eq=False)
 class Cable:

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from ..mechanics.statics import wrench_matrix
 from ..robot import Base
+from ..robot.parts import DECK_HEIGHT
 from ..robot.pose import Pose
-from ..view.planar_camera import BASE_HEIGHT, CORNERS
 from ..world import World
 from .planar_bases import DrivenBases
 
@@ -22,6 +22,9 @@ _FRICTION = 0.5
 _MOST_ITERATIONS = 1000
 _MOST_ORDERED = 6
 """Ropes whose every order is tried."""
+
+_CORNERS = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+"""Of a box of size 1."""
 
 
 class PlanarSpace:
@@ -39,7 +42,7 @@ class PlanarSpace:
         body = self.body = pymunk.Body(robot.mass, float(robot.platform.inertia))
         body.position = (start.position + start.rotation @ robot.platform.center_of_mass).tolist()
         body.angle = float(start.angle)
-        outline = robot.platform.center - robot.platform.center_of_mass + CORNERS * robot.platform.size
+        outline = robot.platform.center - robot.platform.center_of_mass + _CORNERS * robot.platform.size
         self.space.add(body, self._solid(body, outline))
         if robot.motion_pattern == "1T":
             self._run_on_a_rail(float(start.position[1]))
@@ -96,7 +99,7 @@ class PlanarSpace:
         self.space.add(self._solid(ground, [(x, floor + y) for x in (-1e3, 1e3) for y in (-1.0, 0.0)]))
         for box in world.scene.boxes:
             turn = Pose([0.0, 0.0], angle=box.yaw).rotation
-            self.space.add(self._solid(ground, box.position + CORNERS * box.size @ turn.T))
+            self.space.add(self._solid(ground, box.position + _CORNERS * box.size @ turn.T))
 
     def _base_body(self, base: Base) -> Any:
         """Kinematic: it drives as told and no cable moves it. Its deck, over the footprint, is solid."""
@@ -104,7 +107,7 @@ class PlanarSpace:
         self.space.add(body)
         if len(base.footprint):
             left, right = sorted(base.footprint[:, 0].tolist())
-            self.space.add(self._solid(body, [(left, 0.0), (right, 0.0), (right, BASE_HEIGHT), (left, BASE_HEIGHT)]))
+            self.space.add(self._solid(body, [(left, 0.0), (right, 0.0), (right, DECK_HEIGHT), (left, DECK_HEIGHT)]))
         return body
 
     def _solid(self, body: Any, corners: ArrayLike) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
@@ -11,7 +11,11 @@ from ..run.compare import TensionComparison
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["plot", "plot_tensions", "plot_tracking", "save_figure", "save_film", "still"]
+_HOMES = {"draw": ".film", "plot_tensions": ".plots", "plot_tracking": ".plots", "save_figure": ".plots",
+          "save_film": ".film", "still": ".film"}
+"""Name → its file."""
+
+__all__ = ["plot", *_HOMES]
 
 
 def plot(run_or_table: Any) -> Figure:
@@ -41,50 +45,7 @@ def plot(run_or_table: Any) -> Figure:
                        f"got {type(run_or_table).__name__}")
 
 
-def plot_tracking(run: Any) -> Figure:
-    """Reference and actual position over time, and what lies between them [m, mm, mrad]."""
-    from .plots import plot_tracking
-
-    return plot_tracking(run)
-
-
-def plot_tensions(run: Any) -> Figure:
-    """Commanded and measured tension of every cable over time, and their difference [N]."""
-    from .plots import plot_tensions
-
-    return plot_tensions(run)
-
-
-def save_figure(figure: Figure, path: str | Path) -> Path:
-    """Save a figure with its text description inside the file.
-
-    path : .png, .svg or .pdf
-    """
-    from .plots import save_figure
-
-    return save_figure(figure, path)
-
-
-def save_film(run: Any, path: str | Path, seconds: float | None = None, fps: int = 12, width: int = 640) -> Path:
-    """An animated GIF of a run, below 3 MB.
-
-    path : ends in .gif
-    seconds : length of the film [s]; default that of the run, at most 12
-    fps : pictures per second
-    width : [pixels]
-    """
-    from .film import save_film
-
-    return save_film(run, path, seconds, fps, width)
-
-
-def still(run: Any, path: str | Path, t: float = 0.0, width: int = 960) -> Path:
-    """A PNG of a run at one time, with the tension scale.
-
-    path : ends in .png
-    t : [s]
-    width : [pixels]
-    """
-    from .film import still
-
-    return still(run, path, t, width)
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"cdprlab.view has no {name!r}; it has {', '.join(__all__)}")
+    return getattr(import_module(_HOMES[name], __name__), name)

@@ -1,37 +1,40 @@
-"""A robot as matplotlib artists that are made once and then moved: frame, cables with numbers, platform, axes."""
+"""A robot as matplotlib artists that are made once and then moved: for explorers, stills and films."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import to_rgb
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
-from ..arrays import Array
+from ..arrays import Array, as_array
 from ..mechanics.cables import anchor_offsets
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world.model import Scene
+from .depth import Blocks, lightness
 from .outlines import (
     EMPTY,
-    box_edges,
+    Solid,
     box_faces,
     floor_height,
-    floor_segments,
-    frame_segments,
+    floor_tiles,
+    hanging,
     landmarks,
     platform_corners,
-    scene_boxes,
+    platform_solids,
+    surroundings,
 )
 from .projection import Projection
-from .style import AXIS_COLORS, GREY, INK, cable_style
+from .style import AXIS_COLORS, FLOOR, INK, SHADOW, STEEL, TRAIL, cable_style, tension_colors, tension_limits
 
-_STEEL, _FLOOR, _PLATFORM, _BOX = "#9AA3AE", "#DDE1E6", "#7896B4", "#CDBEA5"
-_HALO = (withStroke(linewidth=3, foreground="white"),)
-_SLACK_DASHES = (0, (1, 2))
+HALO = (withStroke(linewidth=3, foreground="white"),)
+SLACK_DASHES = (0, (2.5, 1.5))
 
 
 class RobotDrawing:
@@ -41,24 +44,30 @@ class RobotDrawing:
     robot, scene : what is drawn
     poses : Pose, single or batched, that must fit into the picture
     azimuth : of the eye [deg], spatial only; it may walk around (``turn``)
+    solid : boxes and platform hide what is behind them, and nobody walks around; else they let it through, cables
+        carry their numbers, and the platform its axes
+    also : (k, d) further points that must fit into the picture [m]
     """
 
-    def __init__(self, axes: Axes, robot: Robot, scene: Scene | None, poses: Pose, azimuth: float = 25.0) -> None:
-        self.axes, self.robot, self.scene = axes, robot, scene or EMPTY
-        self.points = landmarks(robot, self.scene, poses)
+    def __init__(self, axes: Axes, robot: Robot, scene: Scene | None, poses: Pose, azimuth: float = 25.0, *,
+                 solid: bool = False, also: ArrayLike = ()) -> None:
+        self.axes, self.robot, self.scene, self.solid = axes, robot, scene or EMPTY, solid
+        more = np.reshape(np.asarray(also, dtype=float), (-1, robot.dimension))
+        self.points = np.concatenate([landmarks(robot, self.scene, poses), more])
         self.view = Projection(self.points, azimuth)
         self.pose = poses[0] if poses.batch_shape else poses
+        self.limits = tension_limits(robot)
         self._arm = 0.14 * self.view.radius
         self._frame_axes()
-        self._make_still_parts()
-        self._make_moving_parts()
+        self._make_artists()
         self._fractions = self._label_places()
+        self._around = surroundings(robot, self.scene)
         self.azimuth: float | None = None
         self.turn(azimuth)
         self.move(self.pose)
 
     def turn(self, azimuth: float) -> None:
-        """See frame and floor from another side; ``move`` shows the rest from there.
+        """See floor and axes from another side; ``move`` shows the rest from there.
 
         azimuth : of the eye [deg]
         """
@@ -66,118 +75,161 @@ class RobotDrawing:
             return
         self.azimuth = azimuth
         self.view.turn(azimuth)
-        flat = self.view.flat
-        height = floor_height(self.robot, self.scene)
-        self._floor.set_segments(list(flat(floor_segments(self.points, height))))
-        self._boxes.set_verts([flat(corners[face]) for corners in scene_boxes(self.scene)
-                               for face in box_faces(self.robot.dimension)])
-        self._place_frame()
+        tiles = floor_tiles(self.points, floor_height(self.robot, self.scene))
+        self._floor.set_verts(self.view.flat(tiles))
         if self._world_axes:
             # At the lowest corner, where they are in nobody's way: they show directions.
             self._place_axes(self._world_axes, self.points.min(axis=0), np.eye(3))
 
     def drive(self, robot: Robot) -> None:
-        """The same robot with its bases elsewhere; ``move`` takes the cables along.
+        """The same robot with its bases elsewhere; ``move`` shows them there.
 
         robot : from ``with_bases``
         """
-        self.robot = robot
-        self._place_frame()
+        self.robot, self._around = robot, surroundings(robot, self.scene)
 
-    def move(self, pose: Pose, colors: ArrayLike | None = None, slack: ArrayLike | None = None) -> None:
+    def move(self, pose: Pose, tensions: ArrayLike | None = None, rope_lengths: ArrayLike | None = None,
+             loads: Sequence[tuple[Pose, Array]] = (), trail: ArrayLike = ()) -> None:
         """Platform and cables at another pose.
 
         pose : single Pose
-        colors : (m, 3) of the cables, 0 to 255; default each cable's own style
-        slack : (m,) which cables are slack; they are dotted
+        tensions : (m,) [N], colors of the cables on the scale of ``limits``, grey and dashed without positive tension
+            (or NaN); default each cable's own style
+        rope_lengths : (m,) what is let out of each cable; of those without tension the rest hangs through [m]
+        loads : pose and size [m] of each loose box; the platform is then drawn as a tray
+        trail : (k, d) points joined by a thin line, such as where P has been [m]
         """
         self.pose = pose
         flat, robot = self.view.flat, self.robot
         anchors = pose.position + anchor_offsets(robot, pose)
-        cables = flat(np.stack([robot.exit_points, anchors], axis=1))
-        self._cables.set_segments(list(cables))
-        if colors is not None:
-            self._cables.set_color([tuple(color) for color in np.asarray(colors) / 255])
-            dotted = np.zeros(robot.n_cables, bool) if slack is None else np.asarray(slack)
-            self._cables.set_linestyle([_SLACK_DASHES if loose else "solid" for loose in dotted])
-        for label, (start, end), part in zip(self._numbers, cables, self._fractions):
-            label.set_position(start + part * (end - start))
-        self._anchors.set_data(*flat(anchors).T)
-        corners = platform_corners(robot, pose)
-        self._faces.set_verts([flat(corners[face]) for face in box_faces(robot.dimension)])
-        self._edges.set_segments(list(flat(corners[box_edges(robot.dimension)])))
+        self._place_solids(self._around + platform_solids(robot, pose, loads))
+        if robot.dimension == 3:
+            shadow = platform_corners(robot, pose)[box_faces(3)]
+            shadow[..., 2] = floor_height(robot, self.scene)
+            self._shadow.set_verts(flat(shadow))
+        self._place_cables(anchors, tensions, rope_lengths)
+        for marks, points in ((self._exits, robot.exit_points), (self._anchors, anchors),
+                              (self._trail, np.reshape(np.asarray(trail, dtype=float), (-1, robot.dimension)))):
+            marks.set_data(*self._in_sight(points).T)
         arms = np.stack([np.broadcast_to(pose.position, anchors.shape), anchors], axis=1)
         self._arms.set_segments(list(flat(arms[self._outside])))
-        self._place_axes(self._platform_axes, pose.position, pose.rotation)
+        if self._platform_axes:
+            self._place_axes(self._platform_axes, pose.position, pose.rotation)
+
+    # --- what is where --------------------------------------------------------------------------------
+    def _place_solids(self, solids: list[Solid]) -> None:
+        corners = np.stack([solid.corners for solid in solids])
+        colors = np.array([to_rgb(solid.color) for solid in solids])
+        steel = np.array([solid.color == STEEL for solid in solids])
+        shades = np.ones((len(solids), 1))
+        if self.robot.dimension == 2:
+            faces = corners[:, box_faces(2)]
+            shown = [(k, np.array([0])) for k in range(len(solids))]
+        else:
+            blocks = Blocks(corners, self.view.eye)
+            # Beams and masts are too thin to hide a cable, and exit points lie inside of them.
+            self._wide = Blocks(corners[~steel], self.view.eye)
+            faces, shades = blocks.faces, lightness(blocks.normals)
+            shown = [(k, np.flatnonzero(blocks.seen[k]) if self.solid else np.argsort(blocks.seen[k]))
+                     for k in blocks.order()]
+        index = np.repeat([k for k, _ in shown], [len(which) for _, which in shown])
+        which = np.concatenate([which for _, which in shown])
+        fills = np.clip(colors[index] * shades[index, which][:, None], 0, 1)
+        edges = np.where(steel[index, None], 1.0, 0.62) * fills
+        alphas = np.where(steel[index] | self.solid, 1.0, 0.3)
+        self._solids.set_verts(self.view.flat(faces[index, which]))
+        self._solids.set_facecolor(np.column_stack([fills, alphas]))
+        self._solids.set_edgecolor(edges)
+
+    def _place_cables(self, anchors: Array, tensions: ArrayLike | None, rope_lengths: ArrayLike | None) -> None:
+        ends, m = self.robot.exit_points, self.robot.n_cables
+        lengths = np.zeros(m)
+        if tensions is not None:
+            tau = np.broadcast_to(np.asarray(tensions, dtype=float), (m,))
+            self.cables.set_color(tension_colors(tau, self.limits) / 255)
+            self.cables.set_linestyle(["solid" if pull > 0 else SLACK_DASHES for pull in tau])
+            if rope_lengths is not None and self.robot.gravity > 0:
+                lengths = np.where(tau > 0, 0.0, as_array(rope_lengths, "rope_lengths", (m,), "m"))
+        lines = np.stack([hanging(*cable) for cable in zip(ends, anchors, lengths)])
+        self.cables.set_segments(self._in_sight(lines.reshape(-1, self.robot.dimension)).reshape(*lines.shape[:2], 2))
+        flat_ends, flat_anchors = self.view.flat(ends), self.view.flat(anchors)
+        for label, start, end, part in zip(self.numbers, flat_ends, flat_anchors, self._fractions):
+            label.set_position(start + part * (end - start))
+
+    def _in_sight(self, points: Array) -> Array:
+        """(k, 2) where points appear, NaN where a solid hides them."""
+        flat = self.view.flat(points)
+        if self.solid and self.robot.dimension == 3:
+            flat[self._wide.hidden(points)] = np.nan
+        return flat
+
+    def _place_axes(self, parts: tuple[Any, list[Any]], origin: Array, rotation: Array) -> None:
+        lines, names = parts
+        tips = self.view.flat(origin + self._arm * rotation.T)
+        lines.set_segments([np.stack([self.view.flat(origin), tip]) for tip in tips])
+        for name, place in zip(names, self.view.flat(origin + 1.25 * self._arm * rotation.T)):
+            name.set_position(place)
 
     # --- artists, made once ---------------------------------------------------------------------------
     def _frame_axes(self) -> None:
-        # Room for a walk all around; in the plane for labels beyond the last point.
-        bounds = self.view.bounds(_hull_box(self.points), np.arange(-180.0, 180.0, 15.0))
-        pad = 0.07 * float(np.ptp(bounds, axis=0).max())
-        self.axes.set_xlim(bounds[0, 0] - pad, bounds[1, 0] + pad)
-        self.axes.set_ylim(bounds[0, 1] - pad, bounds[1, 1] + pad)
-        self.axes.set_aspect("equal")
+        if self.solid:
+            low, high = self.view.bounds(self.points, [self.view.azimuth])
+            room = np.array([self.axes.bbox.width, self.axes.bbox.height])
+            reach = 0.53 * float(((high - low) / room).max()) * room
+        else:
+            # Room for a walk all around, and in the plane for labels beyond the last point.
+            low, high = self.view.bounds(_hull_box(self.points), np.arange(-180.0, 180.0, 15.0))
+            reach = (high - low) / 2 + 0.07 * float((high - low).max())
+            self.axes.set_aspect("equal")
+        (left, bottom), (right, top) = (low + high) / 2 - reach, (low + high) / 2 + reach
+        self.axes.set(xlim=(left, right), ylim=(bottom, top))
         if self.robot.dimension == 3:
             self.axes.set_axis_off()
         else:
             self.axes.set(xlabel="x [m]", ylabel="y [m]")
 
-    def _lines(self, color: Any, width: float, order: float, moves: bool = True, **options: Any) -> LineCollection:
-        lines = LineCollection([], colors=color, linewidths=width, zorder=order, animated=moves, **options)
-        self.axes.add_collection(lines, autolim=False)
-        return lines
+    def _make_artists(self) -> None:
+        robot, planar = self.robot, self.robot.dimension == 2
+        self._floor = self._faces(1, facecolors=FLOOR[::-1])
+        self._shadow = self._faces(1.5, facecolors=SHADOW)
+        self._solids = self._faces(3, linewidths=0.8)
+        self._trail = self._marks("-", TRAIL, 3.5, linewidth=1.8)
+        # Anchor points beyond the box hang on arms from P, or they would float.
+        self._arms = self._lines("#3F5A75", 1.4, 4)
+        beyond = np.abs(robot.anchor_points - robot.platform.center) - robot.platform.size / 2
+        self._outside = (beyond > 1e-6 * self.view.radius).any(axis=1)
+        styles = [cable_style(k) for k in range(robot.n_cables)]
+        self.cables = self._lines([style.color for style in styles], 2.0, 5,
+                                   linestyles=[style.linestyle for style in styles])
+        self._exits, self._anchors = self._marks("o", INK, 6, markersize=5), self._marks("o", INK, 6, markersize=4)
+        self.numbers = [] if self.solid else [self._text(str(k + 1), INK, 8, fontweight="bold")
+                                               for k in range(robot.n_cables)]
+        # In the plane the ticks show the world's.
+        self._world_axes = None if planar else self._make_axes("", 1.8)
+        self._platform_axes = None if self.solid else self._make_axes("′", 2.6)
 
-    def _faces_of(self, color: str, alpha: float, order: float, edge: str = "none",
-                  moves: bool = True) -> PolyCollection:
-        faces = PolyCollection([], facecolors=color, edgecolors=edge, alpha=alpha, zorder=order, animated=moves)
+    def _faces(self, order: float, **options: Any) -> Any:
+        faces = PolyCollection([], zorder=order, animated=True, **options)
         self.axes.add_collection(faces, autolim=False)
         return faces
 
-    def _make_still_parts(self) -> None:
-        planar = self.robot.dimension == 2
-        turns = not planar  # what turns with the eye is animated too: or each turn would redraw the whole figure
-        self._floor = self._lines(GREY if planar else _FLOOR, 1.6 if planar else 0.8, 1, moves=turns)
-        self._frame = self._lines(_STEEL, 2.2, 2, moves=turns or bool(self.robot.bases))
-        self._boxes = self._faces_of(_BOX, 0.35, 2.5, edge="#8A7A5C", moves=turns)
-        self._exits, = self.axes.plot([], [], "o", color=INK, markersize=6, zorder=6, animated=True)
-        # In the plane the ticks show them.
-        self._world_axes = self._make_axes("", 1.8) if turns else None
+    def _lines(self, color: Any, width: float, order: float, **options: Any) -> Any:
+        lines = LineCollection([], colors=color, linewidths=width, zorder=order, animated=True, **options)
+        self.axes.add_collection(lines, autolim=False)
+        return lines
 
-    def _make_moving_parts(self) -> None:
-        m = self.robot.n_cables
-        styles = [cable_style(k) for k in range(m)]
-        self._faces = self._faces_of(_PLATFORM, 0.28, 3)
-        self._edges = self._lines("#3F5A75", 1.4, 4)
-        # Anchor points beyond the box hang on arms from P, or they would float.
-        self._arms = self._lines("#3F5A75", 1.4, 4)
-        beyond = np.abs(self.robot.anchor_points - self.robot.platform.center) - self.robot.platform.size / 2
-        self._outside = (beyond > 1e-6 * self.view.radius).any(axis=1)
-        self._cables = self._lines([style.color for style in styles], 2.0, 5,
-                                   linestyles=[style.linestyle for style in styles])
-        self._anchors, = self.axes.plot([], [], "o", color=INK, markersize=4, zorder=6, animated=True)
-        self._platform_axes = self._make_axes("′", 2.6)
-        self._numbers = [self.axes.text(0, 0, str(k + 1), color=INK, ha="center", va="center", fontsize=10,
-                                        fontweight="bold", zorder=8, animated=True, path_effects=_HALO)
-                         for k in range(m)]
+    def _marks(self, kind: str, color: str, order: float, **options: Any) -> Any:
+        marks, = self.axes.plot([], [], kind, color=color, zorder=order, animated=True, **options)
+        return marks
 
-    def _place_frame(self) -> None:
-        self._frame.set_segments(list(self.view.flat(frame_segments(self.robot, self.scene))))
-        self._exits.set_data(*self.view.flat(self.robot.exit_points).T)
+    def _text(self, words: str, color: str, order: float, **options: Any) -> Any:
+        return self.axes.text(0, 0, words, color=color, ha="center", va="center", fontsize=10, zorder=order,
+                              animated=True, path_effects=HALO, **options)
 
-    def _make_axes(self, mark: str, width: float) -> tuple[LineCollection, list[Any]]:
+    def _make_axes(self, mark: str, width: float) -> tuple[Any, list[Any]]:
         d = self.robot.dimension
-        names = [self.axes.text(0, 0, name + mark, color=color, ha="center", va="center", fontsize=10, zorder=7.5,
-                                animated=True, path_effects=_HALO) for name, color in zip("xyz"[:d], AXIS_COLORS)]
+        names = [self._text(name + mark, color, 7.5) for name, color in zip("xyz"[:d], AXIS_COLORS)]
         return self._lines(AXIS_COLORS[:d], width, 7), names
-
-    def _place_axes(self, parts: tuple[LineCollection, list[Any]], origin: Array, rotation: Array) -> None:
-        lines, names = parts
-        tips = origin + self._arm * rotation.T
-        flat_tips, flat_origin = self.view.flat(tips), self.view.flat(origin)
-        lines.set_segments([np.stack([flat_origin, tip]) for tip in flat_tips])
-        for name, place in zip(names, self.view.flat(origin + 1.25 * self._arm * rotation.T)):
-            name.set_position(place)
 
     def _label_places(self) -> Array:
         """(m,) where along each cable its number stands, from 0 at the exit: as far as possible from the others.

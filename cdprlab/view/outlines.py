@@ -1,18 +1,29 @@
-"""Robot and scene as corners and edges, for whatever draws lines: planar and spatial alike."""
+"""Robot and scene as points, segments and solids, for whatever draws: planar and spatial alike."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations, product
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
-from ..robot import Robot
+from ..robot import Platform, Robot
+from ..robot.parts import DECK_HEIGHT, Base
 from ..robot.pose import Pose
 from ..world.model import Scene
+from .style import BOX, DECK, LOAD, OBSTACLE, PLATFORM, STEEL
 
 EMPTY = Scene(frame=None, floor_height=0.0, boxes=())
 """Around a robot that comes without a world."""
+
+
+class Solid(NamedTuple):
+    """A box in the world: its (2^d, d) corners in the order of ``box_edges`` [m], and its color."""
+
+    corners: Array
+    color: str
 
 
 def box_corners(size: Array, center: Array, pose: Pose) -> Array:
@@ -37,63 +48,131 @@ def box_faces(dimension: int) -> Array:
     return np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
 
 
+# --- the robot ----------------------------------------------------------------------------------------------
 def platform_corners(robot: Robot, pose: Pose) -> Array:
     """(2^d, d) corners of the platform's box in the world [m]."""
     return box_corners(robot.platform.size, robot.platform.center, pose)
 
 
+def platform_solids(robot: Robot, pose: Pose, loads: Sequence[tuple[Pose, Array]] = ()) -> list[Solid]:
+    """The platform; with loads a tray of floor and end walls, 2 cm thick and open along y, so that they are seen.
+
+    loads : pose and size [m] of each loose box
+    """
+    if not loads:
+        return [Solid(platform_corners(robot, pose), PLATFORM)]
+    parts = [Solid(box_corners(size, center, pose), PLATFORM) for center, size in _tray(robot.platform)]
+    return parts + [Solid(box_corners(size, np.zeros(3), place), LOAD) for place, size in loads]
+
+
+def _tray(platform: Platform) -> list[tuple[Array, Array]]:
+    (x, y, z), thin = platform.size, 0.02
+    floor = np.array([0, 0, thin - z]) / 2, np.array([x, y, thin])
+    walls = [(np.array([side * (x - thin) / 2, 0, 0]), np.array([thin, y, z])) for side in (-1, 1)]
+    return [(platform.center + center, size) for center, size in (floor, *walls)]
+
+
+def hanging(start: Array, end: Array, length: float, pieces: int = 32) -> Array:
+    """(pieces + 1, d) points of a rope of this length between two points: straight, or a parabola hanging through.
+
+    start, end : (d,) [m]; length : [m], too short counts as straight
+
+    >>> points = hanging(np.zeros(3), np.array([2.0, 0, 0]), 3.0)
+    >>> float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum().round(6))
+    3.0
+    """
+    shares = np.linspace(0, 1, pieces + 1)[:, None]
+    line = (1 - shares) * start + shares * end
+    low, high = 0.0, float(length)
+    if length <= np.linalg.norm(end - start) * (1 + 1e-6):
+        return line
+    bow = 4 * shares * (1 - shares) * -np.eye(start.size)[-1]
+    for _ in range(40):
+        sag = (low + high) / 2
+        longer = np.linalg.norm(np.diff(line + sag * bow, axis=0), axis=1).sum() > length
+        low, high = (low, sag) if longer else (sag, high)
+    return line + low * bow
+
+
+# --- what stands around it ----------------------------------------------------------------------------------
 def floor_height(robot: Robot, scene: Scene) -> float:
     """The scene's, or lower where a robot hangs below it [m]."""
     return min(scene.floor_height, float(robot.exit_points[:, -1].min()))
 
 
 def frame_segments(robot: Robot, scene: Scene) -> Array:
-    """(k, 2, d) what carries the exit points: the frame's edges, else masts; footprints of mobile bases."""
+    """(k, 2, d) what carries the exit points: the frame's edges, else masts [m]."""
     d, segments = robot.dimension, []
     if scene.frame is not None:
         middle, size = scene.frame.mean(axis=0), scene.frame[1] - scene.frame[0]
-        segments.append(box_corners(size, np.zeros(d), Pose(middle))[box_edges(d)])
-    height = floor_height(robot, scene)
-    masts = [point for cable, point in zip(robot.cables, robot.exit_points)
-             if cable.base is not None or scene.frame is None]
-    if masts:
-        feet = np.array(masts)
-        feet[:, -1] = height
-        segments.append(np.stack([feet, np.array(masts)], axis=1))
-    for base in robot.bases:
-        corners = base.to_world(np.insert(base.footprint, 2, 0.0, axis=1) if d == 3 else base.footprint)
-        segments.append(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
-    return np.concatenate(segments) if segments else np.zeros((0, 2, d))
+        segments += list(box_corners(size, np.zeros(d), Pose(middle))[box_edges(d)])
+    decks = {base.name for base in robot.bases if len(base.footprint)}
+    for cable, point in zip(robot.cables, robot.exit_points):
+        if cable.base is not None or scene.frame is None:
+            foot = floor_height(robot, scene) + (DECK_HEIGHT if cable.base in decks else 0.0)
+            segments.append(np.stack([[*point[:-1], min(foot, point[-1])], point]))
+    return np.reshape(segments, (-1, 2, d))
 
 
-def scene_boxes(scene: Scene) -> list[Array]:
-    """(2^d, d) corners of every solid box around the robot [m]."""
-    found = []
-    for box in scene.boxes:
-        d = len(box.size)
-        pose = Pose(box.position, angle=box.yaw) if d == 2 else Pose(box.position, rpy=[0, 0, box.yaw])
-        found.append(box_corners(box.size, np.zeros(d), pose))
-    return found
+def surroundings(robot: Robot, scene: Scene) -> list[Solid]:
+    """Frame or masts, the decks of mobile bases, and the scene's boxes."""
+    thickness = 0.005 * float(np.linalg.norm(np.ptp(landmarks(robot, scene), axis=0)))
+    found = [Solid(_beam(start, end, thickness), STEEL) for start, end in frame_segments(robot, scene)]
+    found += [Solid(_deck(base), DECK) for base in robot.bases if len(base.footprint)]
+    return found + [Solid(corners, OBSTACLE if box.kind == "obstacle" else BOX)
+                    for box, corners in zip(scene.boxes, _scene_corners(scene))]
 
 
-def landmarks(robot: Robot, scene: Scene, poses: Pose) -> Array:
-    """(k, d) points that must be in the picture: exits, frame, boxes, and the platform at each of some poses [m]."""
-    groups = [robot.exit_points, frame_segments(robot, scene).reshape(-1, robot.dimension), *scene_boxes(scene)]
-    groups += [platform_corners(robot, pose) for pose in (poses if poses.batch_shape else [poses])]
+def _beam(start: Array, end: Array, thickness: float) -> Array:
+    """A square beam between two points, as long as its ends' corners."""
+    d = len(start)
+    # Any two directions across will do: those that QR finds.
+    across = np.linalg.qr(np.column_stack([end - start, np.eye(d)[:, np.argsort(np.abs(end - start))[:d - 1]]]))[0]
+    size = np.full(d, thickness)
+    size[0] += np.linalg.norm(end - start)
+    return box_corners(size, np.zeros(d), Pose.of((start + end) / 2, across))
+
+
+def _deck(base: Base) -> Array:
+    """The box over a base's footprint, as high as a base that is solid."""
+    planar = base.center_of_mass.size == 2
+    low, high = base.footprint.min(axis=0), base.footprint.max(axis=0)
+    low, high = (np.array([*ends[:1 if planar else 2], z]) for ends, z in ((low, 0.0), (high, DECK_HEIGHT)))
+    return box_corners(high - low, (low + high) / 2, Pose.of(base.origin, base.rotation))
+
+
+def _scene_corners(scene: Scene) -> list[Array]:
+    turns = [{"angle": box.yaw} if len(box.size) == 2 else {"rpy": [0, 0, box.yaw]} for box in scene.boxes]
+    return [box_corners(box.size, 0 * box.size, Pose(box.position, **turn))
+            for box, turn in zip(scene.boxes, turns)]
+
+
+def landmarks(robot: Robot, scene: Scene, poses: Pose | None = None) -> Array:
+    """(k, d) points that must be in the picture: exits, frame, bases, boxes, the platform at some poses [m]."""
+    groups = [robot.exit_points, *_scene_corners(scene)]
+    groups += [_deck(base) for base in robot.bases if len(base.footprint)]
+    if scene.frame is not None:
+        groups.append(frame_segments(robot, scene).reshape(-1, robot.dimension))
+    if poses is not None:
+        groups += [platform_corners(robot, pose) for pose in (poses if poses.batch_shape else [poses])]
     points = np.concatenate(groups)
     grounded = points.copy()
     grounded[:, -1] = floor_height(robot, scene)
     return np.concatenate([points, grounded])
 
 
-def floor_segments(points: Array, height: float) -> Array:
-    """(k, 2, d) a grid of 1 m (10 m and so on for large worlds) below the points; in the plane one line."""
+def floor_tiles(points: Array, height: float) -> Array:
+    """(k, 4, d) tiles of 1 m (10 m and so on for large worlds) below the points; in the plane one strip.
+
+    In space tiles come row by row, an odd number in each, so that every other one makes a chessboard.
+    """
     low, high = points.min(axis=0), points.max(axis=0)
     if points.shape[1] == 2:
-        return np.array([[[low[0] - 0.5, height], [high[0] + 0.5, height]]])
+        (left, right), depth = (low[0] - 0.5, high[0] + 0.5), 0.04 * float(np.ptp(points, axis=0).max())
+        return np.array([[[left, height], [right, height], [right, height - depth], [left, height - depth]]])
     tile = 10.0 ** max(0, np.ceil(np.log10(max(*(high - low)[:2], 1.0) / 25)))
-    first, last = np.floor(low[:2] / tile - 0.1), np.ceil(high[:2] / tile + 0.1)
-    x, y = (tile * np.arange(first[i], last[i] + 1) for i in (0, 1))
-    along_y = [[[v, y[0], height], [v, y[-1], height]] for v in x]
-    along_x = [[[x[0], v, height], [x[-1], v, height]] for v in y]
-    return np.array(along_y + along_x)
+    first, last = np.floor(low[:2] / tile - 0.25), np.ceil(high[:2] / tile + 0.25)
+    last[1] += (last[1] - first[1] + 1) % 2
+    corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]) * tile
+    return np.array([[i * tile, j * tile, height] + corners for i in np.arange(first[0], last[0])
+                     for j in np.arange(first[1], last[1])])

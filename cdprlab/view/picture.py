@@ -1,4 +1,4 @@
-"""A matplotlib figure as PNG bytes, quickly: what stands still is drawn once."""
+"""A matplotlib figure as pixels or PNG, quickly: what stands still is drawn once."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 from PIL import Image
 
 _RUN_LENGTHS = 3
@@ -30,8 +31,8 @@ class Picture:
         self._canvas: Any = FigureCanvasAgg(figure)
         self._background: Any = None
 
-    def png(self) -> bytes:
-        """The figure as it is now."""
+    def pixels(self) -> NDArray[np.uint8]:
+        """(height, width, 3) the figure as it is now."""
         if self._background is None or self.figure.stale:
             self._canvas.draw()
             self.figure.set_layout_engine("none")
@@ -42,9 +43,12 @@ class Picture:
         renderer = self._canvas.get_renderer()
         for artist in self._moving():
             artist.draw(renderer)
+        return np.array(self._canvas.buffer_rgba())[..., :3]
+
+    def png(self) -> bytes:
+        """The same as a file."""
         buffer = BytesIO()
-        pixels = np.asarray(self._canvas.buffer_rgba())[..., :3]
-        Image.fromarray(pixels).save(buffer, "png", compress_level=1, compress_type=_RUN_LENGTHS)
+        Image.fromarray(self.pixels()).save(buffer, "png", compress_level=1, compress_type=_RUN_LENGTHS)
         return buffer.getvalue()
 
     def _moving(self) -> list[Any]:

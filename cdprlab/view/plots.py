@@ -149,7 +149,7 @@ def _position_panel(panel: Axes, run: Any) -> None:
     handles = [Line2D([], [], color=INK, linewidth=6, alpha=0.28, label="reference"),
                Line2D([], [], color=INK, label="actual")]
     _legend_above(panel, handles)
-    _label_ends(panel, [actual[:, axis] for axis in range(actual.shape[1])], names, AXIS_COLORS)
+    label_ends(panel, [actual[:, axis] for axis in range(actual.shape[1])], names, AXIS_COLORS)
 
 
 def _error_panel(panel: Axes, time: Array, errors: Array, names: Sequence[str], label: str, title: str) -> None:
@@ -165,7 +165,7 @@ def _error_panel(panel: Axes, time: Array, errors: Array, names: Sequence[str], 
     panel.set_ylabel(label)
     panel.set_title(title)
     _legend_above(panel, handles)
-    _label_ends(panel, [errors[:, column] for column in range(errors.shape[1])], names, colors)
+    label_ends(panel, [errors[:, column] for column in range(errors.shape[1])], names, colors)
 
 
 def _tension_panels(axes: Sequence[Axes], run: Any) -> None:
@@ -220,7 +220,7 @@ def _describe_tensions(above: Axes, below: Axes, run: Any) -> None:
     names = [f"{cable + 1}" for cable in range(run.commanded_tensions.shape[1])]
     colors = [cable_style(cable).color for cable in range(len(names))]
     # The differences all but coincide: names pushed apart would point nowhere, so the panel above names the lines.
-    _label_ends(above, list(np.transpose(shown_tensions(run))), names, colors)
+    label_ends(above, list(np.transpose(shown_tensions(run))), names, colors)
 
 
 def _draw_limits(panel: Axes, run: Any) -> None:
@@ -259,18 +259,19 @@ def _around_zero(panel: Axes) -> None:
     panel.set_ylim(min(low, -_LEAST_RANGE), max(high, _LEAST_RANGE))
 
 
-def _label_ends(panel: Axes, lines: Sequence[Array], names: Sequence[str], colors: Sequence[str]) -> None:
+def label_ends(panel: Axes, lines: Sequence[Array], names: Sequence[str], colors: Sequence[str]) -> None:
     """Each line's name at its right end, pushed apart where ends coincide."""
     low, high = panel.get_ylim()
     panel.set_ylim(low, high)
     ends = np.array([_last_finite(line, low) for line in lines])
-    heights = _spread(np.clip((ends - low) / (high - low), 0, 1), gap=min(14 / _height_points(panel), 1 / len(names)))
+    gap = min(14 / _height_points(panel), 1 / len(names))
+    heights = spread_apart(np.clip((ends - low) / (high - low), 0, 1), gap)
     for name, color, height in zip(names, colors, heights):
         panel.annotate(name, (1.0, height), xycoords="axes fraction", xytext=(5, 0), textcoords="offset points",
                        va="center", color=color, fontsize=10, fontweight="bold", annotation_clip=False)
 
 
-def _spread(heights: Array, gap: float) -> Array:
+def spread_apart(heights: Array, gap: float) -> Array:
     """Heights moved apart to at least ``gap``, in the same order and about the same places."""
     order = np.argsort(heights, kind="stable")
     steps = gap * np.arange(len(heights))

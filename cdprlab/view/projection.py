@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..arrays import Array
 
@@ -30,6 +31,7 @@ class Projection:
 
     def turn(self, azimuth: float) -> None:
         """Walk around: ``azimuth`` [deg]."""
+        self.azimuth = azimuth
         a, e = np.deg2rad([azimuth, self.elevation])
         right = np.array([np.cos(a), np.sin(a), 0.0])
         towards_eye = np.array([np.sin(a) * np.cos(e), -np.cos(a) * np.cos(e), np.sin(e)])
@@ -53,10 +55,10 @@ class Projection:
         depth = np.minimum(local[..., 2] / (_DISTANCE * self.radius), 2 / 3)
         return np.asarray(local[..., :2] / (1 - depth[..., None]))
 
-    def bounds(self, points: Array, azimuths: Array) -> Array:
+    def bounds(self, points: Array, azimuths: ArrayLike) -> Array:
         """(2, 2) lowest and highest picture coordinates over a walk around."""
         if points.shape[-1] == 2:
             return np.stack([points.min(axis=0), points.max(axis=0)])
-        views = [Projection(points, azimuth, self.elevation) for azimuth in azimuths]
+        views = [Projection(points, azimuth, self.elevation) for azimuth in np.asarray(azimuths).tolist()]
         seen = np.concatenate([view.flat(points) for view in views])
         return np.stack([seen.min(axis=0), seen.max(axis=0)])

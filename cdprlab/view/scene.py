@@ -8,17 +8,15 @@ import ipywidgets
 import k3d
 import numpy as np
 from numpy.typing import ArrayLike
+from PIL import ImageColor
 
 from ..arrays import Array
 from ..errors import InvalidInput
 from ..mechanics.cables import anchor_offsets
 from ..robot.pose import Pose
 from ..world import World
-from .camera import BOX, INK, OBSTACLE, PLATFORM, SLACK_COLOR, STEEL, TENSION_COLORS, default_limits, tension_colors
-from .outlines import box_corners, box_faces, floor_height, floor_segments, frame_segments, landmarks, scene_boxes
-from .style import AXIS_COLORS
-
-_FLOOR = (200, 205, 211)
+from .outlines import box_faces, floor_height, floor_tiles, landmarks, platform_solids, surroundings
+from .style import AXIS_COLORS, FLOOR, INK, SLACK_COLOR, STEEL, TENSION_COLORS, tension_colors, tension_limits
 
 
 def scene(world: World, pose: Pose | None = None, tensions: ArrayLike | None = None) -> Any:
@@ -56,7 +54,7 @@ class RobotScene:
             raise InvalidInput(f"world {world.name!r} is planar; the k3d scene shows spatial robots, "
                                "pose_explorer and run_player's view=\"picture\" show planar ones too")
         self.world, self.robot = world, world.robot
-        self.limits = limits or default_limits(world.robot)
+        self.limits = limits or tension_limits(world.robot)
         start = world.pose if pose is None else pose
         points = landmarks(world.robot, world.scene, start)
         self.unit = 0.004 * float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -101,16 +99,12 @@ class RobotScene:
     # --- objects, made once ---------------------------------------------------------------------------
     def _add_surroundings(self, points: Array) -> None:
         robot, around = self.robot, self.world.scene
-        height = floor_height(robot, around)
-        for segments, color, width, name in ((floor_segments(points, height), _FLOOR, 0.5, "floor"),
-                                             (frame_segments(robot, around), STEEL, 2.0, "frame")):
-            if len(segments):
-                ends = segments.reshape(-1, 3).astype(np.float32)
-                pairs = np.arange(len(ends), dtype=np.uint32).reshape(-1, 2)
-                self.plot += k3d.lines(ends, pairs, indices_type="segment", color=_rgb(color), name=name,
-                                       width=width * self.unit, shader="mesh")
-        for box, corners in zip(around.boxes, scene_boxes(around)):
-            self.plot += _solid(corners, OBSTACLE if box.kind == "obstacle" else BOX, box.name or box.kind, 0.6)
+        tiles = floor_tiles(points, floor_height(robot, around))
+        for parity, color in enumerate(FLOOR):
+            self.plot += _mesh(tiles[parity::2], np.array([[0, 1, 2, 3]]), color, "floor")
+        for solid in surroundings(robot, around):
+            self.plot += _mesh(solid.corners[None], box_faces(3), solid.color, "frame or box",
+                               1.0 if solid.color == STEEL else 0.6)
         self.plot += k3d.points(robot.exit_points.astype(np.float32), point_size=5 * self.unit, color=_rgb(INK),
                                 name="exit points")
 
@@ -118,15 +112,15 @@ class RobotScene:
         """World axes at the lowest corner; k3d's own hide a corner of the picture."""
         origin, length = points.min(axis=0), 25 * self.unit
         for name, color, axis in zip("xyz", AXIS_COLORS, np.eye(3)):
-            shade = int(color.removeprefix("#"), 16)
+            shade = _rgb(color)
             ends = np.stack([origin, origin + length * axis]).astype(np.float32)
             self.plot += k3d.line(ends, color=shade, width=1.5 * self.unit, shader="mesh", name=f"{name} axis")
             place = [float(c) for c in origin + 1.25 * length * axis]
             self.plot += k3d.text(name, position=place, color=shade, size=1.2, label_box=False, reference_point="cc")
 
     def _add_robot(self, pose: Pose) -> None:
-        body = self.robot.platform
-        self.platform = _solid(box_corners(body.size, body.center, Pose([0, 0, 0])), PLATFORM, "platform", 0.8)
+        body, = platform_solids(self.robot, Pose([0, 0, 0]))
+        self.platform = _mesh(body.corners[None], box_faces(3), body.color, "platform", 0.8)
         ends = np.zeros((2, 3), dtype=np.float32)
         self.cables = [k3d.line(ends, color=_rgb(SLACK_COLOR), width=1.2 * self.unit, shader="mesh",
                                 name=f"cable {k + 1}") for k in range(self.robot.n_cables)]
@@ -155,12 +149,12 @@ def tension_text(tension: float) -> str:
     return f"{tension:.1f}" if tension > 0 else "slack"
 
 
-def _solid(corners: Array, color: tuple[int, int, int], name: str, opacity: float) -> Any:
-    """A box from its corners, two triangles a face."""
-    faces = box_faces(3)
-    triangles = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]).astype(np.uint32)
-    return k3d.mesh(corners.astype(np.float32), triangles, color=_rgb(color), opacity=opacity, flat_shading=True,
-                    side="double", name=name)
+def _mesh(corners: Array, faces: Array, color: str, name: str, opacity: float = 1.0) -> Any:
+    """Bodies of (n, k, 3) corners, the faces of each (f, 4), as triangles."""
+    whole = (faces + corners.shape[1] * np.arange(len(corners))[:, None, None]).reshape(-1, 4)
+    triangles = np.concatenate([whole[:, [0, 1, 2]], whole[:, [0, 2, 3]]]).astype(np.uint32)
+    return k3d.mesh(corners.reshape(-1, 3).astype(np.float32), triangles, color=_rgb(color), opacity=opacity,
+                    flat_shading=True, side="double", name=name)
 
 
 def _camera(points: Array) -> list[float]:
@@ -172,7 +166,8 @@ def _camera(points: Array) -> list[float]:
 
 
 def _rgb(color: Any) -> int:
-    red, green, blue = (int(c) for c in color)
+    """As k3d takes a color: from "#RRGGBB" or three numbers up to 255."""
+    red, green, blue = map(int, ImageColor.getrgb(color)[:3] if isinstance(color, str) else color)
     return red << 16 | green << 8 | blue
 
 

@@ -11,6 +11,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..robot import Robot
+
 # Okabe and Ito 2008, Color Universal Design; without yellow, which vanishes on white.
 BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
 INK, GREY, WARNING = "#2D323A", "#6B7280", "#F3D9CF"
@@ -20,6 +25,15 @@ CABLE_DASHES = ("solid", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
 AXIS_COLORS = (VERMILION, GREEN, BLUE)
 # y dashed: where x and y move alike, both stay visible.
 AXIS_DASHES = ("solid", (0, (4, 3)), "solid")
+
+STEEL, DECK, TRAIL = "#C4CBD3", "#BAC3CC", "#008060"
+PLATFORM, LOAD, BOX, OBSTACLE = "#7896B4", "#C4965A", "#CDBEA5", "#CD6E5F"
+FLOOR, SHADOW = ("#EEF0F2", "#E4E7EA"), "#BEC2C7"
+
+TENSION_COLORS = ((24, 20, 120), (92, 10, 165), (156, 23, 158), (203, 71, 120), (232, 114, 66), (240, 150, 20))
+"""Low to high tension: plasma without its yellow end, which vanishes on white; readable with color-blind eyes."""
+
+SLACK_COLOR = (120, 120, 120)
 
 
 class LineStyle(NamedTuple):
@@ -37,6 +51,30 @@ def cable_style(index: int) -> LineStyle:
     """
     colors, dashes = len(CABLE_COLORS), len(CABLE_DASHES)
     return LineStyle(CABLE_COLORS[index % colors], CABLE_DASHES[index // colors % dashes])
+
+
+def tension_colors(tensions: ArrayLike, limits: tuple[float, float]) -> NDArray[np.uint8]:
+    """Colors of tensions on the scale of ``TENSION_COLORS``; grey where a cable is slack (no positive tension).
+
+    tensions : (…) [N]; NaN for a cable that is cut
+    limits : tensions of the first and the last color [N]
+    Returns (…, 3).
+
+    >>> tension_colors([0.0, 100.0], (0.0, 100.0)).tolist()
+    [[120, 120, 120], [240, 150, 20]]
+    """
+    tau = np.asarray(tensions, dtype=float)
+    low, high = limits
+    place = (tau - low) / max(high - low, 1e-12) * (len(TENSION_COLORS) - 1)
+    colors = [np.interp(place, range(len(TENSION_COLORS)), channel) for channel in np.transpose(TENSION_COLORS)]
+    return np.where((tau > 0)[..., None], np.stack(colors, axis=-1).round(), SLACK_COLOR).astype(np.uint8)
+
+
+def tension_limits(robot: Robot) -> tuple[float, float]:
+    """A color scale for any task: 0 to the smaller of the platform's weight and the largest tension limit [N]."""
+    weight = robot.platform.mass * robot.gravity
+    highest = float(np.max(robot.tension_max))
+    return 0.0, min(weight, highest) if weight > 0 else highest
 
 
 @contextmanager

@@ -8,22 +8,27 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PatchCollection
-from matplotlib.colors import ListedColormap
+from matplotlib.collections import PatchCollection, PolyCollection
+from matplotlib.colors import ListedColormap, to_rgb
 from matplotlib.patches import Patch, Rectangle
 
 from ..arrays import Array
 from ..errors import InvalidInput
 from ..robot import Robot
-from ..workspace import CertifiedWorkspace, Judgement, PoseGrid, RefinedWorkspace
+from ..workspace import CertifiedWorkspace, Judgement, PoseGrid
 from ..workspace.grids import axis_names
 from ..workspace.surface import border_triangles
 from ..world import World
+from .depth import lightness
+from .drawing import RobotDrawing
+from .film import checked_path, save_png
+from .picture import Picture
 from .plots import Figure
+from .screen import robot_axes, sized_figure
 from .style import BLUE, GREY, INK, VERMILION, WARNING, house_style
 
 _PALE = "#A9CBE3"
-_SURFACE = (86, 150, 200)
+_SURFACE = "#5696C8"
 
 
 def plot_workspace(robot: Robot, grid: PoseGrid, judgement: Judgement, *, title: str = "", unit: str = "",
@@ -114,64 +119,27 @@ def plot_certified(robot: Robot, found: CertifiedWorkspace, *, title: str = "") 
         return figure
 
 
-def plot_refined(robot: Robot, found: RefinedWorkspace, *, title: str = "") -> Figure:
-    """Cells inside (blue) and on the border (grey) of a plane, as fine as they were split.
-
-    Raises InvalidInput for cells that are not plane.
-    """
-    if len(found.axes) != 2:
-        raise InvalidInput(f"refined cells are drawn over two axes, these are over {', '.join(found.axes)}")
-    with house_style():
-        figure = _sized(found.upper.max(axis=0) - found.lower.min(axis=0))
-        axes = figure.add_subplot()
-        for chosen, face, edge in ((found.inside, _PALE, BLUE), (found.border, GREY, GREY)):
-            patches = [Rectangle((low[0], low[1]), *(high - low)) for low, high in
-                       zip(found.lower[chosen], found.upper[chosen])]
-            axes.add_collection(PatchCollection(patches, linewidth=0.3, facecolor=face, edgecolor=edge))
-        _frame(axes, robot, (found.axes[0], found.axes[1]), *np.stack([found.lower.min(axis=0),
-                                                                       found.upper.max(axis=0)]).T)
-        _title(axes, title)
-        figure.alt_text = (f"{title or 'Refined workspace'}. {int(found.inside.sum())} cells inside, "
-                           f"{int(found.border.sum())} on the border: {found.measure:.4g} ± {found.error:.2g}.")
-        return figure
-
-
-def workspace_scene(world: World, grid: PoseGrid, judgement: Judgement) -> Any:
-    """The border of a workspace in space, to be turned with the mouse, with the robot at its start inside.
+def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: str | Path, width: int = 960) -> Path:
+    """A PNG of the border of a workspace in space, around the robot at its start; its description goes into the file.
 
     grid : over x, y and z; judgement : of its poses
-    Returns k3d.Plot.
-    """
-    import k3d
-
-    from .scene import scene
-
-    triangles = border_triangles(grid, judgement)
-    plot = scene(world)
-    corners = triangles.reshape(-1, 3).astype(np.float32)
-    red, green, blue = _SURFACE
-    plot += k3d.mesh(corners, np.arange(len(corners), dtype=np.uint32).reshape(-1, 3), opacity=0.45, flat_shading=True,
-                     color=red << 16 | green << 8 | blue, side="double", name="border of the workspace")
-    return plot
-
-
-def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: str | Path, width: int = 960) -> Path:
-    """A PNG of the border of a workspace in space, with frame and floor; its description goes into the file.
-
     path : ends in .png; width : [pixels]
     """
-    from PIL import Image, PngImagePlugin
-
-    from .camera import Camera
-
-    target = Path(path)
-    if target.suffix.lower() != ".png" or not target.parent.is_dir():
-        raise InvalidInput(f"cannot save {target}: give a path that ends in .png, in a folder that exists")
-    picture = Camera(world).surface(border_triangles(grid, judgement), _SURFACE, width, 3 * width // 4)
-    text = PngImagePlugin.PngInfo()
-    text.add_text("Description", f"Border of a workspace of {world.title or world.name}. {describe(grid, judgement)}")
-    Image.fromarray(picture).save(target, pnginfo=text)
-    return target
+    target, corners = checked_path(path, ".png"), border_triangles(grid, judgement)
+    figure = sized_figure(width, 3 * width // 4)
+    axes = robot_axes(figure, 3)
+    view = RobotDrawing(axes, world.robot, world.scene, world.pose, solid=True).view
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True).clip(1e-300)
+    middles = corners.mean(axis=1)
+    seen = np.flatnonzero((normals * (view.eye - middles)).sum(axis=1) > 0)
+    order = seen[np.argsort(-np.linalg.norm(middles[seen] - view.eye, axis=1))]
+    colors = np.clip(np.outer(lightness(normals[order]), to_rgb(_SURFACE)), 0, 1)
+    triangles: Any = view.flat(corners[order])
+    axes.add_collection(PolyCollection(triangles, facecolors=colors, edgecolors=colors, linewidths=0.5,
+                                       zorder=9, animated=True), autolim=False)
+    title = f"Border of a workspace of {world.title or world.name}."
+    return save_png(Picture(figure).pixels(), target, f"{title} {describe(grid, judgement)}")
 
 
 def describe(grid: PoseGrid, judgement: Judgement, unit: str = "") -> str:

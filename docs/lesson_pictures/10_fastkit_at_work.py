@@ -15,7 +15,7 @@ from PIL import Image
 
 import cdprlab as cl
 from cdprlab.cli.mission_command import BOUNDS, PALLETS, START
-from cdprlab.fastkit import Camera, Mission, carried, draw_hall, draw_way, frame_at, in_hall, run_mission
+from cdprlab.fastkit import Mission, carried, draw_hall, draw_way, frame_at, in_hall, run_mission
 from cdprlab.view.style import VERMILION, house_style
 
 
@@ -50,9 +50,9 @@ def _work(axes: Any, mission: Mission, world: cl.World) -> None:
     job = mission.job
     assert job is not None
     begins = next(event.time for event in job.events if event.state == "draw in")
-    frame = frame_at(job, begins + 1.5, 900, Camera(world))
-    width, height = frame.size
-    axes.imshow(frame.crop((0, round(0.13 * height), width, round(0.87 * height))))
+    frame = frame_at(job, begins + 1.5, 900, world.scene)
+    height = len(frame)
+    axes.imshow(frame[round(0.13 * height):round(0.87 * height)])
     axes.set_axis_off()
     axes.set_title("unfolds, and moves a box.")
 

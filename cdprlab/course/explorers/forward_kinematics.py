@@ -19,7 +19,7 @@ from ...mechanics.cables import anchor_offsets, cable_lengths
 from ...mechanics.kinematics import forward_kinematics
 from ...robot import Robot
 from ...robot.pose import Pose
-from ...view.camera import hanging
+from ...view.outlines import hanging
 from ...view.style import BLUE, GREY, INK, SKY, VERMILION, cable_style
 from ..pictures.pose_estimates import draw_exit_points, outline
 from ..props.changed_cables import without_cable

@@ -14,9 +14,8 @@ from ...arrays import Array
 from ...errors import InvalidInput
 from ...robot.pose import Pose
 from ...run import Run
-from ...view.camera import tension_colors
 from ...view.drawing import RobotDrawing
-from ...view.style import GREY, INK
+from ...view.style import GREY, INK, tension_colors
 from ...view.text_table import fixed, text_table
 from .explorer import Explorer, Slider, Values
 
@@ -55,6 +54,7 @@ class RunPlayer(Explorer):
         if self.view == "picture":
             above, below = figure.subplots(2, 1, height_ratios=[2.4, 1])
             self.drawing = RobotDrawing(above, self.world.robot, self.world.scene, _poses_to_hold(self.run))
+            self.drawing.limits = self.limits
         else:
             from ...view.scene import RobotScene
 
@@ -71,7 +71,7 @@ class RunPlayer(Explorer):
         else:
             if "azimuth" in values:
                 self.drawing.turn(values["azimuth"])
-            self.drawing.move(pose, tension_colors(tau, self.limits), ~(tau > 0))
+            self.drawing.move(pose, tau)
         self.bars.move(tau, self.run.commanded_tensions[k])
 
     def numbers(self, values: Values) -> str:

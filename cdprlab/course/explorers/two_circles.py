@@ -15,7 +15,7 @@ from matplotlib.patches import Circle
 from ...arrays import Array, as_array
 from ...robot import Robot
 from ...robot.pose import Pose
-from ...view.camera import hanging
+from ...view.outlines import hanging
 from ...view.style import INK, SKY, cable_style
 from ..pictures.pose_estimates import draw_exit_points
 from ..props.point_load import circle_crossings, point_load

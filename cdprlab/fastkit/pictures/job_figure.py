@@ -6,15 +6,14 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from PIL import Image, ImageDraw
+from numpy.typing import NDArray
 
 from ...arrays import Array
-from ...robot.pose import Pose
-from ...view.camera import INK as INK_RGB
-from ...view.camera import Camera
-from ...view.film import _ECONOMIES, LARGEST_FILE, _checked_path, _draw_scale, _font, _ticks, _write_gif
-from ...view.plots import Figure, _label_ends, _spread
+from ...view.film import save_gif
+from ...view.plots import Figure, label_ends, spread_apart
+from ...view.screen import RobotScreen
 from ...view.style import AXIS_COLORS, AXIS_DASHES, BLUE, GREY, INK, VERMILION, cable_style, house_style
+from ...world.model import Scene
 from ..job.job_record import Job
 
 _STILL = 0.02    # m: a base that moves less across the floor stands as far as a picture can tell
@@ -45,21 +44,15 @@ def plot_job(job: Job) -> Figure:
 
 
 def save_job_film(job: Job, path: str | Path, seconds: float = 16.0, fps: int = 8, width: int = 640) -> Path:
-    """An animated GIF of a job, below ``LARGEST_FILE``, each picture with what is being done in words.
+    """An animated GIF of a job, below 3 MB, each picture with what is being done in words.
 
     Phases are shown as long as they take, short ones more slowly, or their captions could not be read.
 
     path : ends in .gif
     seconds : length of the film [s]; fps : pictures per second; width : [pixels]
     """
-    target = _checked_path(path, ".gif")
-    camera = Camera(job.world)
-    frames = [frame_at(job, t, width, camera) for t in film_moments(job, round(seconds * fps))]
-    for every, colors in _ECONOMIES:
-        _write_gif(frames[::every], target, colors, 1000 / fps * every, _caption(job))
-        if target.stat().st_size < LARGEST_FILE:
-            break
-    return target
+    screen = JobScreen(job, job.world.scene, width)
+    return save_gif(map(screen.at, film_moments(job, round(seconds * fps))), path, 1 / fps, _caption(job))
 
 
 def film_moments(job: Job, frames: int, share: float = 0.06) -> list[float]:
@@ -70,30 +63,36 @@ def film_moments(job: Job, frames: int, share: float = 0.06) -> list[float]:
     return moments
 
 
-def frame_at(job: Job, t: float, width: int = 640, camera: Camera | None = None) -> Image.Image:
-    """One picture of the film.
+class JobScreen(RobotScreen):
+    """The pictures of a job's film, at whatever time.
 
-    t : [s]; width : [pixels]; camera : that of the job's world, to be used again
+    scene : what stands around it, that of the job's world or less; width : [pixels]
     """
-    index = min(int(np.searchsorted(job.time, t - 1e-9)), len(job.time) - 1)
-    scale, height = width / 640, 2 * round(185 * width / 640)
-    ticks = _ticks(_Shown(job.tensions))
-    trail = job.poses.position[np.unique(np.linspace(0, index, 60).astype(int))]
-    box = Pose.of(job.box_poses.position[index], job.box_poses.rotation[index])
-    limits = float(ticks[0]), float(ticks[-1])
-    picture = (camera or Camera(job.world)).picture(
-        job.poses[index], job.tensions[index], width, height, limits, trail, robot=job.robot_at(index),
-        boxes=[(box, job.task.box_size)], tray=True)
-    top = round(56 * scale)
-    frame = Image.new("RGB", (width, height + top + round(56 * scale)), "white")
-    frame.paste(Image.fromarray(picture), (0, top))
-    drawing = ImageDraw.Draw(frame)
-    drawing.text((12 * scale, 7 * scale), f"{job.world.title}", fill=INK_RGB, font=_font(14 * scale))
-    drawing.text((width - 12 * scale, 7 * scale), f"t = {job.time[index]:5.1f} s", fill=INK_RGB, anchor="ra",
-                 font=_font(14 * scale))
-    drawing.text((12 * scale, 29 * scale), _words(job, index), fill=VERMILION, font=_font(19 * scale))
-    _draw_scale(drawing, ticks, width, height + top, scale)
-    return frame
+
+    def __init__(self, job: Job, scene: Scene, width: int = 640) -> None:
+        self.job = job
+        some = job.poses[np.linspace(0, len(job.time) - 1, 20).astype(int)]
+        super().__init__(job.world.robot, scene, some, job.tensions, job.world.title, width, captioned=True)
+
+    def at(self, t: float) -> NDArray[np.uint8]:
+        """(height, width, 3) the picture at a time of the job [s]."""
+        return self.show(t, self.move(t))
+
+    def move(self, t: float) -> str:
+        """The robot at a time of the job [s]; returns what it does."""
+        job, k = self.job, min(int(np.searchsorted(self.job.time, t - 1e-9)), len(self.job.time) - 1)
+        self.drawing.drive(job.robot_at(k))
+        self.drawing.move(job.poses[k], job.tensions[k], loads=[(job.box_poses[k], job.task.box_size)],
+                          trail=job.poses.position[np.unique(np.linspace(0, k, 60).astype(int))])
+        return _words(job, k)
+
+
+def frame_at(job: Job, t: float, width: int = 640, scene: Scene | None = None) -> NDArray[np.uint8]:
+    """(height, width, 3) one picture of the film.
+
+    t : [s]; width : [pixels]; scene : instead of the job's own
+    """
+    return JobScreen(job, job.world.scene if scene is None else scene, width).at(t)
 
 
 # --- panels -----------------------------------------------------------------------------------------------
@@ -112,7 +111,7 @@ def _shade_phases(panel: Axes, job: Job) -> None:
 def _name_phases(panel: Axes, job: Job) -> None:
     spans, lasting = _spans(job), float(job.time[-1])
     middles = np.array([(start + end) / 2 for start, end, _ in spans])
-    for (_, _, name), middle in zip(spans, lasting * _spread(middles / lasting, gap=0.017)):
+    for (_, _, name), middle in zip(spans, lasting * spread_apart(middles / lasting, gap=0.017)):
         panel.annotate(name, (middle, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 4), rotation=60,
                        textcoords="offset points", ha="left", va="bottom", fontsize=9, color=GREY,
                        annotation_clip=False)
@@ -123,7 +122,7 @@ def _platform_panel(panel: Axes, job: Job) -> None:
     for line, color, dashes in zip(lines, AXIS_COLORS, AXIS_DASHES):
         panel.plot(job.time, line, color=color, linestyle=dashes)
     panel.set_ylabel("platform [m]")
-    _label_ends(panel, lines, "xyz", AXIS_COLORS)
+    label_ends(panel, lines, "xyz", AXIS_COLORS)
 
 
 def _error_panel(panel: Axes, job: Job) -> None:
@@ -141,7 +140,7 @@ def _tension_panel(panel: Axes, job: Job) -> None:
         panel.axhline(limit, color=INK, linewidth=1.2, linestyle=(0, (1, 2)))
     panel.set_ylabel("tension [N]")
     cables = range(len(lines))
-    _label_ends(panel, lines, [str(i + 1) for i in cables], [cable_style(i).color for i in cables])
+    label_ends(panel, lines, [str(i + 1) for i in cables], [cable_style(i).color for i in cables])
 
 
 def _base_panel(panel: Axes, job: Job) -> None:
@@ -156,7 +155,7 @@ def _base_panel(panel: Axes, job: Job) -> None:
                 names.append(f"{base.name} {name}")
                 colors.append(color)
     panel.set_ylabel("bases [m]")
-    _label_ends(panel, lines, names, colors)
+    label_ends(panel, lines, names, colors)
 
 
 def _wheel_panel(panel: Axes, job: Job) -> None:
@@ -168,7 +167,7 @@ def _wheel_panel(panel: Axes, job: Job) -> None:
     panel.set_ylabel("least edge load [N]")
     panel.annotate("0: a base begins to tip", (0.005, 0), xycoords=("axes fraction", "data"), xytext=(0, 3),
                    textcoords="offset points", fontsize=9, color=INK)
-    _label_ends(panel, lines, [base.name for base in job.world.robot.bases], (BLUE, VERMILION))
+    label_ends(panel, lines, [base.name for base in job.world.robot.bases], (BLUE, VERMILION))
 
 
 def least_edge_loads(wheels: Array) -> Array:
@@ -177,13 +176,6 @@ def least_edge_loads(wheels: Array) -> Array:
 
 
 # --- words ------------------------------------------------------------------------------------------------
-class _Shown:
-    """What the film's scale asks a run for."""
-
-    def __init__(self, tensions: Array) -> None:
-        self.measured_tensions = tensions
-
-
 def _words(job: Job, index: int) -> str:
     state = job.state_at(index)
     if state == "stopped":

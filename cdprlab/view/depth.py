@@ -1,0 +1,79 @@
+"""What hides what: boxes seen from an eye, in the order in which they are painted, and points behind them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from .outlines import box_faces
+
+_TOUCHING = 1e-6
+"""[m] Boxes that meet in a face are apart."""
+
+_NEARLY = 1e-3
+"""Of the distance to the eye: a point so little behind a face is on it."""
+
+_SUN = np.array([0.45, -0.65, 1.0]) / np.linalg.norm([0.45, -0.65, 1.0])
+
+
+class Blocks:
+    """Boxes in space that do not run through each other, seen from an eye.
+
+    corners : (n, 8, 3) of each box, in the order of `box_edges` [m]
+    eye : (3,) [m]
+
+    >>> from cdprlab import Pose
+    >>> from cdprlab.view.outlines import box_corners
+    >>> cubes = [box_corners(np.ones(3), np.array([0.0, y, 0.0]), Pose([0, 0, 0])) for y in (0, 2)]
+    >>> blocks = Blocks(np.stack(cubes), np.array([0.0, -9.0, 0.0]))
+    >>> blocks.order(), blocks.hidden(np.array([[0.0, 9.0, 0.0], [5.0, 9.0, 0.0]])).tolist()
+    ([1, 0], [True, False])
+    """
+
+    def __init__(self, corners: Array, eye: Array) -> None:
+        self.corners, self.eye = corners, eye
+        self.faces = corners[:, box_faces(3)]
+        centers = corners.mean(axis=1)
+        outwards = self.faces.mean(axis=2) - centers[:, None]
+        self.normals = outwards / np.linalg.norm(outwards, axis=-1, keepdims=True)
+        self.offsets = (self.normals * self.faces.mean(axis=2)).sum(axis=-1)
+        self.eye_heights = self.normals @ eye - self.offsets
+        self.distances = np.linalg.norm(centers - eye, axis=-1)
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """(n, 6) which faces look towards the eye."""
+        return self.eye_heights > 0
+
+    def order(self) -> list[int]:
+        """Which box is painted after which: the farthest first, but none before one that it may hide."""
+        heights = np.einsum("ifx,jcx->ifjc", self.normals, self.corners) - self.offsets[:, :, None, None]
+        beyond = (heights > -_TOUCHING).all(axis=-1)
+        # A face's plane that parts two boxes says which is on the eye's side: that one the other cannot hide.
+        before = (beyond & self.seen[..., None]).any(axis=1)
+        behind = (beyond & ~self.seen[..., None]).any(axis=1)
+        may_hide = ~(before | behind.T)
+        after = may_hide & ~may_hide.T
+        left, order = np.argsort(-self.distances), []
+        while len(left):
+            free = np.flatnonzero(~after[np.ix_(left, left)].any(axis=1))
+            order.append(int(left[free[0] if len(free) else 0]))
+            left = left[left != order[-1]]
+        return order
+
+    def hidden(self, points: Array) -> NDArray[np.bool_]:
+        """(k,) whether a box stands between the eye and each of (k, 3) points."""
+        start = self.eye_heights[..., None]
+        end = self.normals @ points.T - self.offsets[..., None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            crossing = start / (start - end)                   # of a face's plane, from 0 at the eye to 1 at the point
+        outside = np.where(end < start, crossing, np.inf)
+        enters = np.where(start > 0, outside, 0.0).max(axis=1)
+        leaves = np.where((start <= 0) & (end > 0), crossing, 1.0).min(axis=1)
+        return np.asarray((enters < leaves - _NEARLY).any(axis=0))
+
+
+def lightness(normals: Array) -> Array:
+    """(…) how bright faces with these (…, 3) unit normals are: the more they look to the sun the brighter."""
+    return np.asarray(0.78 + 0.25 * normals @ _SUN)
