@@ -12,7 +12,9 @@ import pytest
 from cdprlab import Pose, World, distribute_tensions, gravity_wrench, load_world, wrench_matrix
 from cdprlab.errors import InvalidInput, WorldError
 from cdprlab.world import world_names, world_schema
-from cdprlab.world.writer import described
+from cdprlab.world.blocks import WorldFile
+
+described = WorldFile.of
 
 FILE = """\
 # a comment at the top
@@ -282,7 +284,7 @@ MISTAKES: dict[str, tuple[str, str, int, list[str]]] = {
     "text in a union": ("[1, 1, 1]", "[a, 1, 1]", 9, ["platform.inertia[1]", "must be a number", "'a'"]),
     "true for a number": ("mass: 10.0", "mass: true", 8, ["platform.mass", "must be a number", "True"]),
     "nothing for a number": ("mass: 10.0", "mass:", 8, ["platform.mass", "must be a number", "nothing"]),
-    "unknown task": ("kind: quintic", "kind: cubic", 23, ["tasks.default", "quintic or hold", "cubic"]),
+    "unknown task": ("kind: quintic", "kind: cubic", 23, ["tasks.default", "'quintic', 'hold'", "cubic"]),
     "flat box": ("tasks:", "scene: {boxes: [{position: [0, 0, 0], size: [1, 0, 1]}]}\ntasks:", 22,
                  ["scene.boxes[1].size", "greater than 0"]),
     "shelf without levels": ("tasks:", "scene: {shelves: [{position: [0, 0], size: [1, 1, 1]}]}\ntasks:", 22,

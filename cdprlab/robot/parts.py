@@ -42,9 +42,7 @@ class Cable:
                                             location=("tension",)))
         set_(self, "tension_max", as_number(self.tension_max, "largest tension", "N", minimum=0.0,
                                             location=("tension",)))
-        if self.tension_min > self.tension_max:
-            raise InvalidInput(f"tension limits are crossed: smallest {self.tension_min:g} N > "
-                               f"largest {self.tension_max:g} N", ("tension",))
+        check_order(self.tension_min, self.tension_max)
         if self.speed_max != float("inf"):
             set_(self, "speed_max", as_number(self.speed_max, "speed", "m/s", positive=True, location=("speed",)))
 
@@ -54,7 +52,7 @@ class Platform:
     """The moving platform, a rigid body; its frame's origin is the reference point P.
 
     mass : [kg]
-    inertia : (3, 3) about the center of mass in platform axes, or one number in the plane [kg m²]
+    inertia : about the center of mass, platform axes: what `inertia_matrix` takes, in the plane one number [kg m²]
     center_of_mass : (d,) in the platform frame [m]
     size : (d,) edges of the box that is drawn and collided [m]
     center : (d,) where that box's center lies in the platform frame [m]
@@ -183,21 +181,46 @@ def turned_to(heading: float, d: int) -> Array:
     return rotation
 
 
-def inertia_matrix(values: ArrayLike, location: tuple[str | int, ...] = ()) -> Array:
-    """(3, 3) from three principal values or six: xx yy zz xy xz yz [kg m²].
+def check_order(tension_min: float, tension_max: float) -> None:
+    """Raises InvalidInput unless the limits are in order [N]."""
+    if tension_min > tension_max:
+        raise InvalidInput(f"tension limits are crossed: smallest {tension_min:g} N > "
+                           f"largest {tension_max:g} N", ("tension",))
+
+
+def box_inertia(mass: float, size: ArrayLike) -> Array:
+    """Inertia of a uniform box about its center: (3, 3) in space, one number in the plane [kg m²].
+
+    I_x = m / 12 (b² + c²) for edges a, b, c along x, y, z
+
+    mass : [kg]
+    size : (d,) edges [m]
+
+    >>> box_inertia(12.0, [1.0, 2.0, 3.0]).diagonal()
+    array([13., 10.,  5.])
+    """
+    squares = np.square(size)
+    if squares.shape == (2,):
+        return np.asarray(mass / 12 * squares.sum())
+    return np.diag(mass / 12 * (squares.sum() - squares))
+
+
+def inertia_matrix(values: ArrayLike) -> Array:
+    """(3, 3) from three principal values, or six: xx yy zz xy xz yz [kg m²]; a matrix stays what it is.
 
     >>> inertia_matrix([1, 2, 3, 0, 0, 0.5])[1]
     array([0. , 2. , 0.5])
     """
-    given = as_array(values, "inertia", ("k",), "kg m²", location=location)
-    if given.shape[0] not in (3, 6):
+    given = as_array(values, "inertia", (), "kg m²", batch=True, location=("inertia",))
+    if given.shape == (3, 3):
+        return given
+    if given.shape not in ((3,), (6,)):
         raise InvalidInput("inertia must be 3 numbers (principal) or 6 (xx yy zz xy xz yz) [kg m²], "
-                           f"got {given.shape[0]}", location)
+                           f"got {given.size}", ("inertia",))
     matrix = np.diag(given[:3])
-    if given.shape[0] == 6:
-        for (row, column), value in zip(((0, 1), (0, 2), (1, 2)), given[3:]):
-            matrix[row, column] = matrix[column, row] = value
-    return matrix
+    for (row, column), value in zip(((0, 1), (0, 2), (1, 2)), given[3:]):
+        matrix[row, column] = matrix[column, row] = value
+    return frozen(matrix)
 
 
 def _checked_inertia(inertia: ArrayLike, d: int) -> Array:
@@ -206,7 +229,7 @@ def _checked_inertia(inertia: ArrayLike, d: int) -> Array:
         if value <= 0:
             raise InvalidInput(f"inertia must be positive [kg m²], got {float(value):g}", ("inertia",))
         return value
-    matrix = as_array(inertia, "inertia", (3, 3), "kg m²", location=("inertia",))
+    matrix = inertia_matrix(inertia)
     if not np.allclose(matrix, matrix.T, rtol=0, atol=1e-9 * np.abs(matrix).max()):
         raise InvalidInput(f"inertia must be symmetric [kg m²], got {matrix.tolist()}", ("inertia",))
     principal = np.linalg.eigvalsh(matrix)

@@ -25,6 +25,11 @@ class MotionPattern(NamedTuple):
     rows: tuple[str, ...]
 
     @property
+    def engine(self) -> str:
+        """"planar" (pymunk) or "spatial" (PyBullet)."""
+        return "planar" if self.dimension == 2 else "spatial"
+
+    @property
     def turns(self) -> bool:
         """Whether orientation is controlled too."""
         return bool(self.turn_axes)

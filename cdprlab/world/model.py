@@ -1,22 +1,14 @@
-"""What a world file becomes: `World` with its robot, pose, scene and tasks."""
+"""What a world file says beside the robot: the scene around it, and tasks."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from ..robot import Robot
+from ..mechanics.trajectory import Trajectory, quintic
 from ..robot.pose import Pose
-
-if TYPE_CHECKING:
-    from ..mechanics.trajectory import Trajectory
-
-Document = Mapping[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +17,8 @@ class Box:
 
     position: Array
     size: Array
-    yaw: float
-    kind: str
+    yaw: float = 0.0
+    kind: str = "box"
     name: str = ""
 
 
@@ -56,8 +48,6 @@ class Task:
 
     def trajectory(self) -> Trajectory:
         """The reference motion, without the hold at its end."""
-        from ..mechanics.trajectory import quintic
-
         return quintic(self.start, self.end, self.duration)
 
 
@@ -75,6 +65,7 @@ class PickAndPlace(Task):
     aside : how far it keeps aside on its way, along its own y axis [m]
     """
 
+    duration: float = 1.0
     box_size: Array
     box_mass: float
     box_position: Array
@@ -83,95 +74,12 @@ class PickAndPlace(Task):
     stroke: Array
     tilt: Array
     clearance: float
-    coupled: Mapping[str, tuple[float, float, float]]
+    coupled: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     aside: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.stroke.any():
+            raise InvalidInput("the stroke must not be zero", ("gripper", "stroke"))
 
     def trajectory(self) -> Trajectory:
         raise InvalidInput("a pick_and_place task is no single motion: use cdprlab.fastkit.pick_and_place(world)")
-
-
-@dataclass(frozen=True, eq=False)
-class World:
-    """A robot, where it starts, what is around it and what it shall do.
-
-    >>> import cdprlab as cl
-    >>> cl.load_world("caroca")
-    World('caroca': Robot(3R3T, 8 cables, 150 kg), tasks default)
-    """
-
-    name: str
-    title: str
-    source: str
-    robot: Robot
-    pose: Pose
-    scene: Scene
-    tasks: dict[str, Task]
-    document: Any = field(repr=False)
-
-    @classmethod
-    def from_dict(cls, document: Document, *, path: str = "world") -> World:
-        """A world from the mapping a world file holds (see docs/world_file.md).
-
-        Raises WorldError naming ``path``, line (where known), key and cable of every mistake.
-        """
-        from .reader import read_world
-
-        return read_world(document, path)
-
-    @classmethod
-    def from_yaml(cls, text: str, *, path: str = "world") -> World:
-        """A world from the text of a world file.
-
-        Raises WorldError as `from_dict`, and for text that is no YAML.
-
-        >>> import cdprlab as cl
-        >>> World.from_yaml(cl.load_world("caroca").to_yaml()).robot.n_cables
-        8
-        """
-        from .files import parsed
-        from .reader import read_world
-
-        return read_world(parsed(text, path), path)
-
-    @property
-    def engine(self) -> str:
-        """"planar" (pymunk) or "spatial" (PyBullet)."""
-        return "planar" if self.robot.dimension == 2 else "spatial"
-
-    def task(self, name: str = "default") -> Task:
-        """The task of that name; raises InvalidInput naming those there are."""
-        if name not in self.tasks:
-            raise InvalidInput(f"world {self.name!r} has no task {name!r}; there are {', '.join(self.tasks)}")
-        return self.tasks[name]
-
-    def save(self, path: str | Path) -> Path:
-        """Write the world file as the world is now: a changed robot or pose too, comments of its file kept.
-
-        Scene and tasks stay as they were read; a task that names no start begins at the saved pose.
-
-        path : where to; raises InvalidInput if its folder does not exist
-        """
-        target = Path(path)
-        if not target.parent.is_dir():
-            raise InvalidInput(f"cannot save {target}: there is no folder {target.parent}")
-        target.write_text(self.to_yaml(), encoding="utf-8")
-        return target
-
-    def to_yaml(self) -> str:
-        """The text that `save` writes."""
-        from .files import yaml_format
-        from .writer import updated_document
-
-        buffer = io.StringIO()
-        yaml_format().dump(updated_document(self, World.from_dict), buffer)
-        return buffer.getvalue()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain dicts and lists; ``World.from_dict(world.to_dict())`` is the same world."""
-        from .mistakes import plain
-        from .writer import updated_document
-
-        return plain(updated_document(self, World.from_dict))
-
-    def __repr__(self) -> str:
-        return f"World({self.name!r}: {self.robot!r}, tasks {', '.join(self.tasks)})"

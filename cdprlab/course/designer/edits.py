@@ -10,8 +10,9 @@ import numpy as np
 
 from ...errors import InvalidInput, WorldError
 from ...world import World
-from ...world.mistakes import place_text, plain
-from ...world.writer import described, styled, updated_document
+from ...world.blocks import WorldFile
+from ...world.document import place_text, plain, styled
+from ...world.writer import updated_document
 
 Path = tuple[str | int, ...]
 """Where in a world file a value stands: ``("cables", 2, "exit_point", 0)``."""
@@ -22,7 +23,7 @@ SHARED = "cable_limits"
 
 def opened(world: World) -> World:
     """The same world with a file that says all of it, also what was changed since it was read."""
-    return World.from_dict(updated_document(world, World.from_dict), path=world.name)
+    return World.from_dict(updated_document(world), path=world.name)
 
 
 def contents(world: World) -> dict[str, Any]:
@@ -33,7 +34,7 @@ def contents(world: World) -> dict[str, Any]:
     frame, document = world.scene.frame, world.document
     scene = {**plain(document.get("scene") or {}), "floor": {"height": world.scene.floor_height},
              "frame": None if frame is None else {"lower": frame[0].tolist(), "upper": frame[1].tolist()}}
-    known = described(world)
+    known = WorldFile.of(world)
     shared = {key: known["cables"][0][key] for key in ("tension", "speed")}
     return {**known, SHARED: shared, "scene": scene, "tasks": _tasks(world)}
 

@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import InvalidInput
 from ...robot import MOTION_PATTERNS
 from ...world import World
-from ...world.mistakes import plain
+from ...world.document import plain
 from .edits import Path, edited, field_name, on_base, value_at
 
 DEGREE = float(np.pi / 180)

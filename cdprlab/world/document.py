@@ -1,0 +1,148 @@
+"""The document of a world file: mappings and lists that remember the comments, lines and style of their text."""
+
+from __future__ import annotations
+
+import copy
+import io
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
+from ruamel.yaml.constructor import DuplicateKeyError
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+from ..errors import Location, WorldError
+
+
+def parsed(text: str, path: str) -> Any:
+    """The document of a text in YAML; raises WorldError naming ``path`` and line."""
+    try:
+        return _yaml().load(text)
+    except DuplicateKeyError as error:
+        key = str(error.problem).split('"')[1]
+        where = place_text((*_cable_at(text, error.problem_mark.index), key))
+        problem = f":{error.problem_mark.line + 1}: {where}: this key stands here twice; keep one"
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = f":{mark.line + 1}" if mark else ""
+        problem = f"{line}: not valid YAML: {error.problem or error.context}"
+    except YAMLError as error:
+        problem = f": not valid YAML: {str(error).splitlines()[0]}"
+    raise WorldError([path + problem])
+
+
+def dumped(document: Any) -> str:
+    """The text of a document."""
+    buffer = io.StringIO()
+    _yaml().dump(document, buffer)
+    return buffer.getvalue()
+
+
+def plain(value: Any) -> Any:
+    """A document's containers and numbers, or NumPy's, as plain Python."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    for kind in (bool, int, float, str):
+        if isinstance(value, kind):
+            return kind(value)
+    return value
+
+
+def styled(value: Any, *, root: bool = True) -> Any:
+    """Plain data as it reads best in YAML: what fits on a line in braces or brackets, the rest indented; no None."""
+    if isinstance(value, dict):
+        node: Any = CommentedMap((key, styled(item, root=False)) for key, item in value.items() if item is not None)
+    elif isinstance(value, list):
+        node = CommentedSeq(styled(item, root=False) for item in value)
+    else:
+        return value
+    if not root and len(str(value)) <= 110:
+        node.fa.set_flow_style()
+    return node
+
+
+def overlay(node: Any, before: dict[str, Any], after: dict[str, Any]) -> None:
+    """Write into a block what differs between two descriptions of it; None and [] leave a key out."""
+    for key in before | after:
+        old, value = before.get(key), after.get(key)
+        if old == value:
+            continue
+        if value in (None, []):
+            node.pop(key, None)
+        elif key in node and isinstance(old, dict) and isinstance(value, dict):
+            overlay(own(node, key), old, value)
+        elif key in node and isinstance(value, list) and isinstance(value[0], dict):
+            entries = own(node, key)
+            for i, (one, other) in enumerate(zip(old or [], value)):
+                overlay(own(entries, i), one, other)
+            del entries[len(value):]
+            entries.extend(styled(block, root=False) for block in value[len(entries):])
+        else:
+            node[key] = changed(node.get(key), value)
+
+
+def own(node: Any, key: str | int) -> Any:
+    """The block at ``key``, to be changed: a copy if others refer to it (YAML anchors)."""
+    if node[key].yaml_anchor() is not None:
+        node[key] = copy.deepcopy(node[key])
+        node[key].yaml_set_anchor(None)
+    return node[key]
+
+
+def changed(old: Any, value: Any) -> Any:
+    """``value``, as a change of ``old`` where that is a list of the same length: its style and comments stay."""
+    both_lists = isinstance(old, list) and isinstance(value, list)
+    if not both_lists or len(old) != len(value) or old.yaml_anchor() is not None:
+        return styled(value, root=False)
+    for i, number in enumerate(value):
+        if old[i] != number:
+            old[i] = changed(old[i], number)
+    return old
+
+
+# --- places -------------------------------------------------------------------------------------------
+def place_text(location: Location) -> str:
+    """A place in words: cables are counted from 1.
+
+    >>> place_text(("cables", 2, "tension"))
+    'cable 3: tension'
+    """
+    text = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in location)
+    return re.sub(r"^cables\[(\d+)\]\.?", r"cable \1: ", text.lstrip(".")).removesuffix(": ")
+
+
+def line_number(document: Any, location: Location) -> int | None:
+    """Line (from 1) of the deepest part of ``location`` the document has; None where it has no lines."""
+    node = document
+    line = document.lc.line + 1 if hasattr(document, "lc") else None
+    for part in location:
+        try:
+            line = node.lc.data[part][0] + 1
+        except (AttributeError, KeyError, TypeError):
+            break
+        node = node[part]
+    return line
+
+
+def _cable_at(text: str, index: int) -> Location:
+    """("cables", i) of the cable in whose block a character stands; () outside of them."""
+    for key, value in _yaml().compose(text).value:
+        if key.value == "cables" and isinstance(value.value, list):
+            for i, block in enumerate(value.value):
+                if block.start_mark.index <= index < block.end_mark.index:
+                    return ("cables", i)
+    return ()
+
+
+def _yaml() -> YAML:
+    yaml = YAML(typ="rt")
+    yaml.width = 120
+    yaml.indent(mapping=2, sequence=4, offset=2)
+    return yaml

@@ -1,0 +1,160 @@
+"""`World`, and where it comes from: the worlds that come with cdprlab, files, texts and mappings."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..errors import InvalidInput, WorldError
+from ..robot import Robot
+from ..robot.pose import Pose
+from .model import Scene, Task
+
+# Blocks and documents (pydantic, ruamel) are imported when needed: they would double the time of `import cdprlab`.
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """A robot, where it starts, what is around it and what it shall do.
+
+    >>> import cdprlab as cl
+    >>> cl.load_world("caroca")
+    World('caroca': Robot(3R3T, 8 cables, 150 kg), tasks default)
+    """
+
+    name: str
+    title: str
+    source: str
+    robot: Robot
+    pose: Pose
+    scene: Scene
+    tasks: dict[str, Task]
+    document: Any = field(repr=False)
+
+    @classmethod
+    def from_dict(cls, document: Mapping[str, Any], *, path: str = "world") -> World:
+        """A world from the mapping a world file holds (see docs/world_file.md).
+
+        Raises WorldError naming ``path``, line (where known), key and cable of every mistake.
+        """
+        from .reader import read
+
+        return cls(**read(document, path))
+
+    @classmethod
+    def from_yaml(cls, text: str, *, path: str = "world") -> World:
+        """A world from the text of a world file.
+
+        Raises WorldError as `from_dict`, and for text that is no YAML.
+
+        >>> import cdprlab as cl
+        >>> World.from_yaml(cl.load_world("caroca").to_yaml()).robot.n_cables
+        8
+        """
+        from .document import parsed
+
+        return cls.from_dict(parsed(text, path), path=path)
+
+    @property
+    def engine(self) -> str:
+        """"planar" (pymunk) or "spatial" (PyBullet)."""
+        return self.robot.pattern.engine
+
+    def task(self, name: str = "default") -> Task:
+        """The task of that name; raises InvalidInput naming those there are."""
+        if name not in self.tasks:
+            raise InvalidInput(f"world {self.name!r} has no task {name!r}; there are {', '.join(self.tasks)}")
+        return self.tasks[name]
+
+    def save(self, path: str | Path) -> Path:
+        """Write the world file as the world is now: a changed robot or pose too, comments of its file kept.
+
+        Scene and tasks stay as they were read; a task that names no start begins at the saved pose.
+
+        path : where to; raises InvalidInput if its folder does not exist
+        """
+        target = Path(path)
+        if not target.parent.is_dir():
+            raise InvalidInput(f"cannot save {target}: there is no folder {target.parent}")
+        target.write_text(self.to_yaml(), encoding="utf-8")
+        return target
+
+    def to_yaml(self) -> str:
+        """The text that `save` writes."""
+        from .document import dumped
+        from .writer import updated_document
+
+        return dumped(updated_document(self))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain dicts and lists; ``World.from_dict(world.to_dict())`` is the same world."""
+        from .document import plain
+        from .writer import updated_document
+
+        return plain(updated_document(self))
+
+    def __repr__(self) -> str:
+        return f"World({self.name!r}: {self.robot!r}, tasks {', '.join(self.tasks)})"
+
+
+def world_names() -> list[str]:
+    """Names of the worlds that come with cdprlab.
+
+    >>> "caroca" in world_names()
+    True
+    """
+    return sorted(path.stem for path in _worlds_folder().glob("*.yaml"))
+
+
+def load_world(name_or_path: str | Path) -> World:
+    """A shipped world by name, or any world file by path (ending in .yaml or .yml).
+
+    Raises WorldError for an unknown name or a file with mistakes in it.
+
+    >>> load_world("caroca").robot.n_cables
+    8
+    """
+    path = _world_path(name_or_path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise WorldError([f"cannot read {path}: {error.strerror}"]) from None
+    except UnicodeDecodeError:
+        raise WorldError([f"{path}: not a text file in UTF-8"]) from None
+    return World.from_yaml(text, path=str(path))
+
+
+def world_schema() -> dict[str, Any]:
+    """JSON Schema of the world file.
+
+    >>> world_schema()["title"]
+    'WorldFile'
+    """
+    from .blocks import WorldFile
+
+    return WorldFile.model_json_schema()
+
+
+def _worlds_folder() -> Path:
+    """Beside the code in an installed wheel, beside the package in a checkout."""
+    package = Path(__file__).parents[1]
+    inside = package / "worlds"
+    return inside if inside.is_dir() else package.parent / "worlds"
+
+
+def _world_path(name_or_path: str | Path) -> Path:
+    given = Path(name_or_path)
+    if given.suffix in (".yaml", ".yml"):
+        if not given.is_file():
+            raise WorldError([f"there is no world file {given}"])
+        return given
+    path = _worlds_folder() / f"{name_or_path}.yaml"
+    if len(given.parts) != 1 or not path.is_file():
+        close = difflib.get_close_matches(str(name_or_path), world_names(), n=1)
+        hint = f"did you mean {close[0]!r}? " if close else ""
+        raise WorldError([f"unknown world {str(name_or_path)!r}; {hint}there are {', '.join(world_names())}; "
+                          "or give the path of a .yaml file"])
+    return path
