@@ -15,7 +15,7 @@ from PIL.PngImagePlugin import PngInfo
 
 import cdprlab as cl
 from cdprlab import TorqueControl
-from cdprlab.fastkit import frame_at, least_edge_loads, pick_and_place, plot_job
+from cdprlab.fastkit import frame_at, pick_and_place, plot_job
 from cdprlab.fastkit.events import spans
 from cdprlab.fastkit.job.phases import job_phases
 from cdprlab.view import save_figure
@@ -62,7 +62,7 @@ def tipping(jobs):
     """How two jobs on light bases end."""
     lines = ["| tipping rows | ends | least load on a base's edge | largest tilt |", "|---|---|---|---|"]
     for name, job in jobs.items():
-        least = float(least_edge_loads(job.wheels[job.time >= 0.1]).min())
+        least = job.least_edge_load
         reason = f"{job.state}: {job.reason}" if job.reason else job.state
         lines.append(f"| {name} | {reason} | {least:.1f} N | {np.degrees(job.tilts.max()):.1f}° |")
     return "\n".join(lines)

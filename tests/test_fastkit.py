@@ -74,8 +74,8 @@ def test_the_whole_job_is_done(request, which, load):
     assert job.position_errors.max() <= 5e-3
     assert job.box_error <= 0.02
     robot = job.world.robot
-    assert (job.tensions[1:] >= robot.tension_min).all() and (job.tensions <= robot.tension_max).all()
-    assert np.abs(job.torques).max() < robot.winch.torque and np.abs(job.motor_speeds).max() < robot.winch.speed
+    assert (job.measured_tensions[1:] >= robot.tension_min).all() and (job.measured_tensions <= robot.tension_max).all()
+    assert np.abs(job.motor_torques).max() < robot.winch.torque and np.abs(job.motor_speeds).max() < robot.winch.speed
     assert job.feasible.all() and edge_loads(job).min() > 0
     assert job.carried.max() == load
 
@@ -87,7 +87,7 @@ def test_the_platform_keeps_its_pose_while_the_base_deploys(request, which):
     deploying = [k for k, event in enumerate(job.events) if event.state in ("sidestep", "deploy", "line up")]
     during = np.isin(job.states, deploying)
     assert np.ptp(job.base_poses[during, 0, 0]) > 4  # m
-    assert np.linalg.norm(job.poses.position[during] - job.task.start.position, axis=1).max() <= 5e-3
+    assert np.linalg.norm(job.poses.position[during] - job.work.start.position, axis=1).max() <= 5e-3
     np.testing.assert_allclose(job.base_poses[-1], [[-3.2, 0, 0], [3.2, 0, 0]], atol=0.01)
     np.testing.assert_allclose(job.base_poses[:, 1], np.tile([3.2, 0, 0], (len(job.time), 1)), atol=0.01)
     speed = np.linalg.norm(np.diff(job.base_poses[:, 0, :2], axis=0), axis=1) / 4e-3
@@ -103,7 +103,7 @@ def test_velocity_control_carries_seven_kilograms_too():
     job = pick_and_place(near("fastkit_suspended"), control="velocity")
     assert job.state == DONE and job.box_error <= 0.02 and job.carried.max() == 7.0
     robot = job.world.robot
-    assert (job.tensions[1:] >= robot.tension_min).all() and (job.tensions <= robot.tension_max).all()
+    assert (job.measured_tensions[1:] >= robot.tension_min).all() and (job.measured_tensions <= robot.tension_max).all()
     assert edge_loads(job).min() > 0
 
 
@@ -151,7 +151,7 @@ def test_a_base_that_drives_does_not_pull_at_ropes():
     job = pick_and_place(world, control="velocity", faults=watch)
     driving = (job.time > 1.0) & (job.time < 4.4)
     assert job.state_at(int(np.flatnonzero(driving)[-1])) == "deploy"
-    assert np.abs(job.tensions - job.commanded)[driving].max() <= 0.5
+    assert np.abs(job.measured_tensions - job.commanded_tensions)[driving].max() <= 0.5
     stopped = job.time > 4.6
     assert np.abs(np.diff(job.base_poses[stopped, 0, :2], axis=0)).max() / 4e-3 <= 0.2  # it brakes
     assert np.abs(job.base_poses[-1] - job.base_poses[-2]).max() < 1e-6
@@ -160,11 +160,19 @@ def test_a_base_that_drives_does_not_pull_at_ropes():
 def test_a_job_is_saved(flown, tmp_path):
     flown.save(tmp_path)
     log = np.load(tmp_path / "log.npz")
-    np.testing.assert_array_equal(log["tensions"], flown.tensions)
+    np.testing.assert_array_equal(log["measured_tension"], flown.measured_tensions)
     np.testing.assert_array_equal(log["state"], flown.states)
     lines = (tmp_path / "events.csv").read_text().splitlines()
     assert len(lines) == 1 + len(flown.events) and "0.500,uncouple" in lines[2]
     assert cl.load_world(str(tmp_path / "world.yaml")).task("pick_and_place").box_mass == 7.0
+
+
+def test_a_job_is_a_run(flown):
+    """With all its columns under the same names, so that what draws runs draws jobs."""
+    assert isinstance(flown, cl.Run) and flown.reference.twist.shape == flown.twists.shape
+    assert {"time", "position", "error", "measured_tension", "wheel", "state"} <= set(flown.columns())
+    np.testing.assert_allclose(flown.lengths[100], cl.cable_lengths(flown.robot_at(100), flown.poses[100]), atol=1e-5)
+    assert "FASTKIT" in cl.plot(flown).alt_text
 
 
 def test_the_film_shows_every_phase(flown):
@@ -194,7 +202,7 @@ def test_two_jobs_are_identical(request, control, until):
                            faults=(lambda sensors: "enough" if sensors.time > until else "",))
     same = first.time < until
     assert same.sum() > 1000
-    for name in ("tensions", "torques", "wheels", "errors", "base_poses"):
+    for name in ("measured_tensions", "motor_torques", "wheels", "errors", "base_poses"):
         np.testing.assert_array_equal(getattr(first, name)[same], getattr(again, name)[:same.sum()])
 
 

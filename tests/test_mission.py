@@ -158,7 +158,7 @@ def test_folding_is_the_deployment_turned_round(monkeypatch):
     assert np.linalg.norm(job.poses.position - task.start.position, axis=1).max() <= 1e-3
     np.testing.assert_allclose(job.base_poses[-1], job.base_poses[0], atol=1e-4)
     robot = world.robot
-    assert (job.tensions[1:] >= robot.tension_min).all() and (job.tensions <= robot.tension_max).all()
+    assert (job.measured_tensions[1:] >= robot.tension_min).all() and (job.measured_tensions <= robot.tension_max).all()
 
 
 def test_who_has_nothing_to_fold_is_told():

@@ -11,16 +11,13 @@ from numpy.typing import NDArray
 from ..arrays import Array, as_number
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
-from ..mechanics.trajectory import quintic
+from ..mechanics.trajectory import PEAK_SPEED, quintic, rest_to_rest
 from ..robot import Robot
 from ..robot.pose import Pose
 from .configuration import Configuration
 from .sequence import ConfigurationSequence
 
 Flags = NDArray[np.bool_]
-
-_PEAK = 15 / 8
-"""Largest over mean speed of the rest-to-rest quintic."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,15 +103,14 @@ def _loose(m: int, chosen: Configuration) -> Array:
 
 
 def _reeled(place: Array, before: Array, after: Array, taut: Flags, reeling: float, dt: float) -> _Piece:
-    steps = int(np.ceil(_PEAK * np.abs(after - before).max() / reeling / dt))
+    steps = int(np.ceil(PEAK_SPEED * np.abs(after - before).max() / reeling / dt))
     # Rest to rest: a rope that is a little off becomes taut, or slack, while the winch is slow, and jerks nothing.
-    s = np.arange(1, steps + 1)[:, None] / max(steps, 1)
-    shares = s**3 * (10 - 15 * s + 6 * s**2)
+    shares = rest_to_rest(np.arange(1, steps + 1)[:, None] / max(steps, 1))
     return np.tile(place, (steps, 1)), before + shares * (after - before), np.tile(taut, (steps, 1))
 
 
 def _moved(start: Array, end: Array, loose: Array, taut: Flags, speed: float, dt: float) -> _Piece:
-    duration = _PEAK * float(np.linalg.norm(end - start)) / speed
+    duration = PEAK_SPEED * float(np.linalg.norm(end - start)) / speed
     steps = max(1, int(np.ceil(duration / dt)))
     path = quintic(Pose(start), Pose(end), steps * dt)(np.arange(1, steps + 1) * dt)
     return path.pose.position, np.tile(loose, (steps, 1)), np.tile(taut, (steps, 1))

@@ -5,7 +5,7 @@ The library knows nothing of it. This is its one door; the folders behind it hav
 
 from .events import DONE, STOPPED, Event
 from .job.job import pick_and_place
-from .job.job_record import Job
+from .job.job_record import Job, least_edge_loads
 from .job.machine import Machine, Phase, Sensors
 from .mission.engine_pair import EnginePair, pair_pose
 from .mission.mission_record import Mission
@@ -23,7 +23,7 @@ from .navigation.planner import Plan, inflated_width, plan_path
 from .navigation.practice import practice_hall
 from .navigation.vehicle import Vehicle
 from .pictures.hall_figure import draw_hall, draw_way, plot_journey
-from .pictures.job_figure import frame_at, least_edge_loads, plot_job, save_job_film
+from .pictures.job_figure import frame_at, plot_job, save_job_film
 from .plane import carried, difference
 
 __all__ = [

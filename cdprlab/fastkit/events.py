@@ -17,6 +17,22 @@ class Event(NamedTuple):
     why: str = ""
 
 
+class History:
+    """What has ``events``: it is in the last one's state."""
+
+    events: Sequence[Event]
+
+    @property
+    def state(self) -> str:
+        """Name of the last state."""
+        return self.events[-1].state if self.events else ""
+
+    @property
+    def reason(self) -> str:
+        """'' or why it stopped."""
+        return self.events[-1].why if self.events else ""
+
+
 def spans(events: Sequence[Event], end: float) -> list[tuple[float, float, str]]:
     """(begin, end, state) of each [s].
 

@@ -20,6 +20,9 @@ from ..robot.pose import (
     rotation_vector_jacobian,
 )
 
+PEAK_SPEED = 15 / 8
+"""Largest over mean speed of a quintic from rest to rest."""
+
 
 class Reference(NamedTuple):
     """Where the platform should be: ``pose, twist, acceleration = trajectory(t)``.
@@ -91,6 +94,18 @@ def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike |
     rate1, bend1 = _vector_rates(start.rotation, turn, ends[1], ends[3], d)
     coefficients = _coefficients(step, rate0, rate1, bend0, bend1, period)
     return Trajectory(start, end, period, _Polynomial(coefficients))
+
+
+def rest_to_rest(share: ArrayLike) -> Array:
+    """s³ (10 − 15 s + 6 s²): how much of a way is done after a share s of its time, from rest to rest.
+
+    share : (…) of the time; before 0 and after 1 it rests
+
+    >>> rest_to_rest([0.0, 0.5, 2.0]).tolist()
+    [0.0, 0.5, 1.0]
+    """
+    s = np.clip(share, 0.0, 1.0)
+    return np.asarray(s**3 * (10 - 15 * s + 6 * s**2))
 
 
 def hold(pose: Pose, duration: float) -> Trajectory:

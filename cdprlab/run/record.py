@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -55,7 +55,7 @@ class Run:
     base_poses: Array | None = None
 
     @classmethod
-    def of(cls, log: Log, reference: Reference, *, world: World, at_end: bool = False, **about: Any) -> Run:
+    def of(cls, log: Log, reference: Reference, *, world: World, at_end: bool = False, **about: Any) -> Self:
         """A run from what `fly` kept of it.
 
         reference : of batch (N,)
@@ -112,15 +112,15 @@ class Run:
             "real-time factor": f"{self.real_time_factor:.1f}",
         }
 
-    def save(self, folder: str | Path) -> Path:
+    def save(self, folder: str | Path, every: int = 1) -> Path:
         """Write log.npz (named arrays and their units), log.csv, the world used and the settings.
 
-        folder : made if missing
+        folder : made if missing; every : of how many rows log.csv keeps one
         """
         settings = {"task": self.task, "method": self.method, "cables": self.cables, **self.settings}
-        return save_record(folder, self._columns(), self.world, settings)
+        return save_record(folder, self.columns(), self.world, settings, every)
 
-    def _columns(self) -> dict[str, tuple[Array, str]]:
+    def columns(self) -> dict[str, tuple[Any, str]]:
         """Name → array, unit of each log column group."""
         spatial = self.world.robot.dimension == 3
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import Array
+from ...arrays import Array, frozen
 from ...errors import InvalidInput
 from ...mechanics.fast_control import turn_between
-from ...mechanics.trajectory import Reference, Trajectory, hold, quintic
+from ...mechanics.trajectory import Reference, Trajectory, hold, quintic, rest_to_rest
 from ...robot.pose import Pose
 from ...run import Log
 from ...run.loop import fly
@@ -22,13 +22,12 @@ from ...simulate.mobile import MobileSimulator
 from ...world import World
 from ...world.model import PickAndPlace
 from ..plane import relative
-from .job_record import Job, as_job, job_columns
+from .job_record import Job
 from .machine import FAULTS, Guard, Machine, Phase, Sensors
-from .phases import BOX, driving_speed, job_phases, payload
+from .phases import ACCELERATION, BOX, driving_speed, job_phases, payload
 
 Progress = Callable[[int, int], Any]
 
-_ACCELERATION = 0.2    # m/s² and rad/s²: of bases, as gently as a loaded trolley is pushed
 _ROLLERS = 0.1         # the box's factor of 0.05 with a board: boards that a box is drawn from have rollers
 _AFTERMATH = 1.5       # s that a stopped job is watched: bases brake within 1 s
 _SLACK = 0.5           # N: how far off its limits a cable may be before it counts, about what friction leaves
@@ -70,8 +69,9 @@ def pick_and_place(world: World, task: str = "pick_and_place", control: str | Wi
         engine.add_box(BOX, job.box_position, job.box_size, job.box_mass, friction=_ROLLERS)
         work = _Work(engine, job, machine, law, control_period)
         log, elapsed = fly(engine, law, work.wishes(progress), substeps)
-    return as_job(world, task, job, law.name, machine, log, work.log, elapsed,
-                  {"dt": dt, "control_period": control_period, "speed": speed})
+    settings = {"dt": dt, "control_period": control_period, "speed": speed}
+    return work.record(log, elapsed, world=world, task=task, method=law.name, cables=law.cables, dt=dt,
+                       control_period=control_period, settings=settings)
 
 
 class _Work:
@@ -88,7 +88,11 @@ class _Work:
         self.empty = engine.world.robot
         self.carried: tuple[float, ...] = (0.0,)
         self.overloaded = self.missing = 0.0
-        self.log = Log(job_columns(engine.world.robot))
+        p, k = len(self.empty.bases), len(self.empty.bases[0].footprint)
+        self.log = Log({"base_poses": ((p, 3), "m, m, rad"), "tilts": ((p,), "rad"), "wheels": ((p, k), "N"),
+                        "box_positions": ((3,), "m"), "box_rotations": ((3, 3), ""), "stroke": ((), ""),
+                        "carried": ((), "kg"), "states": ((), "")})
+        self.wished: list[Reference] = []
 
     def wishes(self, progress: Progress | None) -> Iterator[Reference]:
         """Where the platform should be, step after step, until the job is done or has been stopped for a while."""
@@ -102,7 +106,7 @@ class _Work:
             self._draw(now)
             sensors = self._look(now, wish)
             yield wish
-            self._note(now, wish, sensors)
+            self._note(wish, sensors)
             steps += 1
             if machine.step(sensors._replace(time=steps * self.period)):
                 ended = steps * self.period
@@ -140,7 +144,7 @@ class _Work:
     def _drive(self, now: float) -> None:
         speeds = np.zeros(self.bases.size)
         if self.machine.stopped:   # brake, not stop dead: the cables would feel it
-            slower = np.abs(self.driven) - _ACCELERATION * self.period
+            slower = np.abs(self.driven) - ACCELERATION * self.period
             speeds = np.sign(self.driven) * np.maximum(slower, 0.0)
         elif not self.machine.done:
             for k, base in enumerate(self.empty.bases):
@@ -152,14 +156,13 @@ class _Work:
     def _speed_of(self, k: int, goal: tuple[float, float, float], t: float) -> Array:
         """θ̇, ρ̇₁, ρ̇₂ of one base, a rest-to-rest drive along each."""
         way = relative(goal, self.bases[k])
-        return driving_speed(t, way[[2, 0, 1]], self.empty.bases[k].speed_max, _ACCELERATION)
+        return driving_speed(t, way[[2, 0, 1]], self.empty.bases[k].speed_max, ACCELERATION)
 
     def _draw(self, now: float) -> None:
         """The gripper's stroke, and what the platform is known to carry."""
         phase, engine = self.machine.phase, self.engine
         if phase.stroke is not None and not (self.machine.stopped or self.machine.done):
-            s = np.clip((now - self.machine.began) / phase.duration, 0, 1)
-            share = s**3 * (10 - 15 * s + 6 * s**2)
+            share = rest_to_rest((now - self.machine.began) / phase.duration)
             self.stroke = float(phase.stroke[0] + share * (phase.stroke[1] - phase.stroke[0]))
             engine.draw(BOX, (self.stroke - 1) * self.task.stroke)
         load, place = payload(self.task, self.stroke) if engine.is_gripped(BOX) else (0.0, self.task.seat)
@@ -185,12 +188,25 @@ class _Work:
                        self.overloaded, self.missing, engine.wheel_loads(), base_error, gripped,
                        slipped, (engine.position, engine.rotation), now_at)
 
-    def _note(self, now: float, wish: Reference, sensors: Sensors) -> None:
+    def _note(self, wish: Reference, sensors: Sensors) -> None:
         engine, robot, box = self.engine, self.empty, self.engine.box_pose(BOX)
         tau = engine.tensions
         beyond = (tau < robot.tension_min - _SLACK).any() or (tau > robot.tension_max + _SLACK).any()
         self.overloaded = self.overloaded + self.period if beyond else 0.0
         self.missing = 0.0 if self.law.feasible else self.missing + self.period
-        self.log.keep([now], wish.pose.position, wish.pose.rotation, sensors.bases, engine.tilts,
-                      *sensors.wheels.values(), box.position, box.rotation,
-                      [self.stroke, self.carried[0], len(self.machine.history) - 1])
+        self.wished.append(wish)
+        self.log.keep(sensors.bases, engine.tilts, *sensors.wheels.values(), box.position, box.rotation, self.stroke,
+                      self.carried[0], len(self.machine.history) - 1)
+
+    def record(self, flown: Log, elapsed: float, **about: Any) -> Job:
+        """The job from what `fly` kept of it and what was noted beside."""
+        poses, twists, accelerations = zip(*self.wished)
+        wanted = Pose.of(np.array([pose.position for pose in poses]), np.array([pose.rotation for pose in poses]))
+        kept: dict[str, Any] = {name: self.log[name] for name in self.log.units}
+        boxes = Pose.of(kept.pop("box_positions"), kept.pop("box_rotations"))
+        time = frozen(np.arange(len(poses), dtype=float) * self.period)
+        return Job.of(flown, Reference(wanted, np.array(twists), np.array(accelerations)), time=time,
+                      events=tuple(self.machine.history), states=kept.pop("states").astype(int),
+                      words={phase.name: phase.what for phase in self.machine.phases}, box_poses=boxes,
+                      motor_torques=flown["motor_torques"][:-1], motor_speeds=flown["motor_speeds"][:-1],
+                      real_time_factor=time[-1] / elapsed, **kept, **about)

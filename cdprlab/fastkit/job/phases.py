@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...errors import InvalidInput
+from ...mechanics.trajectory import PEAK_SPEED
 from ...robot import Base
 from ...robot.pose import Pose
 from ...simulate.mobile import MobileSimulator
@@ -22,26 +23,27 @@ BOX = "box"
 Place = tuple[float, float, float]
 """x, y, heading of a base [m, m, rad]."""
 
+ACCELERATION = 0.2
+"""[m/s² and rad/s²] of bases, as gently as a loaded trolley is pushed."""
+
 _DRAWING = 4.0      # s for the gripper's whole stroke
 _LIFT = 0.003       # m: a box that is drawn out comes over its board's edge without catching
 _OVERLAP = 0.006    # m of the box over its board as it is set down
 _UP = np.array([0.0, 0.0, 1.0])
 
 
-def job_phases(world: World, task: PickAndPlace, speed: float = 0.5,
-               base_acceleration: float = 0.2, fold: bool = False) -> tuple[Phase, ...]:
+def job_phases(world: World, task: PickAndPlace, speed: float = 0.5, fold: bool = False) -> tuple[Phase, ...]:
     """What happens, in order.
 
     world : as it is to be once deployed
     speed : the platform's largest, carrying or not [m/s]
-    base_acceleration : [m/s²]
     fold : whether the bases come together again in the end
     """
-    folding = _folding(world, task, base_acceleration) if fold else ()
-    return (*_deployment(world, task, base_acceleration), *_taking(task, speed), *_putting(task, speed), *folding)
+    folding = _folding(world, task) if fold else ()
+    return (*_deployment(world, task), *_taking(task, speed), *_putting(task, speed), *folding)
 
 
-def _deployment(world: World, task: PickAndPlace, acceleration: float) -> Iterator[Phase]:
+def _deployment(world: World, task: PickAndPlace) -> Iterator[Phase]:
     if not task.coupled:
         return
     yield Phase("coupled", "both bases stand together, the link closed", 0.5, begin=MobileSimulator.couple)
@@ -50,12 +52,12 @@ def _deployment(world: World, task: PickAndPlace, acceleration: float) -> Iterat
              ("line up", "the base takes its place"))
     for name, start in task.coupled.items():
         base = world.robot.base(name)
-        yield from _legs(base, start, base.pose, task.aside, words, acceleration)
+        yield from _legs(base, start, base.pose, task.aside, words)
     yield Phase("stabilize", "the stabilizers go down, no base can drive", 0.5,
                 begin=MobileSimulator.lower_stabilizers)
 
 
-def _folding(world: World, task: PickAndPlace, acceleration: float) -> Iterator[Phase]:
+def _folding(world: World, task: PickAndPlace) -> Iterator[Phase]:
     """The deployment's way, back."""
     if not task.coupled:
         raise InvalidInput("bases are to fold back, but the task names no `coupled:` base and its pose")
@@ -65,19 +67,18 @@ def _folding(world: World, task: PickAndPlace, acceleration: float) -> Iterator[
              ("close up", "beside the other base, as before"))
     for name, goal in task.coupled.items():
         base = world.robot.base(name)
-        yield from _legs(base, base.pose, goal, task.aside, words, acceleration)
+        yield from _legs(base, base.pose, goal, task.aside, words)
     yield Phase("link", "the electromagnetic link closes", 0.5, drives=dict(task.coupled), guard=_arrived,
                 begin=MobileSimulator.couple)
 
 
-def _legs(base: Base, start: Place, goal: Place, aside: float, words: tuple[tuple[str, str], ...],
-          acceleration: float) -> Iterator[Phase]:
+def _legs(base: Base, start: Place, goal: Place, aside: float, words: tuple[tuple[str, str], ...]) -> Iterator[Phase]:
     """A base's way from place to place, a state each: out sideways, along, back in; without ``aside`` only along."""
     stops, told = [start, goal], words[1:2]
     if aside:
         stops, told = [start, *(_beside(end, aside) for end in stops), goal], words
     for (state, what), here, there in zip(told, stops, stops[1:]):
-        lasting = driving_time(relative(there, here), base.speed_max[[1, 2, 0]], acceleration).max()
+        lasting = driving_time(relative(there, here), base.speed_max[[1, 2, 0]], ACCELERATION).max()
         yield Phase(state, what, float(lasting), drives={base.name: there}, guard=_arrived)
 
 
@@ -127,7 +128,7 @@ def _stations(task: PickAndPlace, box: Array) -> tuple[Pose, Pose, Pose]:
 
 def _move(name: str, what: str, start: Pose, end: Pose, speed: float) -> Phase:
     way = float(np.linalg.norm(end.position - start.position))
-    return Phase(name, what, max(1.0, 15 / 8 * way / speed), end)  # the quintic's largest speed is 15/8 of its mean
+    return Phase(name, what, max(1.0, PEAK_SPEED * way / speed), end)
 
 
 def _arrived(sensors: Sensors) -> str:

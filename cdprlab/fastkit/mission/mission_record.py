@@ -8,13 +8,13 @@ import numpy as np
 
 from ...run.log import Log
 from ...world import World
-from ..events import Event
+from ..events import Event, History
 from ..job.job_record import Job
 from ..navigation.journey import Journey
 
 
 @dataclass
-class Mission:
+class Mission(History):
     """What happened, state by state.
 
     world, task : what was to be done; seed : of all noise
@@ -36,16 +36,6 @@ class Mission:
     way_home: Journey | None = None
     drive_home: Log | None = None
     real_time_factor: float = np.nan
-
-    @property
-    def state(self) -> str:
-        """Name of the last state."""
-        return self.events[-1].state if self.events else ""
-
-    @property
-    def reason(self) -> str:
-        """'' or why it stopped."""
-        return self.events[-1].why if self.events else ""
 
     @property
     def parts(self) -> dict[str, Journey | Job]:

@@ -14,7 +14,7 @@ from ...view.plots import Figure, label_ends, spread_apart
 from ...view.screen import RobotScreen
 from ...view.style import AXIS_COLORS, AXIS_DASHES, BLUE, GREY, INK, VERMILION, cable_style, house_style
 from ...world.model import Scene
-from ..job.job_record import Job
+from ..job.job_record import Job, least_edge_loads
 
 _STILL = 0.02    # m: a base that moves less across the floor stands as far as a picture can tell
 
@@ -37,7 +37,7 @@ def plot_job(job: Job) -> Figure:
         _wheel_panel(axes[4], job)
         axes[-1].set_xlabel("time [s]")
         axes[-1].set_xlim(0, float(job.time[-1]))
-        figure.suptitle(f"{job.world.title} · {job.task_name.replace('_', ' ')} · {job.control} control · {job.state}",
+        figure.suptitle(f"{job.world.title} · {job.task.replace('_', ' ')} · {job.method} control · {job.state}",
                         x=0.01, ha="left", fontsize=13, color=INK)
         figure.alt_text = _caption(job) + " " + "; ".join(f"{name}: {value}" for name, value in job.table().items())
         return figure
@@ -72,7 +72,7 @@ class JobScreen(RobotScreen):
     def __init__(self, job: Job, scene: Scene, width: int = 640) -> None:
         self.job = job
         some = job.poses[np.linspace(0, len(job.time) - 1, 20).astype(int)]
-        super().__init__(job.world.robot, scene, some, job.tensions, job.world.title, width, captioned=True)
+        super().__init__(job.world.robot, scene, some, job.measured_tensions, job.world.title, width, captioned=True)
 
     def at(self, t: float) -> NDArray[np.uint8]:
         """(height, width, 3) the picture at a time of the job [s]."""
@@ -82,7 +82,7 @@ class JobScreen(RobotScreen):
         """The robot at a time of the job [s]; returns what it does."""
         job, k = self.job, min(int(np.searchsorted(self.job.time, t - 1e-9)), len(self.job.time) - 1)
         self.drawing.drive(job.robot_at(k))
-        self.drawing.move(job.poses[k], job.tensions[k], loads=[(job.box_poses[k], job.task.box_size)],
+        self.drawing.move(job.poses[k], job.measured_tensions[k], loads=[(job.box_poses[k], job.work.box_size)],
                           trail=job.poses.position[np.unique(np.linspace(0, k, 60).astype(int))])
         return _words(job, k)
 
@@ -132,7 +132,7 @@ def _error_panel(panel: Axes, job: Job) -> None:
 
 
 def _tension_panel(panel: Axes, job: Job) -> None:
-    robot, lines = job.world.robot, list(job.tensions[1:].T)
+    robot, lines = job.world.robot, list(job.measured_tensions[1:].T)
     for cable, line in enumerate(lines):
         color, dashes = cable_style(cable)
         panel.plot(job.time[1:], line, color=color, linestyle=dashes, linewidth=1.2)
@@ -170,11 +170,6 @@ def _wheel_panel(panel: Axes, job: Job) -> None:
     label_ends(panel, lines, [base.name for base in job.world.robot.bases], (BLUE, VERMILION))
 
 
-def least_edge_loads(wheels: Array) -> Array:
-    """(N, p) what the two wheels of a base's least loaded edge carry, from (N, p, k) wheel loads [N]."""
-    return np.asarray((wheels + np.roll(wheels, -1, axis=-1)).min(axis=-1))
-
-
 # --- words ------------------------------------------------------------------------------------------------
 def _words(job: Job, index: int) -> str:
     state = job.state_at(index)
@@ -184,6 +179,6 @@ def _words(job: Job, index: int) -> str:
 
 
 def _caption(job: Job) -> str:
-    return (f"{job.world.title}, {job.task_name.replace('_', ' ')} under {job.control} control: two mobile bases, the "
+    return (f"{job.world.title}, {job.task.replace('_', ' ')} under {job.method} control: two mobile bases, the "
             f"platform between them on {job.world.robot.n_cables} cables, a shelf and a box, seen from "
             "the front and above.")

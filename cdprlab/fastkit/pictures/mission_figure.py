@@ -11,11 +11,11 @@ from ...arrays import Array
 from ...run.log import Log
 from ...view.plots import Figure
 from ...view.style import BLUE, GREEN, GREY, INK, VERMILION, house_style
+from ..job.job_record import least_edge_loads
 from ..mission.guards import LEANS
 from ..mission.mission_record import Mission
 from ..navigation.journey import Journey
 from .hall_figure import draw_scan
-from .job_figure import least_edge_loads
 
 
 def plot_scans(journey: Journey, moments: int = 6) -> Figure:
