@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from ...arrays import Array
 from ...view.film import save_gif
 from ...view.plots import Figure, label_ends, spread_apart
 from ...view.screen import RobotScreen
