@@ -126,31 +126,12 @@ def plot_sets(sets: Mapping[str, Polytope], names: Sequence[str], points: Mappin
     return figure
 
 
-def plot_capability(bars: Mapping[str, ArrayLike], names: Sequence[str], title: str = "") -> Figure:
-    """Bars per axis, translations and turns in a panel each, every bar with its number.
+def draw_capability(axes: Axes, bars: Mapping[str, ArrayLike], names: Sequence[str], group: Sequence[int]) -> None:
+    """Bars on axes of one's own, every bar with its number.
 
     bars : label → (n,) one value an axis, for instance ``np.abs(polytope.component_range()).max(axis=1)``
-    names : of the axes, as `axis_names` gives them
-
-    >>> len(plot_capability({"fixed": [1, 2, 3]}, ("v_x", "v_y", "ω")).axes)
-    2
+    names : of the axes, as `axis_names` gives them; group : indices of those that are drawn, of one unit
     """
-    groups = [[i for i, name in enumerate(names) if name[0] == letter] for letter in dict.fromkeys(n[0] for n in names)]
-    with house_style():
-        figure = Figure(figsize=(4.6 * len(groups) + 0.6, 3.6), layout="constrained")
-        panels = np.atleast_1d(figure.subplots(1, len(groups), width_ratios=[len(group) + 0.5 for group in groups]))
-        for axes, group in zip(panels, groups):
-            draw_capability(axes, bars, names, group)
-        panels[0].legend(loc="upper left", bbox_to_anchor=(0, -0.1), ncols=len(bars), borderaxespad=0)
-        figure.suptitle(title, x=0.01, ha="left", fontsize=12, fontweight="bold")
-        figure.alt_text = title + ". " + " ".join(
-            f"{label}: {', '.join(f'{name} {value:.3g}' for name, value in zip(names, np.asarray(values)))}."
-            for label, values in bars.items())
-    return figure
-
-
-def draw_capability(axes: Axes, bars: Mapping[str, ArrayLike], names: Sequence[str], group: Sequence[int]) -> None:
-    """The axes ``group`` of a chart on axes of one's own."""
     width = 0.8 / len(bars)
     for k, (label, values) in enumerate(bars.items()):
         heights = np.asarray(values, dtype=float)[list(group)]
