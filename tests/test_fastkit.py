@@ -10,7 +10,7 @@ import cdprlab as cl
 from cdprlab.errors import InvalidInput
 from cdprlab.fastkit import DONE, STOPPED, Machine, Phase, Sensors, pick_and_place
 from cdprlab.fastkit.job.phases import driving_speed, driving_time, job_phases
-from cdprlab.mechanics.fast_control import mass_and_bias, turn_between
+from cdprlab.mechanics.dynamics import mass_and_bias, pose_error
 from cdprlab.mechanics.winch import (
     Friction,
     cable_tensions,
@@ -283,7 +283,7 @@ def test_motors_and_cables_agree(winch):
     assert motor_speed(winch, -0.04) == pytest.approx(5.0)  # one drum radius a second, behind a gear of 5
 
 
-def test_mass_and_bias_are_those_of_inverse_dynamics():
+def test_computed_torque_is_mass_and_bias_at_the_wanted_acceleration():
     rng = np.random.default_rng(2)
     robot = cl.load_world("fastkit_suspended").robot.with_payload(7.0, [0.1, -0.2, 0.05])
     pose = cl.Pose([0, 0, 1], rpy=rng.normal(size=3))
@@ -292,7 +292,7 @@ def test_mass_and_bias_are_those_of_inverse_dynamics():
     state = State(0.0, robot, pose.position, pose.rotation, twist, np.zeros(8))
     wanted = cl.Pose([0.1, 0.2, 1.1], rpy=[0.3, -0.2, 0.5])
     law = cl.ComputedTorque(30, 12)(0.0, state, cl.Reference(wanted, np.zeros(6), acceleration))
-    off = np.concatenate([wanted.position - pose.position, turn_between(pose.rotation, wanted.rotation)])
+    off = pose_error(pose, wanted)
     np.testing.assert_allclose(mass @ (acceleration - 12 * twist + 30 * off) + bias, law, atol=1e-9)
     np.testing.assert_allclose(off[3:], rotation_vector(wanted.rotation @ pose.rotation.T), atol=1e-12)
 

@@ -5,6 +5,7 @@ import pytest
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
+from cdprlab.mechanics.dynamics import inverse_dynamics, mass_and_bias
 from cdprlab.view.outlines import hanging
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
@@ -44,12 +45,14 @@ def test_tensions_and_gaps_are_complementary(name, seed):
     world, rng = cl.load_world(name), np.random.default_rng(seed)
     with cl.open_simulator(world, "length") as simulator:
         law, W = simulator._ropes, simulator.wrench_matrix
-        mobility = cl.mechanics.dynamics.mobility(world.robot, simulator.rotation)
+        mass, _ = mass_and_bias(world.robot, simulator.rotation, np.zeros(6))
+        S = world.robot.pattern.basis(simulator.rotation)
+        mobility = S.T @ np.linalg.inv(mass) @ S
         for _ in range(50):
             twist, extra = rng.normal(size=6) * 0.1, rng.uniform(-2e-5, 2e-5, world.robot.n_cables)
             wound = simulator.lengths + extra
             T = law(W, simulator.rotation, twist, simulator.lengths, simulator.lengths, wound, None)
-            rest = cl.mechanics.dynamics.inverse_dynamics(world.robot, simulator.rotation, twist, np.zeros(6))
+            rest = inverse_dynamics(world.robot, simulator.rotation, twist, np.zeros(6))
             moving = twist[:W.shape[0]] + 1e-3 * mobility @ (W @ T - rest)
             gap = wound - (simulator.lengths - 1e-3 * W.T @ moving)
             yielding = 1e-6 * np.trace(W.T @ mobility @ W) * T * 1e-6   # the law's own, dt² = 1e-6

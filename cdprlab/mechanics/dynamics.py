@@ -1,4 +1,4 @@
-"""Newton and Euler for the platform: the wrench that a motion takes, the motion that a wrench gives."""
+"""Newton and Euler for the platform: the wrench that a motion takes, and how far a pose is from the one wanted."""
 
 from __future__ import annotations
 
@@ -6,64 +6,72 @@ import numpy as np
 
 from ..arrays import Array
 from ..robot import Robot
-from ..robot.pose import cross_matrix
+from ..robot.pose import Pose
 
 
-def inverse_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: Array, *,
-                     every_row: bool = False) -> Array:
-    """W τ = M a + C v − f_g: Newton and Euler about the center of mass, moments taken at P.
+def mass_and_bias(robot: Robot, rotation: Array, twist: Array) -> tuple[Array, Array]:
+    """M and h of W τ = M a + h, whatever the motion pattern controls: C v and the weight are in h.
+
+    rotation : (d, d); twist : (3 planar or 6 spatial,) of P in world axes
+    Returns (n, n) and (n,), n = 3 planar or 6 spatial [kg, kg m, kg m²; N, N m].
+    Source: Okoli 2016, eq. (2.17)–(2.19), extended to a center of mass off P.
+
+    >>> import cdprlab as cl
+    >>> M, h = mass_and_bias(cl.load_world("caroca").robot, np.eye(3), np.zeros(6))
+    >>> M[0, 0], h[2]
+    (np.float64(150.0), np.float64(1471.5))
+    """
+    from ..compiled import control
+
+    body = robot.platform
+    return control.mass_and_bias(body.mass, np.atleast_2d(body.inertia), body.center_of_mass, robot.gravity, rotation,
+                                 twist)
+
+
+def mass_matrix(robot: Robot, pose: Pose) -> Array:
+    """M in the motion pattern's rows: with a twist t the platform's kinetic energy is ½ t · M t.
+
+    robot, pose : single or batched
+    Returns (…, n, n) [kg, kg m, kg m²].
+
+    >>> import cdprlab as cl
+    >>> mass_matrix(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).diagonal()
+    array([150. , 150. , 150. ,   6.5,  20. ,  22.5])
+    """
+    d, rest = robot.dimension, np.zeros(3 * (robot.dimension - 1))
+    rotations = pose.rotation.reshape(-1, d, d)
+    M = np.array([mass_and_bias(robot, R, rest)[0] for R in rotations]).reshape(*pose.batch_shape, rest.size, rest.size)
+    S = robot.pattern.basis(pose.rotation)
+    return np.swapaxes(S, -1, -2) @ M @ S
+
+
+def inverse_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: Array) -> Array:
+    """W τ = M a + h, in the motion pattern's rows.
 
     rotation : (d, d); twist, acceleration : (3 planar or 6 spatial,) of P in world axes
-    every_row : all rows of the motion, not only those the motion pattern controls
     Returns (n,) wrench the cables must exert [N, N m].
-    Source: Okoli 2016, eq. (2.17)–(2.19), extended to a center of mass off P.
 
     >>> import cdprlab as cl
     >>> robot = cl.load_world("caroca").robot
     >>> inverse_dynamics(robot, np.eye(3), np.zeros(6), np.zeros(6))[2]
     np.float64(1471.5)
     """
-    if robot.dimension == 2:
-        return _planar_dynamics(robot, rotation, twist, acceleration)
-    platform, mass = robot.platform, robot.platform.mass
-    # Turning in platform axes, where the inertia is constant.
-    spin, spin_rate = twist[3:] @ rotation, acceleration[3:] @ rotation
-    moment = platform.inertia @ spin_rate + np.cross(spin, platform.inertia @ spin)
-    center = platform.center_of_mass
-    swing = np.cross(spin_rate, center) + np.cross(spin, np.cross(spin, center))
-    force = mass * (acceleration[:3] + [0, 0, robot.gravity] + rotation @ swing)
-    wrench = np.concatenate([force, rotation @ moment + np.cross(rotation @ center, force)])
-    return wrench if every_row or robot.n_dof == 6 else wrench @ robot.pattern.basis(rotation)
+    M, h = mass_and_bias(robot, rotation, twist)
+    return (M @ acceleration + h) @ robot.pattern.basis(rotation)
 
 
-def mobility(robot: Robot, rotation: Array, *, every_row: bool = False) -> Array:
-    """M⁻¹ in the motion pattern's rows: dv/dt = M⁻¹ w for a wrench w at P of a spatial platform at rest.
+def pose_error(pose: Pose, wanted: Pose) -> Array:
+    """e = [p_d − p; log(R_d Rᵀ)] in world axes.
 
-    rotation : (3, 3)
-    every_row : all six rows
-    Returns (n, n) [1/kg, 1/(kg m), 1/(kg m²)].
+    pose, wanted : single, or batches of one shape
+    Returns (…, 3 planar or 6 spatial) [m, rad].
 
-    >>> import cdprlab as cl
-    >>> robot = cl.load_world("caroca").robot
-    >>> bool(np.isclose(mobility(robot, np.eye(3))[2, 2], 1 / 150))
-    True
+    >>> pose_error(Pose([0, 0], angle=0.1), Pose([1, 0], angle=0.3)).round(6)
+    array([1. , 0. , 0.2])
     """
-    body = robot.platform
-    arm = cross_matrix(rotation @ body.center_of_mass)
-    turning = rotation @ np.linalg.inv(body.inertia) @ rotation.T
-    # A force at P is the same force at the center of mass and a moment −(R c) × f about it.
-    full = np.block([[np.eye(3) / body.mass - arm @ turning @ arm, arm @ turning], [-turning @ arm, turning]])
-    if every_row or robot.n_dof == 6:
-        return full
-    basis = robot.pattern.basis(rotation)
-    return basis.T @ full @ basis
+    from ..compiled import control
 
-
-def _planar_dynamics(robot: Robot, rotation: Array, twist: Array, acceleration: Array) -> Array:
-    platform = robot.platform
-    x, y = rotation @ platform.center_of_mass
-    force = acceleration[:2] + acceleration[2] * np.array([-y, x]) - twist[2]**2 * np.array([x, y])
-    force[1] += robot.gravity
-    force *= platform.mass
-    wrench = np.array([*force, platform.inertia * acceleration[2] + x * force[1] - y * force[0]])
-    return wrench[:robot.n_dof]
+    if not pose.batch_shape:
+        return control.pose_error(pose.position, pose.rotation, wanted.position, wanted.rotation)
+    errors = [pose_error(here, there) for here, there in zip(pose, wanted)]
+    return np.array(errors).reshape(*pose.batch_shape, 3 * (pose.dimension - 1))

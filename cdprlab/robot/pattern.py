@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, frozen
 from ..errors import InvalidInput
 
 
@@ -45,9 +46,8 @@ class MotionPattern(NamedTuple):
         rotation : (…, d, d) platform rotation (used by 2R3T only)
         Returns (…, 3 or 6, n), full twist [v; ω] in world axes.
         """
-        full = 3 if self.dimension == 2 else 6
         if self.name != "2R3T":
-            return np.eye(full)[:, :self.n_dof]
+            return _first_rows(self.dimension, self.n_dof)
         basis = np.zeros((*rotation.shape[:-2], 6, 5))
         basis[..., :3, :3] = np.eye(3)
         basis[..., 3:, 3:] = rotation[..., :, 1:]
@@ -74,6 +74,11 @@ MOTION_PATTERNS: dict[str, MotionPattern] = {
         MotionPattern("3R3T", 3, 6, ("x", "y", "z", "rx", "ry", "rz")),
     )
 }
+
+
+@cache
+def _first_rows(d: int, n: int) -> Array:
+    return frozen(np.eye(3 * (d - 1), n))
 
 
 def motion_pattern(name: str) -> MotionPattern:

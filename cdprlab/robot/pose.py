@@ -128,7 +128,32 @@ def rotation_vector(rotation: Array) -> Array:
     """
     if rotation.shape[-1] == 2:
         return np.arctan2(rotation[..., 1, 0], rotation[..., 0, 0])[..., None]
-    return _scipy_rotation().from_matrix(rotation).as_rotvec()
+    return np.stack(turn_about_axes(np.moveaxis(rotation, (-2, -1), (0, 1))), axis=-1)
+
+
+def turn_about_axes(R: Any) -> tuple[Any, Any, Any]:
+    """The three entries of log(R), exact near none and near half a turn: of entries that are numbers or whole batches.
+
+    R : (3, 3, …)
+
+    >>> turn_about_axes(np.eye(3))
+    (np.float64(0.0), np.float64(0.0), np.float64(0.0))
+    """
+    # Four times q qᵀ of the quaternion q = (w, x, y, z): every row is q but for its length and sign.
+    w = 1 + R[0, 0] + R[1, 1] + R[2, 2]
+    x, y, z = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
+    xy, xz, yz = R[0, 1] + R[1, 0], R[0, 2] + R[2, 0], R[1, 2] + R[2, 1]
+    rows = ((x, 2 + 2 * R[0, 0] - w, xy, xz), (y, xy, 2 + 2 * R[1, 1] - w, yz), (z, xz, yz, 2 + 2 * R[2, 2] - w))
+    for a, b, c, d in rows:   # the longest row says it best
+        longer = a*a + b*b + c*c + d*d > w*w + x*x + y*y + z*z
+        shorter = 1 - longer
+        w = longer * a + shorter * w
+        x = longer * b + shorter * x
+        y = longer * c + shorter * y
+        z = longer * d + shorter * z
+    sine = np.maximum(np.sqrt(x*x + y*y + z*z), 1e-150)
+    factor = 2 * np.copysign(np.arctan2(sine, np.abs(w)), w) / sine
+    return x * factor, y * factor, z * factor
 
 
 def rotation_from_vector(vector: Array) -> Array:

@@ -9,11 +9,8 @@ import numpy as np
 
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
-from ..mechanics.dynamics import inverse_dynamics
-from ..mechanics.fast_control import applies_to, computed_torque
 from ..mechanics.trajectory import Reference
 from ..robot import Robot
-from ..robot.pose import rotation_vector
 from ..simulate.state import State
 
 Controller = Callable[[float, State, Reference], Array]
@@ -35,7 +32,7 @@ class ComputedTorque:
 
     kp: float | Array = 100.0
     kd: float | Array = 100.0
-    _six_gains: tuple[list[float], list[float]] | None = field(default=None, init=False, repr=False)
+    _in_world: dict[str, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("kp", "kd"):
@@ -43,33 +40,22 @@ class ComputedTorque:
             if (gain < 0).any():
                 raise InvalidInput(f"{name} must not be negative, got {gain.tolist()}")
             object.__setattr__(self, name, gain)
-        six = all(np.shape(gain) in ((), (6,)) for gain in (self.kp, self.kd))
-        gains = (np.broadcast_to(self.kp, 6).tolist(), np.broadcast_to(self.kd, 6).tolist()) if six else None
-        object.__setattr__(self, "_six_gains", gains)
 
     def __call__(self, t: float, state: State, reference: Reference) -> Array:
-        robot = state.robot
-        if self._six_gains is not None and applies_to(robot):
-            wrench = computed_torque(*self._six_gains, state, reference)
-            if wrench is not None:
-                return wrench
-        return self._wrench(robot, state, reference)
+        from ..compiled.control import computed_torque
 
-    def _wrench(self, robot: Robot, state: State, reference: Reference) -> Array:
-        basis = robot.pattern.basis(state.rotation)
-        rate, error = (reference.twist - state.twist) @ basis, pose_error(state, reference) @ basis
-        try:
-            correction = basis @ (self.kd * rate + self.kp * error)
-        except ValueError:
-            raise InvalidInput(f"kp and kd must be numbers or {robot.n_dof} of them for a {robot.motion_pattern} "
-                               f"robot, got shapes {np.shape(self.kp)} and {np.shape(self.kd)}") from None
-        return inverse_dynamics(robot, state.rotation, state.twist, reference.acceleration + correction)
+        robot, wanted = state.robot, reference.pose
+        body, S = robot.platform, robot.pattern.basis(state.rotation)
+        wrench = computed_torque(*self._gains(robot, S), body.mass, np.atleast_2d(body.inertia), body.center_of_mass,
+                                 robot.gravity, state.position, state.rotation, state.twist,
+                                 wanted.position, wanted.rotation, reference.twist, reference.acceleration)
+        return wrench if robot.n_dof == 6 else wrench @ S
 
-
-def pose_error(state: State, reference: Reference) -> Array:
-    """[p_d − p; log(R_d Rᵀ)] in world axes.
-
-    Returns (3 planar or 6 spatial,) [m, rad].
-    """
-    turn = rotation_vector(reference.pose.rotation @ state.rotation.T)
-    return np.concatenate([reference.pose.position - state.position, turn])
+    def _gains(self, robot: Robot, S: Array) -> tuple[Array, Array]:
+        """S diag(K) Sᵀ for both: gains of the motion pattern's rows in world axes, with which a platform may turn."""
+        if robot.motion_pattern not in self._in_world or robot.motion_pattern == "2R3T":
+            if not {np.shape(self.kp), np.shape(self.kd)} <= {(), (robot.n_dof,)}:
+                raise InvalidInput(f"kp and kd must be numbers or {robot.n_dof} of them for a {robot.motion_pattern} "
+                                   f"robot, got shapes {np.shape(self.kp)} and {np.shape(self.kd)}")
+            self._in_world[robot.motion_pattern] = (self.kp * S) @ S.T, (self.kd * S) @ S.T
+        return self._in_world[robot.motion_pattern]

@@ -9,9 +9,10 @@ from typing import Any, Self
 import numpy as np
 
 from ..arrays import Array, frozen
+from ..mechanics.dynamics import pose_error
 from ..mechanics.trajectory import Reference
 from ..robot import Robot
-from ..robot.pose import Pose, rotation_vector
+from ..robot.pose import Pose
 from ..world import World
 from .log import Log, save_record
 
@@ -67,9 +68,7 @@ class Run:
         poses = Pose.of(log["position"][rows], log["rotation"][rows])
         commanded = (log["commanded_tensions"][:steps] if "commanded_tensions" in log else
                      frozen(np.full((steps, world.robot.n_cables), np.nan)))
-        turn = rotation_vector(reference.pose.rotation @ np.swapaxes(poses.rotation, -1, -2))
-        error = np.concatenate([reference.pose.position - poses.position, turn], axis=-1)
-        basis = world.robot.pattern.basis(poses.rotation)
+        error, basis = pose_error(poses, reference.pose), world.robot.pattern.basis(poses.rotation)
         return cls(world=world, poses=poses, twists=log["twist"][rows], reference=reference,
                    commanded_tensions=commanded, measured_tensions=log["measured_tensions"][1:],
                    lengths=log["lengths"][rows], errors=frozen((error[:, None] @ basis)[:, 0]),

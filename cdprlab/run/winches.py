@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from ..mechanics.fast_control import mass_and_bias, turn_between
+from ..mechanics.dynamics import mass_and_bias
 from ..mechanics.statics import TippingRows, footings
 from ..mechanics.trajectory import Reference
 from ..mechanics.winch import (
@@ -24,8 +24,10 @@ from ..mechanics.winch import (
 from ..robot import Robot, Winch, turned_to
 from ..simulate import Simulator
 from ..simulate.mobile import MobileSimulator
+from ..simulate.state import State
 from ..tensions.distribution import solver_for
 from ..tensions.standing import standing_tensions
+from .controllers import ComputedTorque
 from .log import Columns
 from .loop import Command
 
@@ -81,9 +83,7 @@ class TorqueControl(WinchControl):
 
     def __init__(self, kp: float = 900.0, kd: float = 60.0, *, standing: bool = True, toward: float = 0.0,
                  margin: float = 1.0, reserve: float = 5.0, friction: Friction | None = None) -> None:
-        if min(kp, kd) < 0:
-            raise InvalidInput(f"kp and kd must not be negative, got {kp:g} and {kd:g}")
-        self.kp, self.kd, self.standing, self.toward = float(kp), float(kd), standing, float(toward)
+        self.law, self.standing, self.toward = ComputedTorque(kp, kd), standing, float(toward)
         self.margin, self.reserve, self.friction = float(margin), float(reserve), friction
 
     def start(self, engine: Simulator, substeps: int) -> Columns:
@@ -96,8 +96,8 @@ class TorqueControl(WinchControl):
 
     def step(self, wish: Reference) -> Iterable[float]:
         engine, W = self.engine, self.engine.wrench_matrix
-        mass, bias = mass_and_bias(engine.carrying, engine.rotation, engine.twist)
-        tau = self._tensions(W, mass @ self._acceleration(wish) + bias)
+        state = State(0.0, engine.carrying, engine.position, engine.rotation, engine.twist, engine.tensions)
+        tau = self._tensions(W, self.law(state.time, state, wish))
         # B_b q̇_b, what driving bases pay of the cables: −u · Ȧ.
         paid = -(engine.directions * engine.exit_velocities).sum(axis=1)
         # Friction of the speed that is wanted, not of the one measured: its sign must not chatter at rest.
@@ -105,17 +105,12 @@ class TorqueControl(WinchControl):
         torques = np.clip(torques, -self.winch.torque, self.winch.torque)
         rates = -engine.twist @ W - paid
         # What the cables really carry: the winches' own friction and inertia stand between.
+        mass, bias = mass_and_bias(engine.carrying, engine.rotation, engine.twist)
         lightness = np.linalg.inv(mass)
         pulled = cable_tensions(self.winch, self.real, torques, rates, lightness @ bias @ W, W.T @ lightness @ W,
                                 self.period)
         engine.step(pulled, self.substeps)
         return self.effort(tau, torques, rates)
-
-    def _acceleration(self, wish: Reference) -> Array:
-        """a_d + K_d ė + K_p e, as `ComputedTorque` asks for it."""
-        engine = self.engine
-        off = np.array([*(wish.pose.position - engine.position), *turn_between(engine.rotation, wish.pose.rotation)])
-        return wish.acceleration + self.kd * (wish.twist - engine.twist) + self.kp * off
 
     def _tensions(self, W: Array, wrench: Array) -> Array:
         rows, offset = np.zeros((0, W.shape[1])), np.zeros(0)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..mechanics.fast_control import mass_and_bias
+from ..mechanics.dynamics import mass_and_bias
 from ..robot import Elasticity, Robot
 
 _FEW = 5  # ropes: for more the program is quicker

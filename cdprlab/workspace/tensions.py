@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
+from ..mechanics.dynamics import mass_matrix
 from ..mechanics.statics import gravity_wrench, tipping_rows, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -139,28 +140,6 @@ class TippingSafe(Criterion):
         W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
         s = np.array([standing_margin(robot, *pose) for pose in zip(W, weight, A, b)])
         return Judgement(s >= 0, s)
-
-
-def mass_matrix(robot: Robot, poses: Pose) -> Array:
-    """(N, n, n) inertia of the platform at rest in the motion pattern's rows, moments at P [kg, kg m, kg m²]."""
-    body, R = robot.platform, poses.rotation
-    arm = (R @ body.center_of_mass)
-    d = robot.dimension
-    if d == 2:
-        full = np.zeros((*R.shape[:-2], 3, 3))
-        full[..., 0, 0] = full[..., 1, 1] = body.mass
-        full[..., 2, 0] = full[..., 0, 2] = -body.mass * arm[..., 1]
-        full[..., 2, 1] = full[..., 1, 2] = body.mass * arm[..., 0]
-        full[..., 2, 2] = body.inertia + body.mass * (arm**2).sum(axis=-1)
-        return full[..., :robot.n_dof, :robot.n_dof]
-    from ..robot.pose import cross_matrix
-
-    cross, full = cross_matrix(arm), np.zeros((*R.shape[:-2], 6, 6))
-    full[..., :3, :3] = body.mass * np.eye(3)
-    full[..., :3, 3:], full[..., 3:, :3] = -body.mass * cross, body.mass * cross
-    full[..., 3:, 3:] = R @ body.inertia @ np.swapaxes(R, -1, -2) - body.mass * cross @ cross
-    basis = robot.pattern.basis(R)
-    return np.swapaxes(basis, -1, -2) @ full @ basis
 
 
 def _balanced(robot: Robot, W: Array, wanted: list[Array], margin: bool) -> Judgement:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...arrays import Array, frozen
 from ...errors import InvalidInput
-from ...mechanics.fast_control import turn_between
+from ...mechanics.dynamics import pose_error
 from ...mechanics.trajectory import Reference, Trajectory, hold, quintic, rest_to_rest
 from ...robot.pose import Pose
 from ...run import Log
@@ -183,10 +183,10 @@ class _Work:
         now_at = engine.base_poses
         goals = [(k, phase.drives[base.name]) for k, base in enumerate(self.empty.bases) if base.name in phase.drives]
         base_error = max((float(np.linalg.norm(now_at[k, :2] - goal[:2])) for k, goal in goals), default=0.0)
-        return Sensors(now, math.dist(wish.pose.position, engine.position),
-                       math.hypot(*turn_between(engine.rotation, wish.pose.rotation)), engine.tensions,
-                       self.overloaded, self.missing, engine.wheel_loads(), base_error, gripped,
-                       slipped, (engine.position, engine.rotation), now_at)
+        x, y, z, *turn = pose_error(Pose.of(engine.position, engine.rotation), wish.pose).tolist()
+        return Sensors(now, math.hypot(x, y, z), math.hypot(*turn), engine.tensions, self.overloaded,
+                       self.missing, engine.wheel_loads(), base_error, gripped, slipped,
+                       (engine.position, engine.rotation), now_at)
 
     def _note(self, wish: Reference, sensors: Sensors) -> None:
         engine, robot, box = self.engine, self.empty, self.engine.box_pose(BOX)

@@ -1,0 +1,106 @@
+"""What a controller asks for a thousand times a second: how far off the platform is, and what it takes to move it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Array
+from ..robot.pose import turn_about_axes
+from .jit import compiled, compiled_for
+
+_log = compiled(turn_about_axes)
+
+
+@compiled_for(1, 2, 1, 2)
+def pose_error(p: Array, R: Array, p_d: Array, R_d: Array) -> Array:
+    """e = [p_d − p; log(R_d Rᵀ)], (3 planar or 6 spatial,) in world axes.
+
+    p, p_d : positions (d,) [m]; R, R_d : rotations (d, d)
+    """
+    d = p.size
+    error, turn = np.empty(3 * (d - 1)), np.zeros((d, d))
+    for i in range(d):
+        error[i] = p_d[i] - p[i]
+        for j in range(d):
+            for k in range(d):
+                turn[i, j] += R_d[i, k] * R[j, k]
+    if d == 2:
+        error[2] = np.arctan2(turn[1, 0], turn[0, 0])
+    else:
+        error[3], error[4], error[5] = _log(turn)
+    return error
+
+
+@compiled_for(0, 2, 1, 0, 2, 1)
+def mass_and_bias(mass: float, inertia: Array, center: Array, gravity: float, R: Array,
+                  t: Array) -> tuple[Array, Array]:
+    """M (n, n) and h (n,) of W τ = M a + h: Newton and Euler, moments taken at P, n = 3 planar or 6 spatial.
+
+    inertia : (1, 1) or (3, 3) about the center of mass; center : (d,) of mass; both in platform axes
+    R : (d, d); t = [v; ω] : (n,) twist of P in world axes
+    """
+    d, n = center.size, t.size
+    r, f, M, h = np.zeros(d), np.zeros(d), np.zeros((n, n)), np.zeros(n)
+    # r = R c, f = m (ω × (ω × r) + g e_up) with ω × (ω × r) = ω (ω · r) − r (ω · ω)
+    along = around = distance = 0.0
+    for i in range(d):
+        for j in range(d):
+            r[i] += R[i, j] * center[j]
+        distance += r[i] * r[i]
+    for i in range(n - d):
+        around += t[d + i] * t[d + i]
+        if d == 3:
+            along += t[3 + i] * r[i]
+    for i in range(d):
+        f[i] = -mass * around * r[i]
+        if d == 3:
+            f[i] += mass * along * t[3 + i]
+    f[d - 1] += mass * gravity
+    for i in range(d):
+        M[i, i] = mass
+        h[i] = f[i]
+    if d == 2:
+        M[0, 2] = M[2, 0] = -mass * r[1]
+        M[1, 2] = M[2, 1] = mass * r[0]
+        M[2, 2] = inertia[0, 0] + mass * distance
+        h[2] = r[0] * f[1] - r[1] * f[0]
+        return M, h
+    # turned = R I Rᵀ, the inertia in world axes; L = R I Rᵀ ω
+    turned, L = np.zeros((3, 3)), np.zeros(3)
+    for i in range(3):
+        for j in range(3):
+            for a in range(3):
+                for b in range(3):
+                    turned[i, j] += R[i, a] * inertia[a, b] * R[j, b]
+            L[i] += turned[i, j] * t[3 + j]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        # M = [m, −m [r]×; m [r]×, R I Rᵀ − m [r]×²]
+        M[i, 3 + j] = M[3 + j, i] = mass * r[k]
+        M[i, 3 + k] = M[3 + k, i] = -mass * r[j]
+        for a in range(3):
+            M[3 + i, 3 + a] = turned[i, a] - mass * r[i] * r[a]
+        M[3 + i, 3 + i] += mass * distance
+        # h = [f; r × f + ω × L]
+        h[3 + i] = r[j] * f[k] - r[k] * f[j] + t[3 + j] * L[k] - t[3 + k] * L[j]
+    return M, h
+
+
+@compiled_for(2, 2, 0, 2, 1, 0, 1, 2, 1, 1, 2, 1, 1)
+def computed_torque(K_p: Array, K_d: Array, mass: float, inertia: Array, center: Array, gravity: float,
+                    p: Array, R: Array, t: Array, p_d: Array, R_d: Array, t_d: Array, a_d: Array) -> Array:
+    """W τ = M (a_d + K_d (t_d − t) + K_p e) + h, (3 planar or 6 spatial,).
+
+    K_p, K_d : (n, n) gains in world axes; then as in `mass_and_bias` and `pose_error`, and the wanted twist and a_d
+    """
+    n = t.size
+    M, h = mass_and_bias(mass, inertia, center, gravity, R, t)
+    e, a = pose_error(p, R, p_d, R_d), np.zeros(n)
+    for i in range(n):
+        a[i] = a_d[i]
+        for j in range(n):
+            a[i] += K_d[i, j] * (t_d[j] - t[j]) + K_p[i, j] * e[j]
+    for i in range(n):
+        for j in range(n):
+            h[i] += M[i, j] * a[j]
+    return h
