@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ..fastkit import DONE, Job, Mission, Walker, in_hall, plot_job, plot_journey, run_mission
+from ..view import save_figure
 from ..world import World
+from .output import Bar, print_table, write
 
 BOUNDS = ((-5.0, -6.0), (7.0, 2.0))
 PALLETS = ((2.6, -3.0, 0.8, 1.2, 0.3), (-1.5, -2.2, 1.2, 0.8, 0.0))
@@ -17,59 +20,33 @@ PEOPLE = (Walker([[2.5, -1.0], [6.0, -1.0]]),)  # type: ignore[arg-type]
 
 def fly_mission(world: World, folder: Path, pictures: bool, work: Any = None) -> Mission:
     """Run the mission in the hall above, print what happened, write it to a folder."""
-    bar = _Clock()
-    mission = run_mission(in_hall(world, BOUNDS, PALLETS), BOUNDS, START, walkers=PEOPLE, work=work, progress=bar)
-    bar.close()
-    for quantity, value in mission.table().items():
-        print(f"  {quantity:42} {value}")
-    folder.mkdir(parents=True, exist_ok=True)
-    if isinstance(mission.job, Job):
-        mission.job.save(folder)
-    if pictures:
-        _pictures(mission, folder)
+    with Bar("mission", "s simulated") as bar:
+        mission = run_mission(in_hall(world, BOUNDS, PALLETS), BOUNDS, START, walkers=PEOPLE, work=work,
+                              progress=lambda state, time: bar(time, name=state))
+    print_table(mission.table(), width=42)
     if mission.state != DONE:
         print(f"  stopped safely: {mission.reason}")
+    job = mission.job if isinstance(mission.job, Job) else None
+    write(folder, job.save if job else lambda _: None, _pictures(mission) if pictures else {})
     return mission
 
 
-def _pictures(mission: Mission, folder: Path) -> None:
+def _pictures(mission: Mission) -> dict[str, Callable[[Path], Any]]:
     from ..fastkit.pictures.mission_figure import plot_drives, plot_scans
     from ..fastkit.pictures.mission_film import save_mission_film
-    from ..view import save_figure
 
-    for name, way in (("journey", mission.journey), ("way_home", mission.way_home)):
-        if way is not None:
-            save_figure(plot_journey(way), folder / f"{name}.png")
-    if mission.journey is not None:
-        save_figure(plot_scans(mission.journey), folder / "scans.png")
-        save_figure(plot_drives(mission), folder / "drives.png")
-        bar = _Clock("drawing", " pictures")
-        save_mission_film(mission, folder / "mission.gif", progress=bar.of)
-        bar.close()
-    if mission.job is not None:
-        save_figure(plot_job(mission.job), folder / "job.png")
+    def film(path: Path) -> None:
+        with Bar("drawing", "pictures") as bar:
+            save_mission_film(mission, path, progress=bar)
 
-
-class _Clock:
-    """A progress bar that appears with the first report: of simulated seconds, the state beside them."""
-
-    def __init__(self, name: str = "", unit: str = " s simulated") -> None:
-        self.name, self.unit = name, unit
-        self.bar: Any = None
-
-    def __call__(self, name: str, time: float, total: int | None = None) -> None:
-        if self.bar is None:
-            from tqdm import tqdm
-
-            self.bar = tqdm(total=total, unit=self.unit, leave=False)
-        if name != self.bar.desc:
-            self.bar.set_description_str(name)
-        self.bar.update(round(time) - self.bar.n)
-
-    def of(self, done: int, total: int) -> None:
-        """The same where it is known how much there is to do."""
-        self(self.name, done, total)
-
-    def close(self) -> None:
-        if self.bar is not None:
-            self.bar.close()
+    there, back, job = mission.journey, mission.way_home, mission.job
+    found: dict[str, Callable[[Path], Any]] = {}
+    if there is not None:
+        found |= {"journey.png": lambda path: save_figure(plot_journey(there), path),
+                  "scans.png": lambda path: save_figure(plot_scans(there), path),
+                  "drives.png": lambda path: save_figure(plot_drives(mission), path), "mission.gif": film}
+    if back is not None:
+        found["way_home.png"] = lambda path: save_figure(plot_journey(back), path)
+    if job is not None:
+        found["job.png"] = lambda path: save_figure(plot_job(job), path)
+    return found

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InvalidInput
+from ..view import save_figure
 from ..workspace import (
     Criterion,
     DynamicEquilibrium,
@@ -32,6 +33,7 @@ from ..workspace import (
 )
 from ..workspace.grids import axis_names
 from ..world import World, load_world
+from .output import Bar, add_output_options, print_table, write
 
 CRITERIA: dict[str, Callable[[World, argparse.Namespace], Criterion]] = {
     "wrench_closure": lambda world, options: WrenchClosure(),
@@ -46,10 +48,10 @@ CRITERIA: dict[str, Callable[[World, argparse.Namespace], Criterion]] = {
 }
 
 
-def add_workspace_command(commands: Any, bar: Callable[[str, str], Any]) -> None:
-    """Add the command to a parser's; ``bar(name, unit)`` makes a progress bar."""
+def add_workspace_command(commands: Any) -> None:
+    """Add the command to a parser's."""
     parser = commands.add_parser("workspace", help="judge poses over a plane or a volume; write map, table, data")
-    parser.set_defaults(command=lambda options: _workspace(options, bar))
+    parser.set_defaults(command=_workspace)
     add = parser.add_argument
     add("world", metavar="WORLD", help="a world's name (see `worlds`) or the path of a .yaml file")
     add("--criterion", default="wrench_feasible", metavar="NAME[,NAME…]",
@@ -68,28 +70,32 @@ def add_workspace_command(commands: Any, bar: Callable[[str, str], Any]) -> None
     add("--axial-stiffness", type=float, help="EA of statically_stable [N] (default: the world's)")
     add("--jobs", type=int, default=1, help="processes, -1 for all cores (default: %(default)d)")
     add("--checkpoint", type=Path, help="folder that keeps finished chunks; the same command goes on there")
-    add("--out", type=Path, help="folder to write to (default: out/WORLD/workspace)")
-    add("--no-pictures", action="store_true", help="write table and data only")
+    add_output_options(parser, "out/WORLD/workspace", "table and data")
 
 
-def _workspace(options: argparse.Namespace, bar: Callable[[str, str], Any]) -> int:
+def _workspace(options: argparse.Namespace) -> None:
     world = load_world(options.world)
     criterion = _criterion(world, options)
     grid = _grid(world, options)
     print(f"{world.title or world.name}: {options.criterion} at {len(grid)} poses over {', '.join(grid.axes)}")
-    steps = bar("judging", "poses")
-    found = workspace(world.robot, grid, criterion, n_jobs=options.jobs, checkpoint=options.checkpoint, progress=steps)
-    steps.close()
+    with Bar("judging", "poses") as bar:
+        found = workspace(world.robot, grid, criterion, n_jobs=options.jobs, checkpoint=options.checkpoint,
+                          progress=bar)
     table = _table(world, grid, criterion, found, options.jobs)
-    for quantity, value in table.items():
-        print(f"  {quantity:36} {value}")
-    folder = options.out or Path("out") / world.name / "workspace"
-    folder.mkdir(parents=True, exist_ok=True)
-    _write(folder, grid, found, table)
-    if not options.no_pictures:
-        _draw(world, grid, criterion, found, options, folder)
-    print(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.is_file()))}")
-    return 0
+    print_table(table)
+    title = f"{world.title or world.name}: {options.criterion.replace('_', ' ').replace(',', ', ')}"
+
+    def draw(path: Path) -> None:
+        from ..view.workspace import plot_workspace, workspace_still
+
+        if len(grid.axes) == 3:
+            workspace_still(world, grid, found, path)
+        else:
+            save_figure(plot_workspace(world.robot, grid, found, title=title, unit=criterion.unit), path)
+
+    drawn = not options.no_pictures and (len(grid.axes) < 3 or found.inside.any())
+    write(options.out or Path("out") / world.name / "workspace", lambda folder: _save(folder, grid, found, table),
+          {"workspace.png": draw} if drawn else {})
 
 
 def _criterion(world: World, options: argparse.Namespace) -> Criterion:
@@ -146,7 +152,7 @@ def _table(world: World, grid: PoseGrid, criterion: Criterion, found: Judgement,
     return table
 
 
-def _write(folder: Path, grid: PoseGrid, found: Judgement, table: dict[str, str]) -> None:
+def _save(folder: Path, grid: PoseGrid, found: Judgement, table: dict[str, str]) -> None:
     poses = grid.poses
     axes: dict[str, Any] = {f"axis_{name}": places for name, places in grid.axes.items()}
     np.savez(folder / "workspace.npz", **axes, position=poses.position, rotation=grid.origin.rotation,
@@ -158,16 +164,3 @@ def _write(folder: Path, grid: PoseGrid, found: Judgement, table: dict[str, str]
                          for place, inside, margin in zip(poses.position, *found))
     with (folder / "table.csv").open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows(table.items())
-
-
-def _draw(world: World, grid: PoseGrid, criterion: Criterion, found: Judgement, options: argparse.Namespace,
-          folder: Path) -> None:
-    from ..view import save_figure
-    from ..view.workspace import plot_workspace, workspace_still
-
-    if len(grid.axes) == 3:
-        if found.inside.any():
-            workspace_still(world, grid, found, folder / "workspace.png")
-        return
-    title = f"{world.title or world.name}: {options.criterion.replace('_', ' ').replace(',', ', ')}"
-    save_figure(plot_workspace(world.robot, grid, found, title=title, unit=criterion.unit), folder / "workspace.png")

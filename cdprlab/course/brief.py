@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,6 +16,7 @@ from ..mechanics.cables import cable_lengths
 from ..mechanics.statics import gravity_wrench, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
+from ..view.text_table import cable_names, in_brackets
 from ..workspace.capacity import best_tensions
 from ..workspace.grids import low_discrepancy_poses
 from ..workspace.interference import cable_distances, cable_pairs, obstacle_distances, platform_distances
@@ -54,10 +56,6 @@ class Verdict(NamedTuple):
 
     def __str__(self) -> str:
         return "\n".join(f"{'✓' if point.met else '✗'} {point.name}: {point.words}" for point in self.points)
-
-
-class _Unusable(Exception):
-    """A point that the following ones build on is not met."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,123 +122,160 @@ class Brief:
         design : World, the mapping of a world file, or the path of one
         poses : Pose of batch (N,) to be held; default ``poses()``
         """
-        points: list[Point] = []
-        margin = -np.inf
-        at = self.poses() if poses is None else poses
-
-        def look(name: str, words: Callable[[], tuple[bool, str]], needed: bool = False) -> None:
-            met, said = words()
-            points.append(Point(name, met, said))
-            if needed and not met:
-                raise _Unusable
-
         try:
             world = _world(design)
         except (WorldError, InvalidInput) as error:
-            return Verdict((Point("a world file", False, str(error)),), margin)
-        robot = world.robot
-        try:
-            look("six degrees of freedom", lambda: _spatial(robot), needed=True)
-            look("number of cables", lambda: self._count(robot), needed=True)
-            look("the load", lambda: self._load(robot))
-            look("the winches", lambda: self._winches(robot))
-            look("exit points", lambda: self._exits(robot))
-            look("anchor points", lambda: self._anchors(robot))
-            look("every cable has a direction", lambda: _directed(robot, at), needed=True)
-            margin, at_worst = self._worst(robot, at)
-            look("holds the load everywhere", lambda: at_worst)
-            look("cables keep apart", lambda: self._apart(robot, at))
-            look("cables run freely", lambda: self._free(world, at))
-        except _Unusable:
-            pass
-        return Verdict(tuple(points), margin)
-
-    # --- points -----------------------------------------------------------------------------------------------
-    def _count(self, robot: Robot) -> tuple[bool, str]:
-        m = robot.n_cables
-        if m < robot.n_dof:
-            return False, (f"{m} cables cannot balance every push: W has {m} columns, pushes and weight need 6 "
-                           "independent ones. Six is the least, with the weight as the seventh cable")
-        return m <= self.most_cables, f"{m}, allowed are {self.most_cables}"
-
-    def _load(self, robot: Robot) -> tuple[bool, str]:
-        body = robot.platform
-        uniform = self.mass / 12 * ((self.size**2).sum() - self.size**2)
-        wrong = {"mass": abs(body.mass - self.mass) > _ROUNDING,
-                 "size": np.abs(body.size - self.size).max() > _ROUNDING,
-                 "center of mass": np.abs(body.center_of_mass).max() > _ROUNDING,
-                 "box center": np.abs(body.center).max() > _ROUNDING,
-                 "inertia": np.abs(body.inertia - np.diag(uniform)).max() > 1e-3 * uniform.max(),
-                 "gravity": abs(robot.gravity - 9.81) > _ROUNDING}
-        changed = [name for name, is_wrong in wrong.items() if is_wrong]
-        return not changed, (f"as given, {self.mass:g} kg" if not changed else f"another {', '.join(changed)} than the "
-                             "brief's; the customer's load is not yours to change")
-
-    def _winches(self, robot: Robot) -> tuple[bool, str]:
-        low, high = self.tension
-        wrong = (np.abs(robot.tension_min - low) > _ROUNDING) | (np.abs(robot.tension_max - high) > _ROUNDING)
-        given = f"{low:g} to {high:g} N"
-        return not wrong.any(), (f"as given, {given}" if not wrong.any() else
-                                 f"{_cables(wrong)} other limits than {given}; these winches are in stock")
-
-    def _exits(self, robot: Robot) -> tuple[bool, str]:
-        low, high = self.hall
-        out = ((robot.exit_points < low - _ROUNDING) | (robot.exit_points > high + _ROUNDING)).any(axis=1)
-        return not out.any(), "all in the hall" if not out.any() else f"{_cables(out)} outside the hall"
-
-    def _anchors(self, robot: Robot) -> tuple[bool, str]:
-        off = (np.abs(robot.anchor_points) > self.size / 2 + _ROUNDING).any(axis=1)
-        return not off.any(), "all on the load" if not off.any() else (
-            f"{_cables(off)} beyond the box of the load: there is nothing to fix a cable to")
+            return Verdict((Point("a world file", False, str(error)),), -np.inf)
+        case = _Case(self, world, self.poses() if poses is None else poses)
+        points: list[Point] = []
+        for name, needed, look in _POINTS:
+            met, words = look(case)
+            points.append(Point(name, met, words))
+            if needed and not met:
+                return Verdict(tuple(points), -np.inf)
+        return Verdict(tuple(points), case.worst.margin)
 
     def margins(self, robot: Robot, poses: Pose) -> Array:
         """(k, N) distance of the tensions from their limits at best, push by push of ``wrenches``, pose by pose [N]."""
-        return np.array([s for s, _ in self._best(robot, poses)])
+        return np.array([s for s, _ in self.best_tensions(robot, poses)])
 
-    def _best(self, robot: Robot, poses: Pose) -> list[tuple[Array, Array]]:
+    def best_tensions(self, robot: Robot, poses: Pose) -> list[tuple[Array, Array]]:
+        """For each push of ``wrenches`` those margins (N,) and the tensions (N, m) that have them [N]."""
         W = wrench_matrix(robot, poses)
         weight = np.broadcast_to(gravity_wrench(robot, poses), W.shape[:-1])
         return [best_tensions(W, weight + push, robot.tension_min, robot.tension_max) for push in self.wrenches]
 
-    def _worst(self, robot: Robot, poses: Pose) -> tuple[float, tuple[bool, str]]:
-        """The smallest margin over all poses and pushes, and what to say about the place where it is."""
-        found = self._best(robot, poses)
+
+_Found = tuple[bool, str]
+"""Whether a point is met, and what to say of it."""
+
+
+class _Worst(NamedTuple):
+    """The smallest margin over all poses and pushes, the tensions there, where it is, and how many poses are held."""
+
+    margin: float
+    tensions: Array
+    where: str
+    held: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Case:
+    """A design before its brief; a method a point, each says whether it is met and what was found."""
+
+    brief: Brief
+    world: World
+    poses: Pose
+
+    @property
+    def robot(self) -> Robot:
+        return self.world.robot
+
+    def freedoms(self) -> _Found:
+        said = self.robot.motion_pattern
+        if said == "3R3T":
+            return True, said
+        return False, f"the load must not swing or turn: 3R3T is needed, got {said}"
+
+    def count(self) -> _Found:
+        m = self.robot.n_cables
+        if m < self.robot.n_dof:
+            return False, (f"{m} cables cannot balance every push: W has {m} columns, pushes and weight need 6 "
+                           "independent ones. Six is the least, with the weight as the seventh cable")
+        return m <= self.brief.most_cables, f"{m}, allowed are {self.brief.most_cables}"
+
+    def load(self) -> _Found:
+        body, brief = self.robot.platform, self.brief
+        uniform = brief.mass / 12 * ((brief.size**2).sum() - brief.size**2)
+        wrong = {"mass": abs(body.mass - brief.mass) > _ROUNDING,
+                 "size": np.abs(body.size - brief.size).max() > _ROUNDING,
+                 "center of mass": np.abs(body.center_of_mass).max() > _ROUNDING,
+                 "box center": np.abs(body.center).max() > _ROUNDING,
+                 "inertia": np.abs(body.inertia - np.diag(uniform)).max() > 1e-3 * uniform.max(),
+                 "gravity": abs(self.robot.gravity - 9.81) > _ROUNDING}
+        changed = ", ".join(name for name, is_wrong in wrong.items() if is_wrong)
+        return not changed, (f"another {changed} than the brief's; the customer's load is not yours to change"
+                             if changed else f"as given, {brief.mass:g} kg")
+
+    def winches(self) -> _Found:
+        low, high = self.brief.tension
+        wrong = np.abs(self.robot.tension_min - low) > _ROUNDING
+        wrong |= np.abs(self.robot.tension_max - high) > _ROUNDING
+        given = f"{low:g} to {high:g} N"
+        return _none(wrong, f"as given, {given}", f"other limits than {given}; these winches are in stock")
+
+    def exits(self) -> _Found:
+        low, high = self.brief.hall
+        exits = self.robot.exit_points
+        out = ((exits < low - _ROUNDING) | (exits > high + _ROUNDING)).any(axis=1)
+        return _none(out, "all in the hall", "outside the hall")
+
+    def anchors(self) -> _Found:
+        off = (np.abs(self.robot.anchor_points) > self.brief.size / 2 + _ROUNDING).any(axis=1)
+        return _none(off, "all on the load", "beyond the box of the load: there is nothing to fix a cable to")
+
+    def directions(self) -> _Found:
+        limp = (cable_lengths(self.robot, self.poses) < 1e-9).any(axis=0)
+        return _none(limp, "yes", "no length at some pose")
+
+    @cached_property
+    def worst(self) -> _Worst:
+        found = self.brief.best_tensions(self.robot, self.poses)
         margins = np.array([s for s, _ in found])
         k, i = np.unravel_index(int(np.argmin(margins)), margins.shape)
-        least, tau = float(margins[k, i]), found[k][1][i]
-        where = f"{_place(poses[int(i)])}, {_push(self.wrenches[k])}"
-        if least >= -_ROUNDING * self.tension[1]:
-            return least, (True, f"with {least:.0f} N to spare at {where}")
         held = int((margins.min(axis=0) >= 0).sum())
-        share = f"{held} of {margins.shape[1]} poses are held. The worst is {where}: "
-        if not np.isfinite(least):
-            return least, (False, share + "no tensions at all balance that, for W has lost rank there. Spread exit "
-                                          "points and anchor points, so that the cables' lines do not all meet")
-        return least, (False, share + _advice(robot, tau, -least))
+        return _Worst(float(margins[k, i]), found[k][1][i],
+                      f"{_place(self.poses[int(i)])}, {_push(self.brief.wrenches[k])}",
+                      f"{held} of {margins.shape[1]} poses are held")
 
-    def _apart(self, robot: Robot, poses: Pose) -> tuple[bool, str]:
-        pairs = cable_pairs(robot)
-        gaps = cable_distances(robot, poses) if pairs else np.full((len(poses.position), 1), np.inf)
+    def holds(self) -> _Found:
+        least, tau, where, held = self.worst
+        if least >= -_ROUNDING * self.brief.tension[1]:
+            return True, f"with {least:.0f} N to spare at {where}"
+        advice = _advice(self.robot, tau, -least) if np.isfinite(least) else \
+            "no tensions at all balance that, for W has lost rank there. Spread exit points and anchor points, so " \
+            "that the cables' lines do not all meet"
+        return False, f"{held}. The worst is {where}: {advice}"
+
+    def apart(self) -> _Found:
+        pairs = cable_pairs(self.robot)
+        if not pairs:
+            return True, "none can cross"
+        gaps = cable_distances(self.robot, self.poses)
         i, k = np.unravel_index(int(np.argmin(gaps)), gaps.shape)
-        if gaps[i, k] < self.clearance:
-            one, other = pairs[k]
-            return False, (f"cables {one + 1} and {other + 1} come as near as {1e3 * gaps[i, k]:.0f} mm, at "
-                           f"{_place(poses[int(i)])}. Cables that share an exit or an anchor point never cross")
-        spare = float(gaps.min())
-        return True, "none can cross" if not np.isfinite(spare) else f"by {1e3 * spare:.0f} mm at least"
+        gap, (one, other) = float(gaps[i, k]), pairs[k]
+        if gap < self.brief.clearance:
+            return False, (f"cables {one + 1} and {other + 1} come as near as {1e3 * gap:.0f} mm, at "
+                           f"{_place(self.poses[int(i)])}. Cables that share an exit or an anchor point never cross")
+        return True, f"by {1e3 * gap:.0f} mm at least"
 
-    def _free(self, world: World, poses: Pose) -> tuple[bool, str]:
-        robot = world.robot
-        inside = (np.abs(robot.anchor_points) < self.size / 2 - _ROUNDING).all(axis=1)
-        through = (platform_distances(robot, poses) < 1e-9) & ~inside
-        if through.any() or inside.any():
-            bad = inside if inside.any() else through.any(axis=0)
-            return False, (f"{_cables(bad)} to pass through the load itself. Anchor it on a face, an edge or a corner "
-                           "that looks towards its exit point")
-        for box in world.scene.boxes:
-            if (obstacle_distances(robot, poses, box) < self.clearance).any():
+    def free(self) -> _Found:
+        robot, poses = self.robot, self.poses
+        inside = (np.abs(robot.anchor_points) < self.brief.size / 2 - _ROUNDING).all(axis=1)
+        through = ((platform_distances(robot, poses) < 1e-9) & ~inside).any(axis=0)
+        bad = inside if inside.any() else through
+        if bad.any():
+            return _none(bad, "", "to pass through the load itself. Anchor it on a face, an edge or a corner that "
+                                  "looks towards its exit point")
+        for box in self.world.scene.boxes:
+            if (obstacle_distances(robot, poses, box) < self.brief.clearance).any():
                 return False, f"a cable touches {box.name or 'a box'} of the scene"
         return True, "none touches the load or what stands around"
+
+
+_POINTS: tuple[tuple[str, bool, Callable[[_Case], _Found]], ...] = (
+    ("six degrees of freedom", True, _Case.freedoms),
+    ("number of cables", True, _Case.count),
+    ("the load", False, _Case.load),
+    ("the winches", False, _Case.winches),
+    ("exit points", False, _Case.exits),
+    ("anchor points", False, _Case.anchors),
+    ("every cable has a direction", True, _Case.directions),
+    ("holds the load everywhere", False, _Case.holds),
+    ("cables keep apart", False, _Case.apart),
+    ("cables run freely", False, _Case.free),
+)
+"""Name, whether the points after it build on it, and who looks; the most basic first."""
 
 
 def workshop_brief(most_cables: int = 8) -> Brief:
@@ -268,14 +303,10 @@ def _world(design: Any) -> World:
                        f"{type(design).__name__}")
 
 
-def _spatial(robot: Robot) -> tuple[bool, str]:
-    said = robot.motion_pattern
-    return said == "3R3T", said if said == "3R3T" else f"the load must not swing or turn: 3R3T is needed, got {said}"
-
-
-def _directed(robot: Robot, poses: Pose) -> tuple[bool, str]:
-    limp = (cable_lengths(robot, poses) < 1e-9).any(axis=0)
-    return not limp.any(), "yes" if not limp.any() else f"{_cables(limp)} no length at some pose"
+def _none(wrong: Any, well: str, ill: str) -> _Found:
+    """Met where no cable is wrong; else which cables have what."""
+    have = "has" if wrong.sum() == 1 else "have"
+    return not wrong.any(), f"{cable_names(wrong)} {have} {ill}" if wrong.any() else well
 
 
 def _advice(robot: Robot, tau: Array, missing: float) -> str:
@@ -289,14 +320,8 @@ def _advice(robot: Robot, tau: Array, missing: float) -> str:
             "hard and lift little, parallel ones turn nothing: move exit points up, or cross the cables")
 
 
-def _cables(which: Any) -> str:
-    numbers = [str(i + 1) for i in np.flatnonzero(which)]
-    return f"cable {numbers[0]} has" if len(numbers) == 1 else f"cables {', '.join(numbers)} have"
-
-
 def _place(pose: Pose) -> str:
-    x, y, z = pose.position
-    return f"({x:.2f}, {y:.2f}, {z:.2f}) m, turned by {np.rad2deg(pose.rpy[2]):.0f}°"
+    return f"{in_brackets(pose.position, 2)} m, turned by {np.rad2deg(pose.rpy[2]):.0f}°"
 
 
 def _push(wrench: Array) -> str:

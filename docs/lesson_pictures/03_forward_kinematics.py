@@ -9,7 +9,8 @@ from matplotlib.patches import Circle
 from PIL import Image
 
 import cdprlab as cl
-from cdprlab.course.pictures.pose_estimates import draw_exit_points, draw_robot
+from cdprlab.course.pictures.panels import draw_exit_points
+from cdprlab.course.pictures.pose_estimates import draw_robot
 from cdprlab.course.props.pose_search import gauss_newton_path, six_cables
 from cdprlab.view.style import GREY, INK, VERMILION, cable_style, house_style
 

@@ -13,7 +13,7 @@ from attachment import attach
 from matplotlib.figure import Figure
 
 import cdprlab as cl
-from cdprlab.course.pictures.configuration_plan import draw_sequence
+from cdprlab.course.pictures.configuration_plan import draw_room, fill_sequence
 from cdprlab.view.drawing import RobotDrawing
 from cdprlab.view.style import cable_style, house_style
 
@@ -34,7 +34,8 @@ def picture() -> bytes:
         room.move(world.pose, colors, slack)
         left.set_title("At S: ropes 1, 2 and 4 carry, 3 is slack")
         left.set_axis_off()
-        draw_sequence(right, world.robot, best)
+        draw_room(right, world.robot)
+        fill_sequence(right, world.robot, best)
         right.set_title("From above: A124 until M1, then A123")
         for artist in [*left.get_children(), *right.get_children()]:
             artist.set_animated(False)

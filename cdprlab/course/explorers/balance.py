@@ -12,16 +12,24 @@ from ...robot.pose import Pose
 from ...view.style import house_style
 from ...view.text_table import in_brackets
 from ..pictures.equilibrium import draw_panels, panels
+from ..pictures.panels import drawn
 from ..props.letting_go import Motion, let_go
 from ..props.point_load import EXIT_POINTS, MASS, Equilibrium, equilibrium, point_load
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
 
 
 class EquilibriumExplorer(Explorer):
-    """A 10 kg load in a vertical plane on two, three or four cables; see `equilibrium_explorer`.
+    """Sliders for load, push and tensions; robot, force polygon and tensions, W τ + w_e = 0 in pictures; and a last
+    slider that lets the load go in the engine, tensions held.
 
-    n_cables : at the start
-    internal : whether the internal tension λ can be moved
+    n_cables : 2, 3 or 4, at the start
+    internal : whether the internal tension λ of τ = −W⁺ w_e + λ h can be moved
+    Raises InvalidInput for another number of cables.
+
+    >>> explorer = equilibrium_explorer(3)
+    >>> explorer.set(x=0.5, internal=100)
+    >>> bool(explorer.state(explorer.values).closed)
+    True
     """
 
     def __init__(self, n_cables: int = 2, internal: bool = True) -> None:
@@ -65,8 +73,8 @@ class EquilibriumExplorer(Explorer):
         with house_style():
             draw_panels(self._axes, self._robots[values["cables"]], *_load(values), self.state(values),
                         self.motion(values))
-        for artist in (artist for axes in self._axes for artist in (*axes.lines, *axes.texts, *axes.patches)):
-            artist.set_animated(True)
+            for artist in (artist for axes in self._axes for artist in drawn(axes)):
+                artist.set_animated(True)
         if self._still() == still:  # axes call themselves stale for any new artist, though this one is drawn anyway
             self._axes[0].figure.stale = False
 
@@ -96,20 +104,7 @@ class EquilibriumExplorer(Explorer):
                + self.state(values).words() + moved
 
 
-def equilibrium_explorer(n_cables: int = 2, internal: bool = True) -> EquilibriumExplorer:
-    """Sliders for load, push and tensions; robot, force polygon and tensions, W τ + w_e = 0 in pictures; and a last
-    slider that lets the load go in the engine, tensions held.
-
-    n_cables : 2, 3 or 4, at the start
-    internal : whether the internal tension λ of τ = −W⁺ w_e + λ h can be moved
-    Raises InvalidInput for another number of cables.
-
-    >>> explorer = equilibrium_explorer(3)
-    >>> explorer.set(x=0.5, internal=100)
-    >>> bool(explorer.state(explorer.values).closed)
-    True
-    """
-    return EquilibriumExplorer(n_cables, internal)
+equilibrium_explorer = EquilibriumExplorer
 
 
 def _load(values: Values) -> tuple[list[float], list[float]]:

@@ -65,7 +65,21 @@ class BaseMotion(NamedTuple):
 
 
 class BaseExplorer(Explorer):
-    """Sliders for where the bases and the platform are, and how fast one base drives; see `base_explorer`."""
+    """Sliders for bases and platform; the picture, the cable lengths and l̇ = J t − B_b q̇_b answer.
+
+    Bases are displaced from where the world has them: ρ₁, ρ₂ along their own axes, θ about their own centers, each
+    only where its speed limit lets it drive. Arrows show velocities; a base drives at most at its limits.
+
+    world : with mobile bases that can drive
+    bases : names of those with sliders; default all that drive, the first alone if that is too many
+    Raises InvalidInput for a world without bases that can drive, or a base that cannot.
+
+    >>> import cdprlab as cl
+    >>> explorer = base_explorer(cl.load_world("planar_mcdpr"))
+    >>> explorer.set(speed_along=0.4)
+    >>> print(explorer.text.splitlines()[-1])
+    Cables 1, 2 reeled in.
+    """
 
     def __init__(self, world: World, bases: tuple[str, ...] | None = None) -> None:
         if not any((base.speed_max > 0).any() for base in checked_world(world, "base").robot.bases):
@@ -162,23 +176,7 @@ class BaseExplorer(Explorer):
         return self._start.with_bases(outward)
 
 
-def base_explorer(world: World, bases: tuple[str, ...] | None = None) -> BaseExplorer:
-    """Sliders for bases and platform; the picture, the cable lengths and l̇ = J t − B_b q̇_b answer.
-
-    Bases are displaced from where the world has them: ρ₁, ρ₂ along their own axes, θ about their own centers, each
-    only where its speed limit lets it drive. Arrows show velocities; a base drives at most at its limits.
-
-    world : with mobile bases that can drive
-    bases : names of those with sliders; default all that drive, the first alone if that is too many
-    Raises InvalidInput for a world without bases that can drive, or a base that cannot.
-
-    >>> import cdprlab as cl
-    >>> explorer = base_explorer(cl.load_world("planar_mcdpr"))
-    >>> explorer.set(speed_along=0.4)
-    >>> print(explorer.text.splitlines()[-1])
-    Cables 1, 2 reeled in.
-    """
-    return BaseExplorer(world, bases)
+base_explorer = BaseExplorer
 
 
 # --- sliders --------------------------------------------------------------------------------------------------

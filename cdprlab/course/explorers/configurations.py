@@ -21,6 +21,7 @@ from ...run.switching import follow_sequence
 from ...view.style import GREY, INK, house_style
 from ...world import World
 from ..pictures.configuration_plan import WIDE_MARGIN, draw_room, fill_sequence, fill_triplet, in_words
+from ..pictures.panels import drawn
 from .explorer import Choice, Explorer, Slider, Values
 from .player import RunPlayer
 
@@ -34,7 +35,18 @@ REELING = 0.1
 
 
 class ConfigurationExplorer(Explorer):
-    """Plan view of a point mass' room; see `configuration_explorer`."""
+    """Sliders for S and G; triangles inside, uncertain or outside; sequences with scores; the chosen one in the engine.
+
+    world : a point mass (3T) on three cables or more
+    uncertain : whether the uncertainties, the interval form and the method can be chosen; without, all is exact
+    Raises InvalidInput for another kind of world.
+
+    >>> import cdprlab as cl
+    >>> explorer = configuration_explorer(cl.load_world("marionet"))
+    >>> print(explorer.sequences[0])
+    A124 → A123: score 4, safe
+    >>> explorer.close()
+    """
 
     def __init__(self, world: World, uncertain: bool = True) -> None:
         if not isinstance(world, World):
@@ -90,7 +102,7 @@ class ConfigurationExplorer(Explorer):
             draw_room(panel, self.robot, WIDE_MARGIN)
             panel.set(xlabel="", ylabel="", xticks=[], yticks=[])
         # What stands still; all else is made anew at every move, animated, so that this need not be drawn again.
-        self._still = {id(artist) for panel in figure.axes for artist in _artists(panel)}
+        self._still = {id(artist) for panel in figure.axes for artist in drawn(panel)}
         values = {name: control.start for name, control in self.controls.items()}
         self._draw_all(dict.fromkeys(self.names, "uncertain"), None, self.place(values), (0.0, 0.0), values)
 
@@ -156,7 +168,7 @@ class ConfigurationExplorer(Explorer):
         return [self._plan, *self._small]
 
     def _moving(self) -> list[Artist]:
-        return [artist for panel in self._panels for artist in _artists(panel) if id(artist) not in self._still]
+        return [artist for panel in self._panels for artist in drawn(panel) if id(artist) not in self._still]
 
     def _add_fly_button(self) -> None:
         self.button = ipywidgets.Button(description="Play in the engine", icon="play", layout={"width": "auto"})
@@ -180,20 +192,7 @@ class ConfigurationExplorer(Explorer):
         self.stage.children = (self._image,) if player is None else (self._image, player.widget)
 
 
-def configuration_explorer(world: World, uncertain: bool = True) -> ConfigurationExplorer:
-    """Sliders for S and G; triangles inside, uncertain or outside; sequences with scores; the chosen one in the engine.
-
-    world : a point mass (3T) on three cables or more
-    uncertain : whether the uncertainties, the interval form and the method can be chosen; without, all is exact
-    Raises InvalidInput for another kind of world.
-
-    >>> import cdprlab as cl
-    >>> explorer = configuration_explorer(cl.load_world("marionet"))
-    >>> print(explorer.sequences[0])
-    A124 → A123: score 4, safe
-    >>> explorer.close()
-    """
-    return ConfigurationExplorer(world, uncertain)
+configuration_explorer = ConfigurationExplorer
 
 
 def _controls(world: World, uncertain: bool) -> list[Slider | Choice]:
@@ -230,7 +229,3 @@ def _steps(sequence: ConfigurationSequence) -> str:
             for (place, chosen), score in zip(sequence.steps, sequence.location_scores)]
     changes = ", ".join(map(str, sequence.transition_scores)) or "none"
     return "\n".join([*rows, f"changes: {changes}"])
-
-
-def _artists(panel: Axes) -> list[Artist]:
-    return [*panel.lines, *panel.texts, *panel.patches]

@@ -14,8 +14,11 @@ from functools import wraps
 from typing import Any, NoReturn, TypeVar
 
 import ipywidgets
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
+from ...arrays import as_number
 from ...errors import CdprError, InvalidInput
 from ...view.picture import Picture
 from ...view.style import house_style
@@ -65,7 +68,7 @@ class Slider:
     step: float | None = None
 
     def __post_init__(self) -> None:
-        low, high, start = self.low, self.high, self.start
+        low, high, start = self.low, self.high, as_number(self.start, self.name, self.unit)
         if not (float("-inf") < low < high < float("inf") and low <= start <= high):
             raise InvalidInput(f"slider {self.name!r} needs low < high and a start between, "
                                f"got {low:g} to {high:g}, start {start:g}")
@@ -127,6 +130,15 @@ class Choice:
         return ipywidgets.Dropdown(options=[(str(option).replace("_", " "), option) for option in self.options],
                                    value=start, description=self.label, style={"description_width": "13em"},
                                    layout={"width": "auto"})
+
+
+def movable(axes: Axes, *fmt: str, **look: Any) -> Line2D:
+    """A line or marks for `draw` to move by ``set_data``, without points as yet.
+
+    fmt, look : as of matplotlib's ``plot``
+    """
+    line, = axes.plot([], [], *fmt, animated=True, **look)
+    return line
 
 
 class Explorer:

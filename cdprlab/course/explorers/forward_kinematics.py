@@ -18,14 +18,16 @@ from ...errors import InvalidInput, NoConvergence
 from ...mechanics.cables import anchor_offsets, cable_lengths
 from ...mechanics.kinematics import forward_kinematics
 from ...robot import Robot
-from ...robot.pose import Pose
+from ...robot.pose import Pose, rotation_vector
 from ...view.outlines import hanging
 from ...view.style import BLUE, GREY, INK, SKY, VERMILION, cable_style
-from ..pictures.pose_estimates import draw_exit_points, outline
+from ...view.text_table import fixed
+from ..pictures.panels import draw_exit_points
+from ..pictures.pose_estimates import outline
 from ..props.changed_cables import without_cable
 from ..props.pose_search import gauss_newton_path, six_cables
 from ..props.settling import Settled, hang
-from .explorer import Choice, Explorer, Slider, Values
+from .explorer import Choice, Explorer, Slider, Values, movable
 
 _SHOWN = 6
 """Iterates drawn."""
@@ -33,7 +35,7 @@ _SHOWN = 6
 _HELD, _HUNG = "no", "yes, in pymunk"
 
 
-def forward_kinematics_explorer(cables: int = 4, cable: int = 2, error: float = 0.0) -> ForwardKinematicsExplorer:
+class ForwardKinematicsExplorer(Explorer):
     """Where Gauss–Newton ends for lengths of a true pose, one of them in error, from a guess.
 
     cables : how many of the six are measured, 3 to 6
@@ -45,13 +47,8 @@ def forward_kinematics_explorer(cables: int = 4, cable: int = 2, error: float = 
     >>> print(explorer.text.splitlines()[1])
     pose found        x 0.400 m, y 1.300 m, φ 9.0°
     """
-    return ForwardKinematicsExplorer(cables, cable, error)
 
-
-class ForwardKinematicsExplorer(Explorer):
-    """What `forward_kinematics_explorer` makes."""
-
-    def __init__(self, cables: int, cable: int, error: float) -> None:
+    def __init__(self, cables: int = 4, cable: int = 2, error: float = 0.0) -> None:
         controls: list[Slider | Choice] = [
             Choice("cables", "cables measured", (3, 4, 5, 6), cables),
             Slider("x", "true x", "m", -0.8, 0.8, 0.4, 0.02), Slider("y", "true y", "m", 0.8, 2.2, 1.3, 0.02),
@@ -78,17 +75,16 @@ class ForwardKinematicsExplorer(Explorer):
                                                va="center", fontweight="bold", clip_on=True, **moving,
                                                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
                                     for i in range(robot.n_cables)]
-        self._cables = [panel.plot([], [], color=GREY, linewidth=0.9, **moving)[0] for _ in range(robot.n_cables)]
+        self._cables = [movable(panel, color=GREY, linewidth=0.9) for _ in range(robot.n_cables)]
         self._true, = panel.fill([0], [0], color=GREY, alpha=0.35, linewidth=0, **moving)
         self._hung, = panel.fill([0], [0], facecolor=to_rgba(SKY, 0.5), edgecolor=BLUE, linewidth=1.2, **moving)
-        self._ropes = [panel.plot([], [], color=SKY, linewidth=2.2, **moving)[0] for _ in range(robot.n_cables)]
-        self._iterates = [panel.plot([], [], color=INK, linewidth=1.0, linestyle=(0, (2, 2)), **moving)[0]
-                          for _ in range(_SHOWN)]
-        self._trail, = panel.plot([], [], color=INK, marker="o", markersize=3, linewidth=0.8, **moving)
+        self._ropes = [movable(panel, color=SKY, linewidth=2.2) for _ in range(robot.n_cables)]
+        self._iterates = [movable(panel, color=INK, linewidth=1.0, linestyle=(0, (2, 2))) for _ in range(_SHOWN)]
+        self._trail = movable(panel, color=INK, marker="o", markersize=3, linewidth=0.8)
         self._names = [panel.text(0, 0, str(k), color=INK, fontsize=9, clip_on=True, **moving) for k in range(_SHOWN)]
-        self._found, = panel.plot([], [], color=VERMILION, linewidth=2.4, **moving)
-        self._top, = panel.plot([], [], color=VERMILION, marker="^", markersize=9, linestyle="none", **moving)
-        self._point, = panel.plot([], [], color=VERMILION, marker="o", markersize=7, linestyle="none", **moving)
+        self._found = movable(panel, color=VERMILION, linewidth=2.4)
+        self._top = movable(panel, color=VERMILION, marker="^", markersize=9, linestyle="none")
+        self._point = movable(panel, color=VERMILION, marker="o", markersize=7, linestyle="none")
         figure.legend(loc="outside lower center", ncols=2, fontsize=9, handles=[
             Line2D([], [], color=GREY, alpha=0.5, linewidth=7, label="true pose"),
             Line2D([], [], color=SKY, linewidth=7, alpha=0.7, label="hung on ropes (pymunk)"),
@@ -212,17 +208,18 @@ class ForwardKinematicsExplorer(Explorer):
         return left
 
 
+forward_kinematics_explorer = ForwardKinematicsExplorer
+
+
 def _pose_text(pose: Pose) -> str:
-    x, y = pose.position + 0.0
-    return f"x {x:.3f} m, y {y:.3f} m, φ {np.rad2deg(pose.angle) + 0.0:.1f}°"
+    x, y = pose.position
+    return f"x {fixed(x, 3)} m, y {fixed(y, 3)} m, φ {fixed(np.rad2deg(pose.angle), 1)}°"
 
 
 def _apart_text(pose: Pose, other: Pose) -> str:
-    turn = float(np.rad2deg(Pose([0, 0], matrix=other.rotation.T @ pose.rotation).angle))
-    # + 0.0 after rounding turns −0.0 into 0.0
-    return f"{1e3 * np.linalg.norm(pose.position - other.position):.1f} mm, {round(turn, 1) + 0.0:.1f}°"
+    turn = np.rad2deg(rotation_vector(other.rotation.T @ pose.rotation)[0])
+    return f"{1e3 * np.linalg.norm(pose.position - other.position):.1f} mm, {fixed(turn, 1)}°"
 
 
 def _per_cable(values: Array) -> str:
-    # + 0.0 after rounding turns −0.0 into 0.0
-    return "\n".join(f"  {i + 1}: {round(float(value), 1) + 0.0:7.1f}" for i, value in enumerate(values))
+    return "\n".join(f"  {i + 1}: {fixed(value, 1):>7}" for i, value in enumerate(values))

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_number
+from ...arrays import Array
 from ...view.style import BLUE, GREY, INK, VERMILION
-from .explorer import Explorer, Slider, Values
+from .explorer import Explorer, Slider, Values, movable
 
 START = 10.0
 """The error at the start, at rest [mm]."""
@@ -110,9 +110,20 @@ def damping_ratio(kp: float, kd: float) -> float:
 
 
 class GainExplorer(Explorer):
-    """What `gain_explorer` makes."""
+    """An error of 10 mm under K_p and K_d: sampled and continuous, poles in the unit circle, verdict in words.
 
-    def __init__(self, kp: float, kd: float, dt: float, span: float) -> None:
+    kp, kd : at the start, 0 to 2000 [1/s²], [1/s]
+    dt : control and engine step, 0.2 to 20 [ms]
+    span : time shown, 0.05 to 6 [s]
+    Raises InvalidInput outside these ranges.
+
+    >>> explorer = gain_explorer()
+    >>> explorer.set(kd=800, dt=4.2)
+    >>> print(explorer.text.splitlines()[1])
+    verdict               UNSTABLE: K_d is too large for this clock
+    """
+
+    def __init__(self, kp: float = 100.0, kd: float = 100.0, dt: float = 1.0, span: float = 3.0) -> None:
         super().__init__([
             Slider("kp", "K_p", "1/s²", 0.0, 2000.0, kp, 10.0),
             Slider("kd", "K_d", "1/s", 0.0, 2000.0, kd, 10.0),
@@ -125,9 +136,9 @@ class GainExplorer(Explorer):
         self._time.set(ylim=(-1.3 * START, 1.3 * START), xlabel="time [s]", ylabel="error e [mm]",
                        title="A first error of 10 mm")
         self._time.axhline(0, color=GREY, linewidth=0.8)
-        self._sampled, = self._time.plot([], [], "o-", color=BLUE, markersize=3.5, linewidth=1.0, animated=True,
+        self._sampled = movable(self._time, "o-", color=BLUE, markersize=3.5, linewidth=1.0,
                                          label="sampled every Δt")
-        self._smooth, = self._time.plot([], [], color=INK, linewidth=1.6, linestyle=(0, (5, 2)), animated=True,
+        self._smooth = movable(self._time, color=INK, linewidth=1.6, linestyle=(0, (5, 2)),
                                         label="ë + K_d ė + K_p e = 0")
         self._time.legend(loc="lower right")
         circle.add_patch(Circle((0, 0), 1, facecolor="#EAF3F8", edgecolor=INK, linewidth=1.2))
@@ -135,8 +146,8 @@ class GainExplorer(Explorer):
         circle.axvline(0, color=GREY, linewidth=0.6)
         circle.set(xlim=(-2, 2), ylim=(-2, 2), aspect="equal", xlabel="real part of z [–]",
                    ylabel="imaginary part of z [–]", title="Poles and the unit circle")
-        self._inside, = circle.plot([], [], "x", color=BLUE, markersize=11, markeredgewidth=2.6, animated=True)
-        self._outside, = circle.plot([], [], "D", color=VERMILION, markersize=10, animated=True)
+        self._inside = movable(circle, "x", color=BLUE, markersize=11, markeredgewidth=2.6)
+        self._outside = movable(circle, "D", color=VERMILION, markersize=10)
         self._far = circle.text(0, -1.85, "", ha="center", fontsize=9, color=VERMILION, animated=True)
         figure.legend(handles=[self._inside, self._outside], labels=["inside: dies out", "on or outside: does not"],
                       loc="outside lower right", ncols=2, fontsize=9)
@@ -183,21 +194,7 @@ class GainExplorer(Explorer):
                 f"Δt {values['dt']:g} ms: {_words(kp, kd, verdict)}; largest |z| {np.abs(verdict.poles).max():.3f}")
 
 
-def gain_explorer(kp: float = 100.0, kd: float = 100.0, dt: float = 1.0, span: float = 3.0) -> GainExplorer:
-    """An error of 10 mm under K_p and K_d: sampled and continuous, poles in the unit circle, verdict in words.
-
-    kp, kd : at the start, 0 to 2000 [1/s²], [1/s]
-    dt : control and engine step, 0.2 to 20 [ms]
-    span : time shown, 0.05 to 6 [s]
-    Raises InvalidInput outside these ranges.
-
-    >>> explorer = gain_explorer()
-    >>> explorer.set(kd=800, dt=4.2)
-    >>> print(explorer.text.splitlines()[1])
-    verdict               UNSTABLE: K_d is too large for this clock
-    """
-    return GainExplorer(*(as_number(value, name) for value, name in (
-        (kp, "kp"), (kd, "kd"), (dt, "dt"), (span, "span"))))
+gain_explorer = GainExplorer
 
 
 def _loop(values: Values) -> tuple[float, float, float]:

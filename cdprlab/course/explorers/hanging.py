@@ -21,7 +21,17 @@ _AXES = ("x", "y", "z")
 
 
 class HangingExplorer(Explorer):
-    """Sliders for the place of a spatial world's platform, kept level; see `hanging_explorer`."""
+    """Sliders for the platform's place; robot and tensions at rest, W τ + w_e = 0 with w_e the weight.
+
+    world : spatial World
+    Raises InvalidInput for anything else.
+
+    >>> import cdprlab as cl
+    >>> explorer = hanging_explorer(cl.load_world("caroca"))
+    >>> explorer.set(z=2.5)
+    >>> print(explorer.text.splitlines()[0])
+    weight [N]           1471.5
+    """
 
     def __init__(self, world: World) -> None:
         if not isinstance(world, World) or world.robot.dimension != 3:
@@ -88,19 +98,7 @@ class HangingExplorer(Explorer):
         return f"{self.title} at {in_brackets(self.pose(values).position, 2)} m: {words}"
 
 
-def hanging_explorer(world: World) -> HangingExplorer:
-    """Sliders for the platform's place; robot and tensions at rest, W τ + w_e = 0 with w_e the weight.
-
-    world : spatial World
-    Raises InvalidInput for anything else.
-
-    >>> import cdprlab as cl
-    >>> explorer = hanging_explorer(cl.load_world("caroca"))
-    >>> explorer.set(z=2.5)
-    >>> print(explorer.text.splitlines()[0])
-    weight [N]           1471.5
-    """
-    return HangingExplorer(world)
+hanging_explorer = HangingExplorer
 
 
 def _sliders(world: World) -> list[Slider]:

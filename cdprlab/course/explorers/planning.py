@@ -15,7 +15,7 @@ from ...fastkit import Hall, OccupancyGrid, Plan, Vehicle, carried, inflated_wid
 from ...fastkit.navigation.planner import between
 from ...fastkit.plane import step_between
 from ...view.style import BLUE, GREY, INK, VERMILION, house_style
-from .explorer import Explorer, Slider, Values
+from .explorer import Explorer, Slider, Values, movable, once_a_move
 
 _SIZE = (8.4, 5.6)                       # m
 _RACKS, _DEPTH, _MIDDLE = 4.2, 0.5, 1.5  # m: racks across the hall, and where the gap between them is
@@ -25,7 +25,17 @@ _NEVER, _TURNED = "#B9BFC8", "#E4E7EB"
 
 
 class PlanningExplorer(Explorer):
-    """A hall with two gaps between racks; see `planning_explorer`."""
+    """Sliders for a gap, the margin and the goal; the inflated map and the pair's way answer.
+
+    vehicle : the pair
+    Raises InvalidInput for anything else.
+
+    >>> import cdprlab as cl
+    >>> explorer = planning_explorer(Vehicle.of(cl.load_world("fastkit_suspended").robot, 1.6))
+    >>> explorer.set(gap=1.0)
+    >>> print(explorer.text.splitlines()[4])
+    goes through                             the upper gap
+    """
 
     def __init__(self, vehicle: Vehicle) -> None:
         if not isinstance(vehicle, Vehicle):
@@ -50,9 +60,15 @@ class PlanningExplorer(Explorer):
         """(3,) where the sliders say [m, m, rad]."""
         return np.array([values["x"], values["y"], np.deg2rad(values["heading"])])
 
+    @once_a_move
+    def grid(self, values: Values) -> OccupancyGrid:
+        """Which cells of the hall are free, and how far from everything."""
+        return OccupancyGrid.of(self.hall(values))
+
+    @once_a_move
     def plan(self, values: Values) -> Plan:
         """The way, or why there is none."""
-        return plan_path(OccupancyGrid.of(self.hall(values)), self.vehicle, _START, self.goal(values), values["margin"])
+        return plan_path(self.grid(values), self.vehicle, _START, self.goal(values), values["margin"])
 
     def build(self, figure: Figure) -> None:
         axes = figure.subplots()
@@ -66,7 +82,7 @@ class PlanningExplorer(Explorer):
                                       **still)
         for collection in (self._racks, self._pairs, self._noses, self._wanted):
             axes.add_collection(collection)
-        self._way, = axes.plot([], [], color=BLUE, linewidth=2, zorder=5, label="way of the middle", **still)
+        self._way = movable(axes, color=BLUE, linewidth=2, zorder=5, label="way of the middle")
         self._says = axes.text(_SIZE[0] / 2, 2.6, "", color=VERMILION, weight="bold", ha="center", zorder=6,
                                bbox={"facecolor": "white", "edgecolor": VERMILION}, **still)
         for color, words in ((_NEVER, "the middle may never be here"), (_TURNED, "only at some headings")):
@@ -81,29 +97,27 @@ class PlanningExplorer(Explorer):
 
     def numbers(self, values: Values) -> dict[str, Any]:
         """How long, how near, and what a gap must have at least."""
-        self._hall, pair, margin = self.hall(values), self.vehicle, values["margin"]
-        self._grid = OccupancyGrid.of(self._hall)
-        self._plan = plan_path(self._grid, pair, _START, self.goal(values), margin)
+        grid, plan, pair, margin = self.grid(values), self.plan(values), self.vehicle, values["margin"]
         found = {"the pair [m]": f"{pair.length:.2f} x {pair.width:.2f}",
                  "it turns on the spot in a circle of [m]": f"{np.hypot(pair.length, pair.width):.2f}",
                  "a gap needs [m]": f"{pair.width + 2 * margin:.2f}",
-                 "is surely found if it has [m]": f"{inflated_width(self._grid, pair, margin):.2f}"}
-        if not self._plan.found:
-            return {**found, "way": f"none: {self._plan.reason}"}
-        poses = self._plan.poses
+                 "is surely found if it has [m]": f"{inflated_width(grid, pair, margin):.2f}"}
+        if not plan.found:
+            return {**found, "way": f"none: {plan.reason}"}
+        poses = plan.poses
         every = np.concatenate([between(a, b) for a, b in zip(poses, poses[1:])])
         seconds = pair.quickest(step_between(poses[:-1], poses[1:])).sum()
-        return {**found, "goes through": f"the {'upper' if self._upper() else 'lower'} gap",
-                "way of its middle [m]": f"{self._plan.length:.2f}",
+        return {**found, "goes through": f"the {_gap(plan)} gap",
+                "way of its middle [m]": f"{plan.length:.2f}",
                 "time at the bases' speed limits [s]": f"{seconds:.0f}",
-                "least room beside it, as cells tell [m]": f"{self._grid.room(pair, every).min():.2f}"}
+                "least room beside it, as cells tell [m]": f"{grid.room(pair, every).min():.2f}"}
 
     def draw(self, values: Values) -> None:
-        pair, clearance, margin, plan = self.vehicle, self._grid.clearance, values["margin"], self._plan
+        pair, clearance, margin, plan = self.vehicle, self.grid(values).clearance, values["margin"], self.plan(values)
         never, turned = clearance < pair.width / 2 + margin, clearance < np.hypot(pair.length, pair.width) / 2 + margin
         with house_style():
             self._shade.set_data((never.astype(int) + turned).T)
-            self._racks.set_verts(list(self._hall.outlines))
+            self._racks.set_verts(list(self.hall(values).outlines))
             self._wanted.set_verts([pair.outline(self.goal(values))])
             shown = _stations(plan.poses) if plan.found else _START[None]
             self._pairs.set_verts([pair.outline(pose) for pose in shown])
@@ -113,32 +127,21 @@ class PlanningExplorer(Explorer):
             self._says.set_text("" if plan.found else "no way")
 
     def describe(self, values: Values) -> str:
-        what = f"the way goes through the {'upper' if self._upper() else 'lower'} gap" if self._plan.found \
-            else f"no way: {self._plan.reason}"
+        plan = self.plan(values)
+        what = f"the way goes through the {_gap(plan)} gap" if plan.found else f"no way: {plan.reason}"
         return (f"A hall from above, {_SIZE[0]:g} by {_SIZE[1]:g} m, with racks across it; the lower gap is "
                 f"{values['gap']:.2f} m wide, the upper one {_DETOUR[1] - _DETOUR[0]:.2f} m; {what}")
 
-    def _upper(self) -> bool:
-        """Whether the way crosses the racks above the middle one's center."""
-        x, y = self._plan.poses[:, 0], self._plan.poses[:, 1]
-        k = int(np.argmax(x > _RACKS))
-        share = (_RACKS - x[k - 1]) / (x[k] - x[k - 1])
-        return bool(y[k - 1] + share * (y[k] - y[k - 1]) > (_MIDDLE + _DETOUR[0]) / 2)
+
+planning_explorer = PlanningExplorer
 
 
-def planning_explorer(vehicle: Vehicle) -> PlanningExplorer:
-    """Sliders for a gap, the margin and the goal; the inflated map and the pair's way answer.
-
-    vehicle : the pair
-    Raises InvalidInput for anything else.
-
-    >>> import cdprlab as cl
-    >>> explorer = planning_explorer(Vehicle.of(cl.load_world("fastkit_suspended").robot, 1.6))
-    >>> explorer.set(gap=1.0)
-    >>> print(explorer.text.splitlines()[4])
-    goes through                             the upper gap
-    """
-    return PlanningExplorer(vehicle)
+def _gap(plan: Plan) -> str:
+    """Whether the way crosses the racks above the middle one's center."""
+    x, y = plan.poses[:, 0], plan.poses[:, 1]
+    k = int(np.argmax(x > _RACKS))
+    share = (_RACKS - x[k - 1]) / (x[k] - x[k - 1])
+    return "upper" if y[k - 1] + share * (y[k] - y[k - 1]) > (_MIDDLE + _DETOUR[0]) / 2 else "lower"
 
 
 def _stations(poses: Array, step: float = 0.9, turn_step: float = 0.8) -> Array:

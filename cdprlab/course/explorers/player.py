@@ -26,13 +26,21 @@ VIEWS = ("picture", "scene")
 
 
 class RunPlayer(Explorer):
-    """A time slider and a play button on a run.
+    """A time slider and a play button on a run: robot, tensions against their limits, position error.
 
     run : Run
-    view : "picture" (lines drawn by matplotlib) or "scene" (k3d, spatial runs, to be turned with the mouse)
+    view : "picture" (every run, everywhere) or "scene" (spatial runs, 3-D to be turned with the mouse; needs WebGL)
+    Raises InvalidInput for anything else.
+
+    >>> run_player(42)
+    Traceback (most recent call last):
+    ...
+    cdprlab.errors.InvalidInput: run_player takes a Run, as cdprlab.run returns, got int
     """
 
     def __init__(self, run: Run, view: str = "picture") -> None:
+        # The picture is the default: WebGL is missing in headless browsers, remote desktops and on some students'
+        # machines, and where it is missing k3d shows an empty rectangle without a word.
         self.view = _checked_view(run, view)
         self.run, self.world = run, run.world
         self.spatial = run.world.robot.dimension == 3
@@ -119,6 +127,9 @@ class RunPlayer(Explorer):
             self.play.value = frame
 
 
+run_player = RunPlayer
+
+
 class _TensionBars:
     """A bar for each cable from 0 to its tension, in the cable's color of the robot's picture, with both limits."""
 
@@ -151,23 +162,6 @@ class _TensionBars:
         for k, (word, end) in enumerate(zip(self.words, ends)):
             word.set_position((end + self.pad, k + 1))
         self.wanted.set_xdata(commanded)
-
-
-def run_player(run: Run, view: str = "picture") -> RunPlayer:
-    """A time slider and a play button on a run: robot, tensions against their limits, position error.
-
-    run : Run
-    view : "picture" (every run, everywhere) or "scene" (spatial runs, 3-D to be turned with the mouse; needs WebGL)
-    Raises InvalidInput for anything else.
-
-    >>> run_player(42)
-    Traceback (most recent call last):
-    ...
-    cdprlab.errors.InvalidInput: run_player takes a Run, as cdprlab.run returns, got int
-    """
-    # The picture is the default: WebGL is missing in headless browsers, remote desktops and on some students'
-    # machines, and where it is missing k3d shows an empty rectangle without a word.
-    return RunPlayer(run, view)
 
 
 def _checked_view(run: Any, view: str) -> str:

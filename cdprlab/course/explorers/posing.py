@@ -117,20 +117,19 @@ def velocity(robot: Robot, twist: Array) -> Array:
 
 
 class PoseExplorer(Explorer):
-    """Sliders of the motions the cables control; in space one more walks around the robot.
+    """Sliders for the pose; the picture, the cable lengths and W answer.
 
-    subject : World or Robot
+    world_or_robot : World or Robot of any motion pattern
     start : Pose, single; default the world's, for a robot the middle of its exit points
+    Raises InvalidInput for anything else, or a start that does not fit.
 
     >>> import cdprlab as cl
-    >>> explorer = PoseExplorer(cl.load_world("caroca"))
-    >>> explorer.set(x=0.5, yaw=30.0)
-    >>> explorer.pose
-    Pose([0.5, 0.9, 0.5], rpy=[0, 0, 0.523599])
+    >>> print(pose_explorer(cl.load_world("point_mass")).text.splitlines()[1])
+    length [m] 3.202 3.202 3.202 3.202
     """
 
-    def __init__(self, subject: World | Robot, start: Pose | None = None) -> None:
-        self.posing = Posing(subject, start)
+    def __init__(self, world_or_robot: World | Robot, start: Pose | None = None) -> None:
+        self.posing = Posing(world_or_robot, start)
         self.robot = self.posing.robot
         eye = [EYE] if self.robot.dimension == 3 else []
         super().__init__([*self.posing.places, *self.posing.turns, *eye], self.posing.title, size=(5.2, 4.4))
@@ -170,18 +169,7 @@ class PoseExplorer(Explorer):
                 + self.told(values, "azimuth"))
 
 
-def pose_explorer(world_or_robot: World | Robot, start: Pose | None = None) -> PoseExplorer:
-    """Sliders for the pose; the picture, the cable lengths and W answer.
-
-    world_or_robot : World or Robot of any motion pattern
-    start : Pose, single; default the world's, for a robot the middle of its exit points
-    Raises InvalidInput for anything else, or a start that does not fit.
-
-    >>> import cdprlab as cl
-    >>> print(pose_explorer(cl.load_world("point_mass")).text.splitlines()[1])
-    length [m] 3.202 3.202 3.202 3.202
-    """
-    return PoseExplorer(world_or_robot, start)
+pose_explorer = PoseExplorer
 
 
 # --- ranges -------------------------------------------------------------------------------------------------

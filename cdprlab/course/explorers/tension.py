@@ -43,10 +43,22 @@ class TensionState(NamedTuple):
 
 
 class TensionExplorer(Explorer):
-    """Pose, limits and method on sliders and a menu; see `tension_explorer`."""
+    """Sliders for pose and limits, a menu of methods: what {τ : W τ + w_e = 0, τ_min ≤ τ ≤ τ_max} is, who picks what.
 
-    def __init__(self, subject: World | Robot, start: Pose | None = None) -> None:
-        self._posing = Posing(subject, start, "tension")
+    world_or_robot : World or Robot with one or two redundant cables, at rest under its weight
+    start : Pose, single; default the world's, for a robot the middle of its exit points
+    Limits are the same for all cables; they start at the robot's, as far as the sliders reach.
+    Raises InvalidInput for another redundancy, or a start that does not fit.
+
+    >>> import cdprlab as cl
+    >>> explorer = tension_explorer(cl.load_world("caroca"))
+    >>> explorer.set(method="barycenter", tension_max=1000)
+    >>> print(explorer.text.splitlines()[1])
+    feasible set  r = 2: a polygon of 4 corners.
+    """
+
+    def __init__(self, world_or_robot: World | Robot, start: Pose | None = None) -> None:
+        self._posing = Posing(world_or_robot, start, "tension")
         robot = self._posing.robot
         r = robot.n_cables - robot.n_dof
         if r not in (1, 2):
@@ -137,21 +149,7 @@ class TensionExplorer(Explorer):
                 f"{values['method'].replace('_', ' ')}: {self.words(values)}")
 
 
-def tension_explorer(world_or_robot: World | Robot, start: Pose | None = None) -> TensionExplorer:
-    """Sliders for pose and limits, a menu of methods: what {τ : W τ + w_e = 0, τ_min ≤ τ ≤ τ_max} is, who picks what.
-
-    world_or_robot : World or Robot with one or two redundant cables, at rest under its weight
-    start : Pose, single; default the world's, for a robot the middle of its exit points
-    Limits are the same for all cables; they start at the robot's, as far as the sliders reach.
-    Raises InvalidInput for another redundancy, or a start that does not fit.
-
-    >>> import cdprlab as cl
-    >>> explorer = tension_explorer(cl.load_world("caroca"))
-    >>> explorer.set(method="barycenter", tension_max=1000)
-    >>> print(explorer.text.splitlines()[1])
-    feasible set  r = 2: a polygon of 4 corners.
-    """
-    return TensionExplorer(world_or_robot, start)
+tension_explorer = TensionExplorer
 
 
 def _limit_sliders(robot: Robot, start: Pose) -> list[Slider]:

@@ -22,7 +22,7 @@ from ...view.style import GREEN, INK, VERMILION, house_style
 from ...view.text_table import fixed, in_brackets, text_table
 from ...world import World
 from ..props.changed_cables import every_cable
-from .explorer import Explorer, Slider, Values, once_a_move
+from .explorer import Explorer, Slider, Values, movable, once_a_move
 from .plane_sets import checked_set_world, set_patches
 from .posing import Arrow, Posing, velocity
 
@@ -63,7 +63,22 @@ class Reach(NamedTuple):
 
 
 class TwistSetExplorer(Explorer):
-    """Sliders for a twist, the bases' and cables' speed limits and the position; see `twist_set_explorer`."""
+    """Sliders for a twist and the speed limits; {t : |J t − B_b q̇_b| ≤ l̇_max}, bases fixed and driving, answers.
+
+    The text says inside or outside, the largest scale, and one way to share the twist among bases and cables. With
+    more than two degrees of freedom the other components are zero; the shadow shows what they allow when free.
+
+    world : motion pattern with at least two components
+    components : which two are dragged
+    Raises InvalidInput for a world or components that do not fit.
+
+    >>> import cdprlab as cl
+    >>> explorer = twist_set_explorer(cl.load_world("planar_mcdpr"))
+    >>> explorer.set(v_x=1.15, v_y=1.675)
+    >>> print("\\n".join(explorer.text.splitlines()[1:3]))
+    bases fixed    OUTSIDE, scale at most 0.985
+    bases driving  inside, scale at most 1.220
+    """
 
     def __init__(self, world: World, components: Sequence[int] = (0, 1)) -> None:
         self._robot = checked_set_world(world, "twist", "twists", "speed").robot
@@ -129,11 +144,11 @@ class TwistSetExplorer(Explorer):
         self._patches = set_patches(panel, labels, self._names, np.outer(self._reach, [-1, 1]))
         for shadow in self._patches[2:]:
             shadow.set_facecolor("none")
-        self._ray, = panel.plot([], [], color=INK, linewidth=1.2, animated=True)
-        self._borders = [panel.plot([], [], marker="D", markersize=7, markerfacecolor="white", markeredgewidth=1.6,
-                                    markeredgecolor=patch.get_edgecolor(), linestyle="none", zorder=5, animated=True)[0]
+        self._ray = movable(panel, color=INK, linewidth=1.2)
+        self._borders = [movable(panel, marker="D", markersize=7, markerfacecolor="white", markeredgewidth=1.6,
+                                    markeredgecolor=patch.get_edgecolor(), linestyle="none", zorder=5)
                          for patch in self._patches[:2]]
-        self._mark, = panel.plot([], [], linestyle="none", markersize=10, animated=True)
+        self._mark = movable(panel, linestyle="none", markersize=10)
         self._word = panel.text(0.02, 0.98, "", fontsize=10, ha="left", va="top", fontweight="bold", animated=True,
                                 transform=panel.transAxes)
         panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2 if flat else 1, fontsize=9)
@@ -176,24 +191,7 @@ class TwistSetExplorer(Explorer):
         return lines if found.robot.bases else []
 
 
-def twist_set_explorer(world: World, components: Sequence[int] = (0, 1)) -> TwistSetExplorer:
-    """Sliders for a twist and the speed limits; {t : |J t − B_b q̇_b| ≤ l̇_max}, bases fixed and driving, answers.
-
-    The text says inside or outside, the largest scale, and one way to share the twist among bases and cables. With
-    more than two degrees of freedom the other components are zero; the shadow shows what they allow when free.
-
-    world : motion pattern with at least two components
-    components : which two are dragged
-    Raises InvalidInput for a world or components that do not fit.
-
-    >>> import cdprlab as cl
-    >>> explorer = twist_set_explorer(cl.load_world("planar_mcdpr"))
-    >>> explorer.set(v_x=1.15, v_y=1.675)
-    >>> print("\\n".join(explorer.text.splitlines()[1:3]))
-    bases fixed    OUTSIDE, scale at most 0.985
-    bases driving  inside, scale at most 1.220
-    """
-    return TwistSetExplorer(world, components)
+twist_set_explorer = TwistSetExplorer
 
 
 # --- controls ---------------------------------------------------------------------------------------------

@@ -17,10 +17,11 @@ from ...robot import Robot
 from ...robot.pose import Pose
 from ...view.outlines import hanging
 from ...view.style import INK, SKY, cable_style
-from ..pictures.pose_estimates import draw_exit_points
+from ...view.text_table import in_brackets
+from ..pictures.panels import draw_exit_points
 from ..props.point_load import circle_crossings, point_load
 from ..props.settling import Settled, hang
-from .explorer import Choice, Explorer, Slider, Values
+from .explorer import Choice, Explorer, Slider, Values, movable
 
 EXIT_POINTS = np.array([[0.0, 3.0], [5.0, 3.0]])
 """Of the two cables [m]."""
@@ -35,7 +36,16 @@ Formula = Callable[[Array, Array, float, float], Any]
 
 
 class TwoCirclesExplorer(Explorer):
-    """A load on two ropes, their lengths on sliders; see `two_circles_explorer`."""
+    """Sliders for two cable lengths: two circles, the point a formula finds, and where a load hangs in the engine.
+
+    formula : somebody's own, (A1, A2, l1, l2) → (2,) [m], raises ValueError where no point has these lengths; default
+        the lower crossing
+
+    >>> explorer = two_circles_explorer()
+    >>> explorer.set(l1=3.0, l2=6.5, hang="yes, in pymunk")
+    >>> print(explorer.text.splitlines()[-2])
+    rope 2 is slack, 0.67 m to spare
+    """
 
     def __init__(self, formula: Formula | None = None) -> None:
         self._formula, self._robot = formula or _lower_crossing, two_ropes()
@@ -54,13 +64,13 @@ class TwoCirclesExplorer(Explorer):
                          for (x, y), (color, dashes) in zip(EXIT_POINTS, looks)]
         for circle in self._circles:
             panel.add_patch(circle)
-        self._ropes = [panel.plot([], [], color=SKY, linewidth=6.0, alpha=0.8, **moving)[0] for _ in EXIT_POINTS]
-        self._cables = [panel.plot([], [], color=color, linestyle=dashes, linewidth=2.4, **moving)[0]
+        self._ropes = [movable(panel, color=SKY, linewidth=6.0, alpha=0.8) for _ in EXIT_POINTS]
+        self._cables = [movable(panel, color=color, linestyle=dashes, linewidth=2.4)
                         for color, dashes in looks]
-        self._load, = panel.plot([], [], marker="s", markersize=18, linestyle="none", color=SKY, **moving)
-        self._other, = panel.plot([], [], marker="o", markersize=10, linestyle="none", color=INK,
-                                  markerfacecolor="white", **moving)
-        self._point, = panel.plot([], [], marker="o", markersize=10, linestyle="none", color=INK, **moving)
+        self._load = movable(panel, marker="s", markersize=18, linestyle="none", color=SKY)
+        self._other = movable(panel, marker="o", markersize=10, linestyle="none", color=INK,
+                                  markerfacecolor="white")
+        self._point = movable(panel, marker="o", markersize=10, linestyle="none", color=INK)
         handles = [Line2D([], [], color=color, linestyle=dashes, label=f"as far from {end} as its cable is long")
                    for end, (color, dashes) in zip(("A₁", "A₂"), looks)]
         handles += [Line2D([], [], color=INK, marker="o", markersize=8, linestyle="none", label=self._whose),
@@ -70,8 +80,8 @@ class TwoCirclesExplorer(Explorer):
     def numbers(self, values: Values) -> dict[str, Any]:
         self._solve(values)
         text = {"crossings [m]": "none: the circles miss each other" if np.isnan(self._crossings).any()
-                else " and ".join(_place(point) for point in self._crossings),
-                f"{self._whose} [m]": "none" if self._found is None else _place(self._found)}
+                else " and ".join(in_brackets(point, 3) for point in self._crossings),
+                f"{self._whose} [m]": "none" if self._found is None else in_brackets(self._found, 3)}
         if self._settled is None:
             return text | {"load": "not hung yet: predict, then let it hang"}
         return text | self._hung(self._settled)
@@ -94,7 +104,7 @@ class TwoCirclesExplorer(Explorer):
                 rope.set_data(*hanging(load, exit_point, length).T)
 
     def describe(self, values: Values) -> str:
-        place = "no point" if self._found is None else f"the point at {_place(self._found)} m"
+        place = "no point" if self._found is None else f"the point at {in_brackets(self._found, 3)} m"
         load = "" if self._settled is None else "; load " + self._hung(self._settled)["load"].replace("\n", " ")
         return f"Circles of radius {values['l1']:g} and {values['l2']:g} m around exit points 5 m apart; {place}{load}"
 
@@ -117,25 +127,15 @@ class TwoCirclesExplorer(Explorer):
         if not settled.fits:
             return {"load": "nowhere: the ropes together are shorter\nthan the way from A₁ to A₂"}
         loose = [f"rope {i + 1} is slack, {settled.spare[i]:.2f} m to spare" for i in np.flatnonzero(settled.slack)]
-        text = {"load": f"hangs at {_place(settled.pose.position)} m\n" + (", ".join(loose) or "both ropes are taut")}
+        place = in_brackets(settled.pose.position, 3)
+        text = {"load": f"hangs at {place} m\n" + (", ".join(loose) or "both ropes are taut")}
         if self._found is not None:
             apart = 1e3 * float(np.linalg.norm(settled.pose.position - self._found))
             text[f"load to {self._whose} [mm]"] = f"{apart:.3f}"
         return text
 
 
-def two_circles_explorer(formula: Formula | None = None) -> TwoCirclesExplorer:
-    """Sliders for two cable lengths: two circles, the point a formula finds, and where a load hangs in the engine.
-
-    formula : somebody's own, (A1, A2, l1, l2) → (2,) [m], raises ValueError where no point has these lengths; default
-        the lower crossing
-
-    >>> explorer = two_circles_explorer()
-    >>> explorer.set(l1=3.0, l2=6.5, hang="yes, in pymunk")
-    >>> print(explorer.text.splitlines()[-2])
-    rope 2 is slack, 0.67 m to spare
-    """
-    return TwoCirclesExplorer(formula)
+two_circles_explorer = TwoCirclesExplorer
 
 
 def two_ropes() -> Robot:
@@ -155,7 +155,3 @@ def _lower_crossing(first: Array, second: Array, l1: float, l2: float) -> Array:
         raise ValueError("no point has these lengths")
     return lower
 
-
-def _place(point: Array) -> str:
-    # + 0.0 after rounding turns −0.0 into 0.0
-    return "({:.3f}, {:.3f})".format(*(np.round(point, 3) + 0.0))

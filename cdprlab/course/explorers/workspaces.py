@@ -27,7 +27,7 @@ from ...workspace.criterion import Criterion, Flags
 from ...workspace.tensions import DynamicEquilibrium, StaticEquilibrium, WrenchClosure, WrenchFeasible
 from ...world import World
 from ..props.changed_cables import every_cable
-from .explorer import Choice, Explorer, Slider, Values, once_a_move
+from .explorer import Choice, Explorer, Slider, Values, movable, once_a_move
 from .posing import Posing, checked_world
 
 CRITERIA = ("wrench_feasible", "wrench_closure", "static_equilibrium", "dynamic_equilibrium")
@@ -83,7 +83,19 @@ class WorkspaceState(NamedTuple):
 
 
 class WorkspaceExplorer(Explorer):
-    """Criterion on a menu, limits, push and pose on sliders; see `workspace_explorer`."""
+    """A menu of criteria, sliders for limits, push, acceleration and pose; the map of the workspace answers.
+
+    Every cell of the robot's frame is judged at its center, at the orientation of the angle's slider.
+
+    world : planar, with at least two translations
+    Raises InvalidInput for any other.
+
+    >>> import cdprlab as cl
+    >>> explorer = workspace_explorer(cl.load_world("planar_rigid"))
+    >>> explorer.set(tension_min=40)
+    >>> bool(explorer.state(explorer.values).inside.any())
+    True
+    """
 
     def __init__(self, world: World) -> None:
         robot = checked_world(world, "workspace").robot
@@ -125,8 +137,7 @@ class WorkspaceExplorer(Explorer):
         self._drawing = RobotDrawing(axes, self._posing.robot, self._posing.scene,
                                      Pose(np.array([[left, bottom], [right, top]])))
         self._map = _map(axes, self.grid)
-        self._crosses, = axes.plot([], [], "x", color=GREY, markersize=3.5, markeredgewidth=0.7, zorder=0.6,
-                                   animated=True)
+        self._crosses = movable(axes, "x", color=GREY, markersize=3.5, markeredgewidth=0.7, zorder=0.6)
         self._border = LineCollection([], colors=INK, linewidths=1.8, zorder=0.7, animated=True)
         axes.add_collection(self._border, autolim=False)
         axes.grid(visible=False)
@@ -178,21 +189,7 @@ class WorkspaceExplorer(Explorer):
                 f"The platform at ({values['x']:g}, {values['y']:g}) m is {_FOUND[state.here[0]].lower()}.")
 
 
-def workspace_explorer(world: World) -> WorkspaceExplorer:
-    """A menu of criteria, sliders for limits, push, acceleration and pose; the map of the workspace answers.
-
-    Every cell of the robot's frame is judged at its center, at the orientation of the angle's slider.
-
-    world : planar, with at least two translations
-    Raises InvalidInput for any other.
-
-    >>> import cdprlab as cl
-    >>> explorer = workspace_explorer(cl.load_world("planar_rigid"))
-    >>> explorer.set(tension_min=40)
-    >>> bool(explorer.state(explorer.values).inside.any())
-    True
-    """
-    return WorkspaceExplorer(world)
+workspace_explorer = WorkspaceExplorer
 
 
 # --- what is asked ------------------------------------------------------------------------------------------

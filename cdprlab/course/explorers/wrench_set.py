@@ -20,7 +20,7 @@ from ...view.style import GREEN, INK, VERMILION, house_style
 from ...view.text_table import fixed, text_table
 from ...world import World
 from ..props.changed_cables import every_cable
-from .explorer import Explorer, Slider, Values, once_a_move
+from .explorer import Explorer, Slider, Values, movable, once_a_move
 from .plane_sets import checked_set_world, set_patches
 from .posing import Posing
 
@@ -81,7 +81,21 @@ class Capability(NamedTuple):
 
 
 class WrenchSetExplorer(Explorer):
-    """Sliders for tension limits, base mass and position; see `wrench_set_explorer`."""
+    """Sliders for τ_max, τ_min, the bases' mass and the platform; {W τ : limits}, and the part where no base tips.
+
+    Forces are shown in the x direction and upwards; with more degrees of freedom all other components are what the
+    weight wants. One limit holds for all cables, one mass for all bases with wheels. Facets that tipping makes are
+    thick, wheels (in space: edges) over which the cables could tip a base are crossed; all of it stands in the text.
+
+    world : motion pattern with at least two components, and cables with finite tension limits
+    Raises InvalidInput for anything else.
+
+    >>> import cdprlab as cl
+    >>> explorer = wrench_set_explorer(cl.load_world("planar_mcdpr"))
+    >>> explorer.set(base_mass=30)
+    >>> print(explorer.text.splitlines()[-1])
+    Tipping makes 6 facets and takes 53 % of the set.
+    """
 
     def __init__(self, world: World) -> None:
         robot = checked_set_world(world, "wrench", "wrenches", "tension").robot
@@ -109,9 +123,9 @@ class WrenchSetExplorer(Explorer):
     def build(self, figure: Figure) -> None:
         left, right = figure.subplots(1, 2, width_ratios=(1, 1.35))
         self._drawing = self._posing.drawing(left)
-        mark = {"linestyle": "none", "zorder": 9, "animated": True, "markeredgecolor": "white"}
-        self._stands, = left.plot([], [], "o", color=GREEN, markersize=9, label="stands for certain", **mark)
-        self._tips, = left.plot([], [], "X", color=VERMILION, markersize=11, label="could tip over this", **mark)
+        mark = {"linestyle": "none", "zorder": 9, "markeredgecolor": "white"}
+        self._stands = movable(left, "o", color=GREEN, markersize=9, label="stands for certain", **mark)
+        self._tips = movable(left, "X", color=VERMILION, markersize=11, label="could tip over this", **mark)
         if "base_mass" in self.controls:
             left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=9)
         self._build_sets(right)
@@ -178,10 +192,10 @@ class WrenchSetExplorer(Explorer):
         self._patches = set_patches(panel, _LABELS, self._names, self._reach())
         self._facets = LineCollection([], colors=INK, linewidths=4, animated=True, label="facets made by tipping")
         panel.add_collection(self._facets, autolim=False)
-        self._cross = [panel.plot([], [], color=INK, linewidth=1.2, marker=marker, animated=True)[0]
+        self._cross = [movable(panel, color=INK, linewidth=1.2, marker=marker)
                        for marker in "|_"]
-        self._mark, = panel.plot([], [], linestyle="none", marker="*", markersize=13, markeredgecolor="white",
-                                 color=GREEN, animated=True, zorder=6, label="holds the weight, −w_g")
+        self._mark = movable(panel, linestyle="none", marker="*", markersize=13, markeredgecolor="white",
+                                 color=GREEN, zorder=6, label="holds the weight, −w_g")
         panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=9)
 
     def _reach(self) -> Array:
@@ -206,23 +220,7 @@ class WrenchSetExplorer(Explorer):
             line.set_data(*(found.hold[:, None] + np.outer(np.eye(2)[k], section[k])))
 
 
-def wrench_set_explorer(world: World) -> WrenchSetExplorer:
-    """Sliders for τ_max, τ_min, the bases' mass and the platform; {W τ : limits}, and the part where no base tips.
-
-    Forces are shown in the x direction and upwards; with more degrees of freedom all other components are what the
-    weight wants. One limit holds for all cables, one mass for all bases with wheels. Facets that tipping makes are
-    thick, wheels (in space: edges) over which the cables could tip a base are crossed; all of it stands in the text.
-
-    world : motion pattern with at least two components, and cables with finite tension limits
-    Raises InvalidInput for anything else.
-
-    >>> import cdprlab as cl
-    >>> explorer = wrench_set_explorer(cl.load_world("planar_mcdpr"))
-    >>> explorer.set(base_mass=30)
-    >>> print(explorer.text.splitlines()[-1])
-    Tipping makes 6 facets and takes 53 % of the set.
-    """
-    return WrenchSetExplorer(world)
+wrench_set_explorer = WrenchSetExplorer
 
 
 def _changed(robot: Robot, values: Values) -> Robot:

@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from ...arrays import Array
 from ...errors import InvalidInput
 from ...robot.pose import Pose
 from ...view.drawing import RobotDrawing
@@ -18,6 +17,7 @@ from ...view.outlines import box_corners, box_edges
 from ...view.style import INK, WARNING, house_style
 from ...world import World
 from ..brief import Brief
+from .panels import HALO
 
 _ACROSS, _LIMIT = 5, 300.0
 """Places along the longest edge of the box; margin of the strongest color [N]."""
@@ -43,7 +43,7 @@ def plot_design(brief: Brief, world: World, title: str = "") -> Figure:
         heights = np.linspace(brief.upper[2], brief.lower[2], 3)
         for row, height in enumerate(heights):
             axes = figure.add_subplot(grid[row, 1])
-            _map(axes, brief, world, float(height))
+            _draw_margins(axes, brief, world, float(height))
             axes.set(ylabel="y [m]", xlabel="x [m]" if row == 2 else "", title=f"margin [N] at z = {height:g} m")
         held = verdict.margin >= 0
         figure.suptitle(f"{title or world.title or world.name}: {world.robot.n_cables} cables, smallest margin "
@@ -63,24 +63,18 @@ def draw_design(axes: Axes, brief: Brief, world: World, azimuth: float = 25.0) -
     return drawing
 
 
-def _map(axes: Axes, brief: Brief, world: World, height: float) -> None:
-    x, y, margins = _margins(brief, world, height)
+def _draw_margins(axes: Axes, brief: Brief, world: World, height: float) -> None:
+    """A field a place: the smallest margin there over pushes and three headings."""
+    x, y = np.linspace(brief.lower[0], brief.upper[0], _ACROSS), np.linspace(brief.lower[1], brief.upper[1], 3)
+    places = np.array([[a, b, height, turn] for a, b, turn in product(x, y, brief.yaw * np.array([-1.0, 0.0, 1.0]))])
+    poses = Pose(places[:, :3], rpy=np.pad(places[:, 3:], ((0, 0), (2, 0))))
+    margins = brief.margins(world.robot, poses).min(axis=0).reshape(len(x), len(y), -1).min(axis=-1)
     shown: Any = np.clip(np.nan_to_num(margins, neginf=-_LIMIT), -_LIMIT, _LIMIT)
     axes.pcolormesh(x, y, shown.T, cmap="PuOr", vmin=-_LIMIT, vmax=_LIMIT, shading="nearest", edgecolors="white")
-    for i, j in np.ndindex(margins.shape):
-        number = "none" if not np.isfinite(margins[i, j]) else f"{margins[i, j]:.0f}".replace("-", "−")
-        axes.text(float(x[i]), float(y[j]), number, ha="center", va="center", fontsize=9, color=INK,
-                  fontweight="bold" if margins[i, j] < 0 else "normal",
-                  bbox={"facecolor": WARNING, "edgecolor": INK, "pad": 1.5} if margins[i, j] < 0 else
-                  {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.0})
+    for (i, j), margin in np.ndenumerate(margins):
+        number = f"{margin:.0f}".replace("-", "−") if np.isfinite(margin) else "none"
+        look = {"fontweight": "bold", "bbox": {"facecolor": WARNING, "edgecolor": INK, "pad": 1.5}} if margin < 0 \
+            else {"bbox": HALO}
+        axes.text(float(x[i]), float(y[j]), number, ha="center", va="center", fontsize=9, color=INK, **look)
     axes.set(xticks=x[::2], yticks=y)
     axes.grid(visible=False)
-
-
-def _margins(brief: Brief, world: World, height: float) -> tuple[Array, Array, Array]:
-    """Places along x and y, and (nx, ny) the smallest margin there over pushes and three headings."""
-    x, y = np.linspace(brief.lower[0], brief.upper[0], _ACROSS), np.linspace(brief.lower[1], brief.upper[1], 3)
-    headings = brief.yaw * np.array([-1.0, 0.0, 1.0])
-    places = np.array([[a, b, height, turn] for a, b, turn in product(x, y, headings)])
-    poses = Pose(places[:, :3], rpy=np.pad(places[:, 3:], ((0, 0), (2, 0))))
-    return x, y, brief.margins(world.robot, poses).min(axis=0).reshape(len(x), len(y), -1).min(axis=-1)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...errors import InvalidInput
-from ...view.style import INK, cable_style, house_style
+from ...view.style import CABLE_DASHES, INK, cable_style, house_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,32 +36,20 @@ def plot_comparison(x: ArrayLike, pairs: Mapping[str, tuple[ArrayLike, ArrayLike
         figure, (above, below) = plt.subplots(2, 1, figsize=(7, 5), sharex=True, layout="constrained",
                                               height_ratios=(3, 2))
         for index, (label, pair) in enumerate(pairs.items()):
-            first, second = (_column(values, along, label) for values in pair)
-            color = cable_style(index).color
+            first, second = (np.asarray(values, float) for values in pair)
+            if not first.shape == second.shape == (along.size,):
+                raise InvalidInput(f"{label!r} must have one value for each x, {along.shape}, got shapes "
+                                   f"{first.shape} and {second.shape}")
+            color, dashes = cable_style(index).color, CABLE_DASHES[index % len(CABLE_DASHES)]
             above.plot(along, first, color=color, linewidth=6, alpha=0.3, solid_capstyle="butt",
                        label=f"{label}, {names[0]}")
-            above.plot(along, second, color=INK, linewidth=1.2, linestyle=_DASHES[index % len(_DASHES)],
-                       label=f"{label}, {names[1]}")
-            below.plot(along, second - first, color=color, linestyle=_DASHES[index % len(_DASHES)], label=label)
+            above.plot(along, second, color=INK, linewidth=1.2, linestyle=dashes, label=f"{label}, {names[1]}")
+            below.plot(along, second - first, color=color, linestyle=dashes, label=label)
         above.set(ylabel=ylabel, title=title)
         above.legend()
         below.axhline(0, color=INK, linewidth=0.8)
-        below.set(xlabel=xlabel, ylabel=_residual_label(ylabel), title=f"What is left: {names[1]} − {names[0]}")
+        unit = ylabel[ylabel.rfind("["):] if "[" in ylabel else ""
+        below.set(xlabel=xlabel, ylabel=f"residual {unit}".rstrip(), title=f"What is left: {names[1]} − {names[0]}")
         if len(pairs) > 1:
             below.legend(ncols=len(pairs))
     return figure
-
-
-_DASHES: tuple[Any, ...] = ("solid", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
-
-
-def _column(values: ArrayLike, along: Any, label: str) -> Any:
-    column = np.asarray(values, float)
-    if column.shape != along.shape or column.ndim != 1:
-        raise InvalidInput(f"{label!r} must have one value for each x, {along.shape}, got shape {column.shape}")
-    return column
-
-
-def _residual_label(ylabel: str) -> str:
-    unit = ylabel[ylabel.rfind("["):] if "[" in ylabel else ""
-    return f"residual {unit}".rstrip()

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array
@@ -17,15 +18,13 @@ from ...configurations.sequence import ConfigurationSequence
 from ...robot import Robot
 from ...view.plots import Figure
 from ...view.style import BLUE, GREY, INK, ORANGE, VERMILION, cable_style, house_style
+from .panels import draw_exit_points, label
 
 CLASS_COLORS = {INSIDE: BLUE, UNCERTAIN: ORANGE, OUTSIDE: GREY}
 """Always beside the word itself."""
 
-_CLASS_HATCHES = {INSIDE: None, UNCERTAIN: "//", OUTSIDE: None}
 _MARGIN, WIDE_MARGIN = 0.22, 0.44
 """Of the plan around the exit points, in a large panel and in a small one [m]."""
-
-_HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6}
 
 
 def plot_triplets(robot: Robot, position: ArrayLike, classes: Mapping[Any, str] | None = None,
@@ -45,7 +44,8 @@ def plot_triplets(robot: Robot, position: ArrayLike, classes: Mapping[Any, str] 
         figure = Figure(figsize=(2.6 * columns, 2.7 * rows), layout="constrained")
         panels = np.ravel(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False))
         for panel, chosen in zip(panels, names):
-            draw_triplet(panel, robot, chosen, M, classes[chosen], position_uncertainty, exit_uncertainty)
+            draw_room(panel, robot, WIDE_MARGIN)
+            fill_triplet(panel, robot, chosen, M, classes[chosen], position_uncertainty, exit_uncertainty)
             panel.label_outer()
         figure.alt_text = f"Seen from above, the load at ({M[0]:.2f}, {M[1]:.2f}, {M[2]:.2f}) m and every triangle " \
                           f"of three exit points: {in_words(classes)}."
@@ -63,7 +63,8 @@ def plot_sequences(robot: Robot, sequences: Sequence[ConfigurationSequence], tit
         figure = Figure(figsize=(4.2 * max(len(sequences), 1), 4.0), layout="constrained")
         panels = np.ravel(figure.subplots(1, max(len(sequences), 1), sharey=True, squeeze=False))
         for panel, sequence, title in zip(panels, sequences, titles or [str(s) for s in sequences]):
-            draw_sequence(panel, robot, sequence)
+            draw_room(panel, robot)
+            fill_sequence(panel, robot, sequence)
             panel.set_title(title, fontsize=11)
             panel.label_outer()
         figure.alt_text = "Plans of the room with the way from S to G: " + "; ".join(map(str, sequences)) + "."
@@ -102,30 +103,17 @@ def draw_room(panel: Axes, robot: Robot, margin: float = _MARGIN) -> None:
     """Exit points with their numbers, axes in meters, ``margin`` around them [m]."""
     plan = robot.exit_points[:, :2]
     low, high = plan.min(axis=0) - margin, plan.max(axis=0) + margin
-    middle = plan.mean(axis=0)
-    for i, place in enumerate(plan):
-        panel.plot(*place, marker="s", markersize=6, color=INK, zorder=4)
-        away = (place - middle) / max(float(np.linalg.norm(place - middle)), 1e-9)
-        panel.annotate(str(i + 1), (place[0], place[1]), (9 * away[0], 9 * away[1]), textcoords="offset points",
-                       ha="center", va="center", fontsize=9, color=INK)
+    draw_exit_points(panel, plan, fontsize=9)
     panel.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [m]", ylabel="y [m]")
-
-
-def draw_triplet(panel: Axes, robot: Robot, chosen: Configuration, position: Array, verdict: str,
-                 position_uncertainty: float = 0.0, exit_uncertainty: float = 0.0) -> None:
-    """One triangle in the color of its class, its certain part darker, and the load, in its room."""
-    draw_room(panel, robot, WIDE_MARGIN)
-    fill_triplet(panel, robot, chosen, position, verdict, position_uncertainty, exit_uncertainty)
 
 
 def fill_triplet(panel: Axes, robot: Robot, chosen: Configuration, position: Array, verdict: str,
                  position_uncertainty: float = 0.0, exit_uncertainty: float = 0.0) -> None:
-    """The same without the room."""
+    """One triangle in the color of its class, its certain part darker, and the load."""
     corners = robot.exit_points[chosen.indices]
     color = CLASS_COLORS[verdict]
-    panel.fill(*corners[:, :2].T, facecolor=color, edgecolor="none", alpha=0.22)
-    panel.fill(*corners[:, :2].T, facecolor="none", edgecolor=color, linewidth=1.4,
-               linestyle="--" if verdict == OUTSIDE else "-", hatch=_CLASS_HATCHES[verdict])
+    panel.fill(*corners[:, :2].T, facecolor=to_rgba(color, 0.22), edgecolor=color, linewidth=1.4,
+               linestyle="--" if verdict == OUTSIDE else "-", hatch="//" if verdict == UNCERTAIN else None)
     if position_uncertainty or exit_uncertainty:
         sure = region(corners, exit_uncertainty, position_uncertainty).polygon(corners[:, :2], float(position[2]))
         if len(sure):
@@ -134,50 +122,34 @@ def fill_triplet(panel: Axes, robot: Robot, chosen: Configuration, position: Arr
     panel.set_title(f"{chosen}: {verdict}", fontsize=10)
 
 
-def draw_sequence(panel: Axes, robot: Robot, sequence: ConfigurationSequence) -> None:
-    """The way from S to G, each part in the style of its configuration, over that configuration's triangle."""
-    draw_room(panel, robot)
-    fill_sequence(panel, robot, sequence)
-
-
 def fill_sequence(panel: Axes, robot: Robot, sequence: ConfigurationSequence) -> None:
-    """The same without the room."""
+    """The way from S to G, each part in the style of its configuration, over that configuration's triangle."""
     looks = [cable_style(k) for k in range(len(sequence.configurations))]
     for chosen, look, dashes in zip(sequence.configurations, looks, ("-", (0, (5, 2)), (0, (1.5, 1.5)), "-.")):
         corners = robot.exit_points[chosen.indices][:, :2]
-        panel.fill(*corners.T, facecolor=look.color, edgecolor="none", alpha=0.13)
-        panel.fill(*corners.T, facecolor="none", edgecolor=look.color, linewidth=1.3, linestyle=dashes)
+        panel.fill(*corners.T, facecolor=to_rgba(look.color, 0.13), edgecolor=look.color, linewidth=1.3,
+                   linestyle=dashes)
     turn = 0
     for (a, before), (b, after) in zip(sequence.steps, sequence.steps[1:]):
         if before == after:
             panel.plot([a[0], b[0]], [a[1], b[1]], color=looks[turn].color, linewidth=3, zorder=3)
-            _label_leg(panel, str(before), a, b, looks[turn].color)
+            way = (b - a)[:2]
+            if np.linalg.norm(way) > 0.1:  # long enough to be seen: the configuration's name beside its middle
+                aside = np.array([way[1], -way[0]]) / np.linalg.norm(way) * (-1 if way[0] < 0 else 1)
+                label(panel, str(before), (a + b) / 2, aside, 9, fontsize=9, color=looks[turn].color, zorder=6)
         else:
             turn += 1
             color = VERMILION if sequence.transition_scores[turn - 1] else INK
             panel.plot(a[0], a[1], marker="D", markersize=8, color=color, markeredgecolor="white", zorder=5)
-            panel.annotate(f"M{turn}", (a[0], a[1]), (0, 10), textcoords="offset points", ha="center", fontsize=9,
-                           color=color, zorder=6, bbox=_HALO)
+            label(panel, f"M{turn}", a, (0, 1), 10, fontsize=9, color=color, zorder=6)
     for name, (place, _) in (("S", sequence.steps[0]), ("G", sequence.steps[-1])):
         panel.plot(place[0], place[1], marker="o", markersize=8, color=INK, markeredgecolor="white", zorder=5)
-        panel.annotate(name, (place[0], place[1]), (0, 9), textcoords="offset points", ha="center", fontsize=10,
-                       fontweight="bold", color=INK, zorder=6, bbox=_HALO)
+        label(panel, name, place, (0, 1), 9, fontsize=10, fontweight="bold", color=INK, zorder=6)
 
 
 def in_words(classes: Mapping[Any, str]) -> str:
     """The classes as text: "A123 inside, A124 outside"."""
     return ", ".join(f"{Configuration(chosen)} {verdict}" for chosen, verdict in classes.items())
-
-
-def _label_leg(panel: Axes, text: str, a: Array, b: Array, color: str) -> None:
-    """The configuration's name beside the middle of its part of the way, if that is long enough to be seen."""
-    way = (b - a)[:2]
-    if np.linalg.norm(way) > 0.1:
-        x, y = np.array([way[1], -way[0]]) / np.linalg.norm(way) * (-1 if way[0] < 0 else 1)
-        middle = (a + b) / 2
-        panel.annotate(text, (middle[0], middle[1]), (9 * x, 9 * y), textcoords="offset points", fontsize=9,
-                       color=color, zorder=6, bbox=_HALO, va="top" if y < -0.5 else "center",
-                       ha="center" if abs(x) < 0.5 else "left" if x > 0 else "right")
 
 
 def _spans(flags: Array, time: Array) -> list[tuple[float, float]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib
 import matplotlib.figure
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,6 +16,7 @@ from ...view.plots import Figure
 from ...view.style import GREY, INK, ORANGE, SKY, cable_style, house_style
 from ..props.letting_go import Motion
 from ..props.point_load import MASS, Equilibrium, decimal, equilibrium
+from .panels import arrow, clear, draw_exit_points, label
 
 SLACK = "#A50F15"
 """A cable that would have to push; always dashed and said in words as well."""
@@ -80,14 +80,8 @@ def draw_panels(axes: list[Axes], robot: Robot, position: ArrayLike, push: Array
 
     motion : of the load since it was let go; without one it is held
     """
-    style = matplotlib.rcParams
     for panel in axes:
-        # Not clear(): ticks made anew would take longer than all the rest.
-        for artist in [*panel.lines, *panel.texts, *panel.patches]:
-            artist.remove()
-        panel.containers.clear()
-        # Grid lines are made when first drawn, which may be after house style has gone.
-        panel.tick_params(grid_color=style["grid.color"], grid_linewidth=style["grid.linewidth"])
+        clear(panel)
     force = np.asarray(push, dtype=float)
     place = np.asarray(position, dtype=float)
     _draw_robot(axes[0], robot, place, force, state, motion)
@@ -104,34 +98,27 @@ def _draw_robot(panel: Axes, robot: Robot, position: Array, push: Array, state: 
     for i, exit_point in enumerate(robot.exit_points):
         color, dashes, width = _look(i, state)
         panel.plot(*np.transpose([exit_point, load]), color=color, linestyle=dashes, linewidth=width)
-        panel.plot(*exit_point, marker="s", markersize=8, color=INK)
-        panel.annotate(str(i + 1), exit_point, (0, 9 if exit_point[1] > 1 else -9), textcoords="offset points",
-                       ha="center", va="bottom" if exit_point[1] > 1 else "top", color=INK)
         if state.slack[i]:
             x, y = (exit_point - load) / np.linalg.norm(exit_point - load)
-            _label(panel, "slack!", (exit_point + load) / 2, np.array([abs(y), x if y < 0 else -x]), SLACK)
+            label(panel, "slack!", (exit_point + load) / 2, (abs(y), x if y < 0 else -x), color=SLACK)
+    draw_exit_points(panel, robot.exit_points)
     for force, name, color in _loads(push, state) if motion is None else []:
         tip = position + _ARROW * force
-        _arrow(panel, position, tip, color)
-        _label(panel, name, tip, force / np.linalg.norm(force), color)
+        arrow(panel, position, tip, color=color)
+        label(panel, name, tip, force / np.linalg.norm(force), color=color)
     panel.plot(*load, marker="o", markersize=12 if motion is None else 9, color=INK)
     panel.set(xlim=(-2.9, 2.9), ylim=(-1.3, 4.4), aspect="equal", xlabel="x [m]", ylabel="y [m]")
     panel.set_title("Robot" if motion is None else "Robot, let go", y=1.02)
 
 
-def _draw_left_over(panel: Axes, position: Array, state: Equilibrium) -> None:
-    """What ropes, which only pull, leave of the forces: the way the load will go."""
-    size = float(np.linalg.norm(state.left_over))
-    if size > _NOTHING * (1 + np.abs(state.w_e).max()):
-        way = state.left_over / size
-        tip = position + min(_ARROW * size, _LONGEST) * way
-        _arrow(panel, position, tip, SLACK, (0, (1, 1)))
-        _label(panel, f"→ left over {decimal(size)} N", _KEY + [-0.2, 0.45], np.array([1.0, 0.0]), SLACK)
-
-
 def _draw_motion(panel: Axes, position: Array, state: Equilibrium, motion: Motion) -> None:
     """The load's way through the engine, an outline every tenth of a second, and where a constant a = F/m ends."""
-    _draw_left_over(panel, position, state)
+    size = float(np.linalg.norm(state.left_over))
+    if size > _NOTHING * (1 + np.abs(state.w_e).max()):
+        # What ropes, which only pull, leave of the forces: the way the load will go.
+        tip = position + min(_ARROW * size, _LONGEST) * state.left_over / size
+        arrow(panel, position, tip, color=SLACK, linestyle=(0, (1, 1)))
+        label(panel, f"→ left over {decimal(size)} N", _KEY + [-0.2, 0.45], (1, 0), color=SLACK)
     panel.plot(*motion.positions.T, color=INK, linewidth=1.0)
     every = max(round(_GHOSTS / (motion.time[1] - motion.time[0])), 1)
     panel.plot(*motion.positions[:-1:every].T, marker="o", markersize=9, linestyle="none", markerfacecolor="none",
@@ -139,7 +126,7 @@ def _draw_motion(panel: Axes, position: Array, state: Equilibrium, motion: Motio
     expected = position + state.left_over / MASS * motion.time[-1] ** 2 / 2
     for place in (expected, _KEY):
         panel.plot(*place, marker="D", markersize=6, linestyle="none", color=SKY, markeredgecolor=INK, zorder=5)
-    _label(panel, f"p + ½ a t², t = {motion.time[-1]:.2f} s", _KEY, np.array([1.0, 0.0]), INK)
+    label(panel, f"p + ½ a t², t = {motion.time[-1]:.2f} s", _KEY, (1, 0), color=INK)
 
 
 def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
@@ -152,11 +139,11 @@ def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
     arrows.sort(key=lambda arrow: (np.arctan2(arrow[0][0], -arrow[0][1]) + 1e-9) % (2 * np.pi))
     corners = np.cumsum([np.zeros(2)] + [arrow[0] for arrow in arrows], axis=0)
     for start, end, (force, name, color, dashes) in zip(corners, corners[1:], arrows):
-        _arrow(panel, start, end, color, dashes)
-        _label(panel, name, (start + end) / 2, _outwards(force), color)
+        arrow(panel, start, end, color=color, linestyle=dashes)
+        label(panel, name, (start + end) / 2, _outwards(force), color=color)
     if not state.closed:
         panel.plot(*np.transpose([corners[-1], corners[0]]), color=SLACK, linestyle=(0, (1, 2)))
-        _label(panel, "open!", (corners[0] + corners[-1]) / 2, _outwards(corners[0] - corners[-1]), SLACK)
+        label(panel, "open!", (corners[0] + corners[-1]) / 2, _outwards(corners[0] - corners[-1]), color=SLACK)
     low, high = corners.min(axis=0), corners.max(axis=0)
     reach, middle = 0.85 * max(float((high - low).max()), 1.0), (low + high) / 2
     # In coarse steps, a third for the middle: limits that stay need not be drawn again.
@@ -189,15 +176,6 @@ def _draw_bars(panel: Axes, state: Equilibrium) -> None:
     panel.set_title("Tensions", y=1.02)
 
 
-def _label(panel: Axes, text: str, place: Any, side: Array, color: str) -> None:
-    """Text beside a point, on the side of a unit vector."""
-    x, y = side.tolist()
-    panel.annotate(text, (place[0], place[1]), (7 * x, 7 * y), textcoords="offset points", color=color,
-                   bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.5},
-                   ha="left" if x > 0.3 else "right" if x < -0.3 else "center",
-                   va="bottom" if y > 0.3 else "top" if y < -0.3 else "center")
-
-
 def _round_up(size: float) -> float:
     """The next of a few round numbers."""
     unit = 10.0 ** np.floor(np.log10(size))
@@ -220,9 +198,3 @@ def _loads(push: Array, state: Equilibrium) -> list[tuple[Array, str, str]]:
     """Weight and push, whichever are there."""
     loads = [(state.w_e - push, "weight", INK), (push, "push", ORANGE)]
     return [load for load in loads if np.linalg.norm(load[0]) > _NOTHING]
-
-
-def _arrow(panel: Axes, start: Array, end: Array, color: str, dashes: Any = "solid") -> None:
-    panel.annotate("", (end[0], end[1]), (start[0], start[1]), arrowprops={
-        "arrowstyle": "-|>", "color": color, "linestyle": dashes, "linewidth": 2.2, "shrinkA": 0, "shrinkB": 0,
-        "mutation_scale": 14})

@@ -12,12 +12,15 @@ from numpy.typing import ArrayLike
 from ...arrays import Array
 from ...mechanics.cables import anchor_offsets
 from ...robot import Robot
-from ...robot.pose import Pose
+from ...robot.pose import Pose, rotation_vector
 from ...view.plots import Figure
 from ...view.style import AXIS_COLORS, BLUE, GREY, INK, ORANGE, VERMILION, cable_style, house_style
+from .panels import draw_exit_points
 
 ELLIPSE_95 = np.sqrt(5.991464547107979)
 """Of two normal variables 95 % lie within this many standard deviations: the root of χ²'s 95 % point, 2 freedoms."""
+
+_POSE_ERRORS = ("δx [mm]", "δy [mm]", "δz [mm]", "about x [mrad]", "about y [mrad]", "about z [mrad]")
 
 
 def outline(robot: Robot, pose: Pose) -> Array:
@@ -43,22 +46,10 @@ def draw_robot(panel: Axes, robot: Robot, pose: Pose, color: str = INK, label: s
     if cables:
         anchors = pose.position + anchor_offsets(robot, pose)
         for i, (exit_point, anchor) in enumerate(zip(robot.exit_points, anchors)):
-            look = cable_style(i)
-            panel.plot(*np.transpose([exit_point, anchor]), color=look.color, linestyle=look.linestyle, linewidth=1.6)
+            panel.plot(*np.transpose([exit_point, anchor]), linewidth=1.6, **cable_style(i)._asdict())
     panel.plot(*outline(robot, pose).T, color=color, linestyle=linestyle, linewidth=2.0, label=label or "_platform")
     panel.plot(*pose.position, marker="o", markersize=5, color=color)
     draw_exit_points(panel, robot.exit_points)
-
-
-def draw_exit_points(panel: Axes, points: ArrayLike, names: Sequence[str] = ()) -> None:
-    """Squares with their numbers (or names) on the outer side."""
-    places = np.asarray(points, dtype=float)
-    middle = places.mean(axis=0)
-    for i, place in enumerate(places):
-        panel.plot(*place, marker="s", markersize=7, color=INK, zorder=4)
-        side = np.where(np.abs(place - middle) < 1e-9, 0.0, np.sign(place - middle))
-        panel.annotate(names[i] if len(names) else str(i + 1), place, (11 * side[0], 11 * side[1]),
-                       textcoords="offset points", ha="center", va="center", color=INK)
 
 
 def convergence(robot: Robot, poses: Sequence[Pose], truth: Pose) -> Figure:
@@ -68,7 +59,8 @@ def convergence(robot: Robot, poses: Sequence[Pose], truth: Pose) -> Figure:
     poses : guess first, then each iterate
     truth : where it should end
     """
-    errors = [float(np.hypot(np.linalg.norm(p.position - truth.position), _angle_between(p, truth))) for p in poses]
+    errors = [float(np.linalg.norm([*(pose.position - truth.position),
+                                    *rotation_vector(truth.rotation.T @ pose.rotation)])) for pose in poses]
     with house_style():
         figure = Figure(figsize=(10.5, 4.3), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.3, 1.0))
@@ -92,24 +84,6 @@ def convergence(robot: Robot, poses: Sequence[Pose], truth: Pose) -> Figure:
     return figure
 
 
-def assembly_modes(robot: Robot, poses: Sequence[Pose], titles: Sequence[str]) -> Figure:
-    """Poses side by side, one panel each.
-
-    robot : planar
-    poses, titles : one a panel
-    """
-    with house_style():
-        figure = Figure(figsize=(4.2 * len(poses), 3.9), layout="constrained")
-        for panel, pose, title in zip(np.ravel(figure.subplots(1, len(poses), sharey=True)), poses, titles):
-            draw_robot(panel, robot, pose)
-            # A mark on the top edge tells upside down from upright.
-            panel.plot(*np.mean(outline(robot, pose)[2:4], axis=0), marker="^", markersize=8, color=VERMILION)
-            panel.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
-            panel.set_title(title, fontsize=11)
-        figure.alt_text = "Platform poses: " + "; ".join(titles)
-    return figure
-
-
 def cloud(errors: ArrayLike, covariance: ArrayLike) -> Figure:
     """Pose errors of many noisy measurements, and the ellipse that was predicted to hold 95 % of them.
 
@@ -129,7 +103,12 @@ def cloud(errors: ArrayLike, covariance: ArrayLike) -> Figure:
         left.set(aspect="equal", xlabel="δx [mm]", ylabel="δy [mm]",
                  title=f"{100 * inside.mean():.0f} % inside the ellipse")
         left.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-        _histogram(right, sample[:, 2], float(np.sqrt(C[2, 2])))
+        sigma = float(np.sqrt(C[2, 2]))
+        right.hist(sample[:, 2], bins=25, density=True, color=BLUE, alpha=0.6, label="recovered")
+        x = np.linspace(-4 * sigma, 4 * sigma, 200)
+        right.plot(x, np.exp(-(x / sigma)**2 / 2) / (sigma * np.sqrt(2 * np.pi)), color=VERMILION, label="predicted")
+        right.set(xlabel="δφ [mrad]", ylabel="density [1/mrad]", title="Angle", xlim=(-4 * sigma, 5 * sigma))
+        right.legend(loc="upper right")
         figure.alt_text = (f"Scatter of {len(sample)} position errors; {100 * inside.mean():.0f} % lie inside "
                            "the predicted ellipse; a histogram of angle errors beside it.")
     return figure
@@ -172,44 +151,22 @@ def flight(time: ArrayLike, errors: ArrayLike, sigmas: ArrayLike, residuals: Arr
     with house_style():
         figure = Figure(figsize=(10.5, 7.4), layout="constrained")
         panels = figure.subplot_mosaic([["0", "1", "2"], ["3", "4", "5"], ["r", "r", "r"]])
-        share = _banded(panels, t, 1e3 * np.asarray(errors, dtype=float), 1e3 * np.asarray(sigmas, dtype=float))
+        off, band = 1e3 * np.asarray(errors, dtype=float), 2e3 * np.asarray(sigmas, dtype=float)
+        for i, name in enumerate(_POSE_ERRORS):
+            panel = panels[str(i)]
+            panel.fill_between(t, -band[:, i], band[:, i], color=ORANGE, alpha=0.3, linewidth=0)
+            panel.plot(t, off[:, i], color=AXIS_COLORS[i % 3], linewidth=1.0, marker=".", markersize=4)
+            panel.set(ylabel=name, xlabel="time [s]" if i > 2 else "")
+        panels["0"].set_title("Error; shaded: predicted ±2σ", fontsize=11)
         panel = panels["r"]
         for i in range(left_over.shape[1]):
-            look = cable_style(i)
-            panel.plot(t, left_over[:, i], color=look.color, linestyle=look.linestyle, linewidth=1.0,
-                       marker=".", markersize=3, label=str(i + 1))
+            panel.plot(t, left_over[:, i], linewidth=1.0, marker=".", markersize=3, label=str(i + 1),
+                       **cable_style(i)._asdict())
         panel.axhspan(-2e3 * sigma, 2e3 * sigma, color=GREY, alpha=0.15, linewidth=0)
         panel.set(xlabel="time [s]", ylabel="residual [mm]",
                   title="Residuals measured − fitted length; gray: ±2σ of one length")
         panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="cable", labelspacing=0.2)
+        share = (np.abs(off) <= band).mean()
         figure.alt_text = (f"Six pose errors over {t[-1]:.2g} s, {100 * share:.0f} % of them inside their ±2σ band; "
                            f"length residuals of at most {np.abs(left_over).max():.2g} mm.")
     return figure
-
-
-def _banded(panels: dict[str, Axes], t: Array, errors: Array, sigmas: Array) -> float:
-    """Six panels of an error over its band; returns the share inside."""
-    names = ("δx [mm]", "δy [mm]", "δz [mm]", "about x [mrad]", "about y [mrad]", "about z [mrad]")
-    for i, name in enumerate(names):
-        panel = panels[str(i)]
-        panel.fill_between(t, -2 * sigmas[:, i], 2 * sigmas[:, i], color=ORANGE, alpha=0.3, linewidth=0)
-        panel.plot(t, errors[:, i], color=AXIS_COLORS[i % 3], linewidth=1.0, marker=".", markersize=4)
-        panel.set(ylabel=name, xlabel="time [s]" if i > 2 else "")
-    panels["0"].set_title("Error; shaded: predicted ±2σ", fontsize=11)
-    return float(np.mean(np.abs(errors) <= 2 * sigmas))
-
-
-def _histogram(panel: Axes, values: Array, sigma: float) -> None:
-    """A histogram over the normal density that was predicted."""
-    panel.hist(values, bins=25, density=True, color=BLUE, alpha=0.6, label="recovered")
-    x = np.linspace(-4 * sigma, 4 * sigma, 200)
-    panel.plot(x, np.exp(-(x / sigma)**2 / 2) / (sigma * np.sqrt(2 * np.pi)), color=VERMILION, label="predicted")
-    panel.set(xlabel="δφ [mrad]", ylabel="density [1/mrad]", title="Angle")
-    panel.legend(loc="upper right")
-    panel.set_xlim(-4 * sigma, 5 * sigma)
-
-
-def _angle_between(a: Pose, b: Pose) -> float:
-    """Of planar poses, −π to π [rad]."""
-    turn = a.rotation @ b.rotation.T
-    return float(np.arctan2(turn[1, 0], turn[0, 0]))

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
@@ -14,6 +13,7 @@ from ...arrays import Array
 from ...tensions import distribute_tensions
 from ...view.plots import Figure
 from ...view.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, cable_style, house_style
+from .panels import HALO, arrow, clear, label
 from .tension_polygon import MET, TensionSet, set_in_words, tension_set
 
 
@@ -40,10 +40,6 @@ MARKS = {
 
 OWN = (Mark("D", INK, 13), Mark("o", INK, 20))
 """Points of no method, a student's own or the one that walks along the border: hollow, so that nothing hides."""
-
-_WHITE = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
-"""Behind text that lies on lines."""
-
 
 def plot_tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, tension_max: ArrayLike,
                      methods: Sequence[str] = (), own: Mapping[str, ArrayLike] | None = None,
@@ -101,7 +97,7 @@ def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array], feasibl
                    label=name.replace("_", " ") + ("" if inside or mark in OWN else ", outside"))
         if name == chosen and ((xy < frame[0]) | (xy > frame[1])).any():
             panel.text(0.02, 0.02, f"{name.replace('_', ' ')}: beyond this picture", transform=panel.transAxes,
-                       fontsize=9, color=INK, zorder=6, bbox=_WHITE)
+                       fontsize=9, color=INK, zorder=6, bbox=HALO)
         elif name == chosen:
             panel.plot(*xy.T, linestyle="none", marker="o", markersize=22, markeredgecolor=INK,
                        markerfacecolor="none", markeredgewidth=1.6, zorder=6)
@@ -140,8 +136,11 @@ def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
         panel.fill(*free.corners.T, facecolor=GREY, alpha=0.22, edgecolor=INK, linewidth=2.0, zorder=3)
         center = free.corners.mean(axis=0)
         for start, end in zip(free.corners, np.roll(free.corners, -1, axis=0)):
-            if np.linalg.norm(end - start) > 0.12 * reach:   # shorter edges have no room for a name
-                _name_edge(panel, free, (start + end) / 2, center)
+            if np.linalg.norm(end - start) > 0.12 * reach:   # shorter edges have no room for the limit's name
+                place = (start + end) / 2
+                side = (place - center) / np.linalg.norm(place - center)
+                label(panel, ", ".join(free.met_limits(free.tensions(place))), place, side, 13, fontsize=9, color=INK,
+                      zorder=4)
         panel.set_title(f"Feasible tensions: {len(free.corners)} corners")
     else:
         panel.set_title("Empty: no tensions keep all limits")
@@ -150,23 +149,13 @@ def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
     panel.locator_params(axis="x", nbins=6)
 
 
-def _name_edge(panel: Axes, free: TensionSet, place: Array, center: Array) -> None:
-    """The limit that makes an edge, outside of it."""
-    names = free.met_limits(free.tensions(place))
-    x, y = (place - center) / max(float(np.linalg.norm(place - center)), 1e-12)
-    panel.annotate(", ".join(names), (place[0], place[1]), (13 * x, 13 * y), textcoords="offset points",
-                   fontsize=9, color=INK, zorder=4, ha="left" if x > 0.4 else "right" if x < -0.4 else "center",
-                   va="bottom" if y > 0.4 else "top" if y < -0.4 else "center", bbox=_WHITE)
-
-
 def _name_broken(panel: Axes, foot: Array, row: Array, length: float, i: int) -> None:
     """An arrow from a lower limit's line to where it is kept, with the limit's name at its tip."""
-    way = row / np.linalg.norm(row)
-    tip, end = (foot + share * length * way for share in (1.0, 1.25))
-    panel.annotate("", (tip[0], tip[1]), (foot[0], foot[1]), annotation_clip=True,
-                   arrowprops={"arrowstyle": "-|>", "color": cable_style(i).color, "linewidth": 1.6, "shrinkA": 0})
-    panel.text(end[0], end[1], f"{i + 1} min", fontsize=9, color=INK, ha="center", va="center", clip_on=True,
-               bbox=_WHITE)
+    way = length * row / np.linalg.norm(row)
+    arrow(panel, foot, foot + way, color=cable_style(i).color, linewidth=1.6)
+    x, y = foot + 1.25 * way
+    panel.text(x, y, f"{i + 1} min", fontsize=9, color=INK, ha="center", va="center", clip_on=True,
+               bbox=HALO)
 
 
 def _line_through(row: Array, value: float, middle: Array, reach: float) -> Array | None:
@@ -228,7 +217,7 @@ def draw_bars(panel: Axes, tensions: Array, low: Array, high: Array, title: str)
                    linestyle=look.linestyle, hatch="//" if broken else None, linewidth=1.4)
         panel.annotate(f"{tension:.4g} N {broken}".strip().replace("-", "−"), (max(tension, 0.0), i + 1), (5, 0),
                        textcoords="offset points", va="center", fontsize=9, color=INK, zorder=6,
-                       bbox=_WHITE)
+                       bbox=HALO)
     for i in range(m):
         for limit, seen in ((low[i], True), (high[i], bool(near[i]))):
             if seen:
@@ -241,16 +230,6 @@ def draw_bars(panel: Axes, tensions: Array, low: Array, high: Array, title: str)
               ylabel="cable", xlabel=f"tension [N]; black: limits\n{ends}")
     panel.grid(axis="y", visible=False)
     panel.set_title(title)
-
-
-def clear(panel: Axes) -> None:
-    """Takes away what was drawn but the ticks: made anew they would take longer than all the rest."""
-    for artist in [*panel.lines, *panel.texts, *panel.patches]:
-        artist.remove()
-    panel.containers.clear()
-    style: Any = matplotlib.rcParams
-    # Grid lines are made when first drawn, which may be after house style has gone.
-    panel.tick_params(grid_color=style["grid.color"], grid_linewidth=style["grid.linewidth"])
 
 
 def _span(limits: Array) -> str:
