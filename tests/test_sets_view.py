@@ -7,7 +7,7 @@ from matplotlib.patches import Polygon
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.view.sets import axis_label, axis_names, draw_capability, facet_corners, plot_sets
+from cdprlab.view.sets import axis_label, axis_names, draw_capability, plot_sets
 from robots import ROBOTS, random_pose
 
 
@@ -25,19 +25,6 @@ def test_a_plane_picture_shows_the_vertices_and_says_what_is_inside(wrench_set):
     np.testing.assert_allclose(patch.get_xy()[:-1], shadow.vertices)
     assert "middle inside, far outside" in figure.alt_text
     assert figure.axes[0].get_xlabel() == "$f_x$ [N]"
-
-
-def test_faces_of_a_solid_picture_close_around_the_set(wrench_set):
-    shadow = wrench_set.project([0, 1, 2])
-    faces = facet_corners(shadow)
-    assert len(faces) == len(shadow.normals)
-    assert len(faces) - sum(len(face) for face in faces) / 2 + len(shadow.vertices) == 2    # Euler
-    volume = 0.0
-    for face in faces:
-        for second, third in zip(face[1:], face[2:]):
-            volume += abs(np.linalg.det(np.stack([face[0], second, third]) - shadow.vertices.mean(axis=0))) / 6
-    assert volume == pytest.approx(shadow.volume, rel=1e-9)
-    assert plot_sets({"free": shadow}, ("f_x", "f_y", "f_z")).axes[0].name == "3d"
 
 
 def test_a_chart_has_a_bar_an_axis_and_a_number_a_bar(wrench_set):

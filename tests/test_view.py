@@ -136,7 +136,7 @@ def test_limits_are_drawn_in_range_and_told_off_scale(flown):
 
 
 def test_infeasible_steps_are_shaded(flown):
-    from cdprlab.view.run_words import infeasible_spans
+    from cdprlab.view.plots import infeasible_spans
 
     assert infeasible_spans(flown) == [pytest.approx((1.0, 1.2))]
     labels = [text.get_text() for text in view.plot_tensions(flown).axes[0].get_legend().get_texts()]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,20 +14,8 @@ from matplotlib.patches import Patch
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from .run_words import (
-    axis_names,
-    differences,
-    infeasible_spans,
-    lengths_commanded,
-    position_errors,
-    rotation_errors,
-    run_subject,
-    run_title,
-    shown_tensions,
-    tension_text,
-    tracking_text,
-    turn_names,
-)
+from ..run import Run
+from ..workspace.grids import axis_names
 from .style import AXIS_COLORS, AXIS_DASHES, GREY, INK, WARNING, cable_style, house_style
 
 _MARKERS = 40
@@ -50,28 +38,28 @@ class Figure(matplotlib.figure.Figure):
         return buffer.getvalue()
 
 
-def plot_tracking(run: Any) -> Figure:
+def plot_tracking(run: Run) -> Figure:
     """Reference and actual position, position error per axis, rotation error if the platform turns.
 
     run : Run
     """
     with house_style():
-        turns = rotation_errors(run).shape[1] > 0
-        figure, axes = _figure(run, (8.0, 7.6 if turns else 5.6), rows=3 if turns else 2)
-        _tracking_panels(axes, run)
-        figure.alt_text = f"Tracking of {run_subject(run)}. {tracking_text(run)}"
+        rows = _tracking_rows(run)
+        figure = Figure(figsize=(8.0, 1.6 + 2 * rows), layout="constrained")
+        _tracking_panels(figure, figure.subplots(rows), run)
+        figure.alt_text = f"Tracking of {_subject(run)}. {_tracking_in_words(run)}"
         return figure
 
 
-def plot_tensions(run: Any) -> Figure:
+def plot_tensions(run: Run) -> Figure:
     """Commanded (lines) and measured (dots) tension of every cable, and measured minus commanded below.
 
     run : Run
     """
     with house_style():
-        figure, axes = _figure(run, (8.0, 6.4), rows=2, height_ratios=[2, 1])
-        _tension_panels(axes, run)
-        figure.alt_text = f"Cable tensions of {run_subject(run)}. {tension_text(run)}"
+        figure = Figure(figsize=(8.0, 6.4), layout="constrained")
+        _tension_panels(figure, figure.subplots(2, height_ratios=[2, 1]), run)
+        figure.alt_text = f"Cable tensions of {_subject(run)}. {_tensions_in_words(run)}"
         return figure
 
 
@@ -92,35 +80,22 @@ def save_figure(figure: matplotlib.figure.Figure, path: str | Path) -> Path:
 
 
 # --- figures and panels -----------------------------------------------------------------------------------
-def plot_run(run: Any) -> Figure:
+def plot_run(run: Run) -> Figure:
+    """Both of them side by side."""
     with house_style():
         figure = Figure(figsize=(13.0, 7.8), layout="constrained")
-        turns = rotation_errors(run).shape[1] > 0
-        rows = 3 if turns else 2
+        rows = _tracking_rows(run)
         grid = figure.add_gridspec(rows, 2, wspace=0.06)
-        left = [figure.add_subplot(grid[row, 0]) for row in range(rows)]
-        right = [figure.add_subplot(grid[:rows - 1, 1]), figure.add_subplot(grid[rows - 1, 1])]
-        _finish(figure, left, run)
-        _finish(figure, right, run)
-        _tracking_panels(left, run)
-        _tension_panels(right, run)
-        figure.alt_text = f"Overview of {run_subject(run)}. {tracking_text(run)} {tension_text(run)}"
+        _tracking_panels(figure, [figure.add_subplot(grid[row, 0]) for row in range(rows)], run)
+        _tension_panels(figure, [figure.add_subplot(grid[:-1, 1]), figure.add_subplot(grid[-1, 1])], run)
+        figure.alt_text = f"Overview of {_subject(run)}. {_tracking_in_words(run)} {_tensions_in_words(run)}"
         return figure
 
 
-def _figure(run: Any, size: tuple[float, float], rows: int, **options: Any) -> tuple[Figure, list[Axes]]:
-    figure = Figure(figsize=size, layout="constrained")
-    axes = list(np.atleast_1d(figure.subplots(rows, 1, gridspec_kw=options)))
-    _finish(figure, axes, run)
-    return figure, axes
-
-
-def _finish(figure: Figure, axes: Sequence[Axes], run: Any) -> None:
+def _share_time(figure: Figure, axes: Sequence[Axes], run: Run) -> None:
     """Title, one time axis for panels above each other."""
-    title = run_title(run)
-    # About 10 characters of 13 pt text fit an inch; a longer title is set smaller rather than cut off.
-    size = 13 * min(1.0, 10 * figure.get_figwidth() / len(title))
-    figure.suptitle(title, x=0.01, ha="left", fontsize=size, color=INK)
+    method = run.method.replace("_", " ")
+    fitted_title(figure, f"{run.world.title} · task {run.task} · {method}")
     end = float(run.time[-1]) if len(run.time) and run.time[-1] > 0 else 1.0
     for panel in axes:
         panel.set_xlim(0.0, end)
@@ -128,18 +103,26 @@ def _finish(figure: Figure, axes: Sequence[Axes], run: Any) -> None:
     axes[-1].set_xlabel("time [s]")
 
 
-def _tracking_panels(axes: Sequence[Axes], run: Any) -> None:
+# --- position and errors ----------------------------------------------------------------------------------
+def _tracking_rows(run: Run) -> int:
+    """Of panels: a third one where the platform's turns are controlled."""
+    return 3 if run.errors.shape[1] > run.world.robot.dimension else 2
+
+
+def _tracking_panels(figure: Figure, axes: Sequence[Axes], run: Run) -> None:
+    d = run.world.robot.dimension
+    _share_time(figure, axes, run)
     _position_panel(axes[0], run)
-    position, names = 1e3 * position_errors(run), axis_names(run)
-    _error_panel(axes[1], run.time, position, names, "position error [mm]", "Position error, reference − actual")
+    _error_panel(axes[1], run.time, 1e3 * run.errors[:, :d], axis_names(d), "position error [mm]",
+                 "Position error, reference − actual")
     if len(axes) > 2:
-        rotation = 1e3 * rotation_errors(run)
-        _error_panel(axes[2], run.time, rotation, turn_names(run), "rotation error [mrad]",
-                     "Rotation error (rotation vector)")
+        turns = run.errors[:, d:]
+        names = {1: ("φ",), 2: ("about y′", "about z′"), 3: ("about x", "about y", "about z")}[turns.shape[1]]
+        _error_panel(axes[2], run.time, 1e3 * turns, names, "rotation error [mrad]", "Rotation error (rotation vector)")
 
 
-def _position_panel(panel: Axes, run: Any) -> None:
-    actual, wanted, names = run.poses.position, run.reference.pose.position, axis_names(run)
+def _position_panel(panel: Axes, run: Run) -> None:
+    actual, wanted, names = run.poses.position, run.reference.pose.position, axis_names(run.world.robot.dimension)
     for axis, color, dashes in zip(range(actual.shape[1]), AXIS_COLORS, AXIS_DASHES):
         panel.plot(run.time, wanted[:, axis], color=color, linewidth=6, alpha=0.28, solid_capstyle="butt",
                    label=f"_reference {names[axis]}")
@@ -149,7 +132,7 @@ def _position_panel(panel: Axes, run: Any) -> None:
     handles = [Line2D([], [], color=INK, linewidth=6, alpha=0.28, label="reference"),
                Line2D([], [], color=INK, label="actual")]
     _legend_above(panel, handles)
-    label_ends(panel, [actual[:, axis] for axis in range(actual.shape[1])], names, AXIS_COLORS)
+    label_ends(panel, actual.T, names, AXIS_COLORS)
 
 
 def _error_panel(panel: Axes, time: Array, errors: Array, names: Sequence[str], label: str, title: str) -> None:
@@ -165,68 +148,70 @@ def _error_panel(panel: Axes, time: Array, errors: Array, names: Sequence[str], 
     panel.set_ylabel(label)
     panel.set_title(title)
     _legend_above(panel, handles)
-    label_ends(panel, [errors[:, column] for column in range(errors.shape[1])], names, colors)
+    label_ends(panel, errors.T, names, colors)
 
 
-def _tension_panels(axes: Sequence[Axes], run: Any) -> None:
+# --- tensions ---------------------------------------------------------------------------------------------
+def _tension_panels(figure: Figure, axes: Sequence[Axes], run: Run) -> None:
+    """Tensions above; below what measured ones differ by, or how slack ropes are that were wound to lengths."""
     above, below = axes
-    if lengths_commanded(run):
-        return _rope_panels(above, below, run)
+    _share_time(figure, axes, run)
+    wound = run.commanded_lengths is not None
     every = max(1, len(run.time) // _MARKERS)
-    for cable in range(run.commanded_tensions.shape[1]):
+    for cable, (shown, measured, below_it) in enumerate(zip(_shown(run).T, run.measured_tensions.T, _below(run).T)):
         color, dashes = cable_style(cable)
-        above.plot(run.time, run.commanded_tensions[:, cable], color=color, linestyle=dashes,
-                   label=f"cable {cable + 1}")
-        above.plot(run.time, run.measured_tensions[:, cable], color=color, linestyle="none", marker="o",
-                   markersize=4.2, markeredgecolor="white", markeredgewidth=0.5,
-                   markevery=(every * cable // 8, every), label=f"_measured {cable + 1}")
-        below.plot(run.time, differences(run)[:, cable], color=color, linestyle=dashes, linewidth=1.2,
-                   label=f"cable {cable + 1}")
-    _describe_tensions(above, below, run)
-
-
-def _rope_panels(above: Axes, below: Axes, run: Any) -> None:
-    """Ropes wound to lengths: what they carry, and what is let out of them and not needed."""
-    # Lengths are logged as a step begins, those commanded hold as it ends: the next row's.
-    slack = np.full(run.lengths.shape, np.nan)
-    slack[:-1] = 1e3 * (run.commanded_lengths[:-1] - run.lengths[1:])
-    for cable in range(run.measured_tensions.shape[1]):
-        color, dashes = cable_style(cable)
-        above.plot(run.time, run.measured_tensions[:, cable], color=color, linestyle=dashes, label=f"cable {cable + 1}")
-        below.plot(run.time, slack[:, cable], color=color, linestyle=dashes, linewidth=1.2, label=f"cable {cable + 1}")
-    _describe_tensions(above, below, run)
-    below.set_ylabel("slack [mm]")
-    below.set_title("Rope let out − distance it spans")
-
-
-def _describe_tensions(above: Axes, below: Axes, run: Any) -> None:
-    above.set_ylabel("tension [N]")
-    above.set_title("Tensions")
-    below.set_ylabel("difference [N]")
-    below.set_title("Measured − commanded")
+        above.plot(run.time, shown, color=color, linestyle=dashes, label=f"cable {cable + 1}")
+        if not wound:
+            above.plot(run.time, measured, color=color, linestyle="none", marker="o", markersize=4.2,
+                       markeredgecolor="white", markeredgewidth=0.5, markevery=(every * cable // 8, every),
+                       label=f"_measured {cable + 1}")
+        below.plot(run.time, below_it, color=color, linestyle=dashes, linewidth=1.2, label=f"cable {cable + 1}")
+    above.set(ylabel="tension [N]", title="Tensions")
+    below.set_ylabel("slack [mm]" if wound else "difference [N]")
+    below.set_title("Rope let out − distance it spans" if wound else "Measured − commanded")
     below.set_title("cables drawn as above", loc="right", fontsize=9, fontweight="normal", color=GREY)
     _around_zero(below)
-    handles: list[Any] = [Line2D([], [], color=INK, label="commanded"),
-                          Line2D([], [], color=INK, linestyle="none", marker="o", markersize=4.2, label="measured")]
-    if lengths_commanded(run):
-        handles = [Line2D([], [], color=INK, label="measured")]
+    handles: list[Any] = [Line2D([], [], color=INK, label="measured" if wound else "commanded")]
+    if not wound:
+        handles.append(Line2D([], [], color=INK, linestyle="none", marker="o", markersize=4.2, label="measured"))
     if not np.all(run.feasible):
-        handles.append(Patch(color=WARNING, label="winch too slow" if lengths_commanded(run) else "infeasible"))
-    for panel in (above, below):
+        handles.append(Patch(color=WARNING, label="winch too slow" if wound else "infeasible"))
+    for panel in axes:
         for start, end in infeasible_spans(run):
             panel.axvspan(start, end, color=WARNING, zorder=0, linewidth=0)
     _draw_limits(above, run)
     _legend_above(above, handles)
-    names = [f"{cable + 1}" for cable in range(run.commanded_tensions.shape[1])]
-    colors = [cable_style(cable).color for cable in range(len(names))]
     # The differences all but coincide: names pushed apart would point nowhere, so the panel above names the lines.
-    label_ends(above, list(np.transpose(shown_tensions(run))), names, colors)
+    label_cables(above, _shown(run))
 
 
-def _draw_limits(panel: Axes, run: Any) -> None:
+def _shown(run: Run) -> Array:
+    """(N, m) commanded tensions, or measured ones where lengths were commanded [N]."""
+    return run.commanded_tensions if run.commanded_lengths is None else run.measured_tensions
+
+
+def _below(run: Run) -> Array:
+    """(N, m) measured − commanded tensions [N], or where lengths were commanded what is let out too much [mm]."""
+    if run.commanded_lengths is None:
+        return np.asarray(run.measured_tensions - run.commanded_tensions)
+    # Lengths are logged as a step begins, those commanded hold as it ends: the next row's.
+    slack = np.full(run.lengths.shape, np.nan)
+    slack[:-1] = 1e3 * (run.commanded_lengths[:-1] - run.lengths[1:])
+    return slack
+
+
+def infeasible_spans(run: Run) -> list[tuple[float, float]]:
+    """Times at which no feasible tensions were found [s]; single steps stay visible."""
+    bad = np.concatenate([[False], ~np.asarray(run.feasible), [False]])
+    edges = np.flatnonzero(bad[1:] != bad[:-1])
+    starts, ends = run.time[edges[::2]], run.time[np.minimum(edges[1::2], len(run.time) - 1)]
+    return list(zip(starts.tolist(), np.maximum(ends, starts + 0.003 * run.time[-1]).tolist()))
+
+
+def _draw_limits(panel: Axes, run: Run) -> None:
     """Limits as lines where they are in range, else in words: a far limit must not squeeze the tensions."""
     robot = run.world.robot
-    shown = float(np.nanmax([np.nanmax(shown_tensions(run)), np.nanmax(run.measured_tensions), 1e-9]))
+    shown = float(np.nanmax([np.nanmax(_shown(run)), np.nanmax(run.measured_tensions), 1e-9]))
     words = []
     for name, limits in ((r"$\tau_\mathrm{min}$", robot.tension_min),
                          (r"$\tau_\mathrm{max}$", robot.tension_max)):
@@ -244,7 +229,39 @@ def _draw_limits(panel: Axes, run: Any) -> None:
                        fontsize=9, color=INK)
 
 
+# --- in words ---------------------------------------------------------------------------------------------
+def _subject(run: Run) -> str:
+    method = run.method.replace("_", " ")
+    return f"{run.world.title}, task {run.task}, {method}, cables as {run.cables}, {run.time[-1]:.3g} s"
+
+
+def _tracking_in_words(run: Run) -> str:
+    d = run.world.robot.dimension
+    off, turned = (1e3 * np.linalg.norm(errors, axis=1) for errors in (run.errors[:, :d], run.errors[:, d:]))
+    text = (f"Reference and actual {', '.join(axis_names(d))} over time [m]; the position error [mm] is largest, "
+            f"{np.nanmax(off):.3g} mm, at {run.time[int(np.nanargmax(off))]:.3g} s.")
+    return text + (f" The largest rotation error is {np.nanmax(turned):.3g} mrad." if _tracking_rows(run) > 2 else "")
+
+
+def _tensions_in_words(run: Run) -> str:
+    tau, robot, wound = _shown(run), run.world.robot, run.commanded_lengths is not None
+    text = (f"{'Measured' if wound else 'Commanded'} tensions of {robot.n_cables} cables lie between "
+            f"{np.nanmin(tau):.4g} and {np.nanmax(tau):.4g} N; limits {np.min(robot.tension_min):g} to "
+            f"{np.max(robot.tension_max):g} N")
+    if not wound:
+        text += f"; measured differ from commanded by at most {np.nanmax(np.abs(_below(run))):.3g} N"
+    share = 100 * float(np.mean(~np.asarray(run.feasible)))
+    why = "A winch was too slow" if wound else "No feasible tensions"
+    return f"{text}." + (f" {why} in {share:.3g} % of the steps (shaded)." if share else "")
+
+
 # --- small drawing parts ------------------------------------------------------------------------------------
+def fitted_title(figure: Any, title: str) -> None:
+    """About 10 characters of 13 points fit an inch; a longer title is set smaller rather than cut off."""
+    size = 13 * min(1.0, 10 * figure.get_figwidth() / max(len(title), 1))
+    figure.suptitle(title, x=0.01, ha="left", fontsize=size, color=INK)
+
+
 def _legend_above(panel: Axes, handles: Sequence[Any]) -> None:
     """A legend on the title's line, where no data can be."""
     if handles:
@@ -259,12 +276,19 @@ def _around_zero(panel: Axes) -> None:
     panel.set_ylim(min(low, -_LEAST_RANGE), max(high, _LEAST_RANGE))
 
 
-def label_ends(panel: Axes, lines: Sequence[Array], names: Sequence[str], colors: Sequence[str]) -> None:
+def label_cables(panel: Axes, lines: Array) -> None:
+    """Each cable's number at the right end of its line; lines : (N, m)."""
+    cables = range(lines.shape[1])
+    label_ends(panel, lines.T, [f"{k + 1}" for k in cables], [cable_style(k).color for k in cables])
+
+
+def label_ends(panel: Axes, lines: Iterable[Array], names: Sequence[str], colors: Sequence[str]) -> None:
     """Each line's name at its right end, pushed apart where ends coincide."""
     low, high = panel.get_ylim()
     panel.set_ylim(low, high)
-    ends = np.array([_last_finite(line, low) for line in lines])
-    gap = min(14 / _height_points(panel), 1 / len(names))
+    ends = np.array([[low, *line[np.isfinite(line)]][-1] for line in lines])
+    points = panel.bbox.height * 72 / panel.figure.dpi  # before the layout, which leaves panels no lower
+    gap = min(14 / points, 1 / len(names))
     heights = spread_apart(np.clip((ends - low) / (high - low), 0, 1), gap)
     for name, color, height in zip(names, colors, heights):
         panel.annotate(name, (1.0, height), xycoords="axes fraction", xytext=(5, 0), textcoords="offset points",
@@ -286,18 +310,3 @@ def spread_apart(heights: Array, gap: float) -> Array:
     spread = np.empty_like(placed)
     spread[order] = placed
     return spread
-
-
-def _last_finite(line: Array, otherwise: float) -> float:
-    finite = line[np.isfinite(line)]
-    return float(finite[-1]) if len(finite) else otherwise
-
-
-def _height_points(panel: Axes) -> float:
-    # Before the layout has run, the panel's height follows from its rows in the grid; close enough for labels.
-    figure, spec = panel.get_figure(root=True), panel.get_subplotspec()
-    assert figure is not None and spec is not None
-    grid = spec.get_gridspec()
-    ratios = np.asarray(grid.get_height_ratios(), dtype=float)
-    share = ratios[spec.rowspan.start:spec.rowspan.stop].sum() / ratios.sum()
-    return float(figure.get_figheight() * 72 * 0.92 * share - 40)

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from ...view.film import save_gif
-from ...view.plots import Figure, label_ends, spread_apart
+from ...view.plots import Figure, label_cables, label_ends, spread_apart
 from ...view.screen import RobotScreen
 from ...view.style import AXIS_COLORS, AXIS_DASHES, BLUE, GREY, INK, VERMILION, cable_style, house_style
 from ...world.model import Scene
@@ -138,8 +138,7 @@ def _tension_panel(panel: Axes, job: Job) -> None:
     for limit in (robot.tension_min.min(), robot.tension_max.max()):
         panel.axhline(limit, color=INK, linewidth=1.2, linestyle=(0, (1, 2)))
     panel.set_ylabel("tension [N]")
-    cables = range(len(lines))
-    label_ends(panel, lines, [str(i + 1) for i in cables], [cable_style(i).color for i in cables])
+    label_cables(panel, job.measured_tensions[1:])
 
 
 def _base_panel(panel: Axes, job: Job) -> None:
