@@ -19,7 +19,7 @@ from .criterion import Flags
 from .interval_statics import PoseBoxes, centers, certainly_inside, certainly_outside
 from .sweep import Progress
 
-_MOST_BOXES = 2_000_000
+_MOST_BOXES, _CHUNK = 2_000_000, 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +102,8 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
     kept: list[tuple[Array, Array, Array]] = []
     boxes, total, decided = (low[None], high[None]), float(np.prod((high - low)[varying])), 0.0
     while len(boxes[0]):
-        verdict = np.concatenate([_verdicts(robot, a, b, rotation, loads) for a, b in _chunks(*boxes)])
+        verdict = np.concatenate([_verdicts(robot, boxes[0][k:k + _CHUNK], boxes[1][k:k + _CHUNK], rotation, loads)
+                                  for k in range(0, len(boxes[0]), _CHUNK)])
         small = ((boxes[1] - boxes[0]) <= least * (1 + 1e-9)).all(axis=1)
         done = (verdict != 0) | small
         kept.append((boxes[0][done], boxes[1][done], verdict[done]))
@@ -136,11 +137,11 @@ def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array | None, loa
         good, bad = s > 0, (s < 0) & ~outside
         inside &= good
         if good.any():
-            inside[good] &= certainly_inside(_some(boxes, good), load, W[good], tau[good], lengths[good])
+            inside[good] &= certainly_inside(boxes[good], load, W[good], tau[good], lengths[good])
         if bad.any():
             normal = capacity_margins(W[bad], weight[bad], load[None], np.zeros(robot.n_dof), robot.tension_min,
                                       robot.tension_max)[1]
-            outside[bad] = certainly_outside(_some(boxes, bad), load, normal)
+            outside[bad] = certainly_outside(boxes[bad], load, normal)
     return inside.astype(float) - outside
 
 
@@ -169,21 +170,10 @@ def _rotation(robot: Robot, rpy: ArrayLike | None) -> Array | None:
     return Pose(np.zeros(3), rpy).rotation
 
 
-def _chunks(low: Array, high: Array, size: int = 4096) -> list[tuple[Array, Array]]:
-    return [(low[k:k + size], high[k:k + size]) for k in range(0, len(low), size)]
-
-
 def _halved(low: Array, high: Array) -> tuple[Array, Array]:
     """Across their longest edge."""
-    if not len(low):
-        return low, high
     rows, longest = np.arange(len(low)), (high - low).argmax(axis=1)
     middle = (low[rows, longest] + high[rows, longest]) / 2
     first, second = high.copy(), low.copy()
     first[rows, longest] = second[rows, longest] = middle
     return np.concatenate([low, second]), np.concatenate([first, high])
-
-
-def _some(boxes: PoseBoxes, chosen: Flags) -> PoseBoxes:
-    angle = None if boxes.angle is None else boxes.angle[chosen]
-    return PoseBoxes(boxes.robot, boxes.position[chosen], angle, boxes.rotation)

@@ -40,9 +40,12 @@ class PoseGrid:
     def __getitem__(self, index: slice) -> Pose:
         """A batch of the poses, numbered with the last axis fastest."""
         chosen = np.unravel_index(np.arange(*index.indices(len(self))), self.shape)
-        position = np.tile(self.origin.position, (len(chosen[0]), 1))
-        for name, places, at in zip(self.axes, self.axes.values(), chosen):
-            position[:, self._column(name)] = places[at]
+        return self.poses_at(np.stack([places[at] for places, at in zip(self.axes.values(), chosen)], axis=1))
+
+    def poses_at(self, places: Array) -> Pose:
+        """A batch (N,) of poses from places (N, k) along the axes that vary [m]."""
+        position = np.tile(self.origin.position, (len(places), 1))
+        position[:, [axis_names(self.origin.dimension).index(name) for name in self.axes]] = places
         rotation = self.origin.rotation
         return Pose.of(position, np.broadcast_to(rotation, (len(position), *rotation.shape)))
 
@@ -64,9 +67,6 @@ class PoseGrid:
     def cell(self) -> float:
         """Length, area or volume that a pose stands for [m, m², m³]."""
         return float(np.prod(self.step))
-
-    def _column(self, name: str) -> int:
-        return axis_names(self.origin.dimension).index(name)
 
 
 def axis_names(dimension: int) -> str:

@@ -47,14 +47,14 @@ class InterferenceFree(Criterion):
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         clearance = as_number(self.clearance, "clearance", "m", minimum=0.0)
-        found = [np.full(poses.batch_shape, np.inf)]
+        found = [np.full((*poses.batch_shape, 1), np.inf)]
         if self.cables:
-            found.append(cable_distances(robot, poses).min(axis=-1, initial=np.inf))
+            found.append(cable_distances(robot, poses))
         if self.platform:
             root = max(0.05, 10 * clearance) if self.root is None else self.root
-            found.append(platform_distances(robot, poses, root).min(axis=-1, initial=np.inf))
-        found += [obstacle_distances(robot, poses, box).min(axis=-1, initial=np.inf) for box in self.obstacles]
-        nearest = np.min(found, axis=0)
+            found.append(platform_distances(robot, poses, root))
+        found += [obstacle_distances(robot, poses, box) for box in self.obstacles]
+        nearest = np.concatenate(found, axis=-1).min(axis=-1)
         return Judgement((nearest >= clearance) & (nearest > _SAME), nearest - clearance)
 
 

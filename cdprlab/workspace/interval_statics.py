@@ -35,6 +35,10 @@ class PoseBoxes:
     angle: Intervals | None
     rotation: Array | None
 
+    def __getitem__(self, chosen: Flags) -> PoseBoxes:
+        angle = None if self.angle is None else self.angle[chosen]
+        return PoseBoxes(self.robot, self.position[chosen], angle, self.rotation)
+
     @cached_property
     def arms(self) -> Intervals:
         """(N or 1, m, d) r_i = R b_i."""

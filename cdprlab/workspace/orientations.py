@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,47 +33,26 @@ class AllOrientations(Criterion):
 
     criterion: Criterion
     orientations: ArrayLike
+    join: ClassVar[tuple[np.ufunc, np.ufunc]] = (np.logical_and, np.minimum)
 
     @property
     def unit(self) -> str:  # type: ignore[override]
         return self.criterion.unit
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
-        return _over(self.criterion, robot, poses, self.orientations, margin, all_of_them=True)
+        planar = robot.dimension == 2
+        given: Array = as_array(self.orientations, "orientations", ("k",) if planar else ("k", 3), "rad")
+        if not len(given):
+            raise InvalidInput("orientations must hold at least one")
+        turned = [Pose(poses.position, angle=turn) if planar else Pose(poses.position, rpy=turn) for turn in given]
+        found = zip(*(self.criterion.judge(robot, at, margin) for at in turned))
+        return Judgement(*(join.reduce(parts) for join, parts in zip(self.join, found)))
 
 
-@dataclass(frozen=True, eq=False)
-class AnyOrientation(Criterion):
+class AnyOrientation(AllOrientations):
     """Reachable: the criterion holds at one of the given orientations at least; arguments as `AllOrientations`.
 
     margin : the largest
     """
 
-    criterion: Criterion
-    orientations: ArrayLike
-
-    @property
-    def unit(self) -> str:  # type: ignore[override]
-        return self.criterion.unit
-
-    def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
-        return _over(self.criterion, robot, poses, self.orientations, margin, all_of_them=False)
-
-
-def _over(criterion: Criterion, robot: Robot, poses: Pose, orientations: ArrayLike, margin: bool,
-          all_of_them: bool) -> Judgement:
-    inside = np.full(poses.batch_shape, all_of_them)
-    margins = np.full(poses.batch_shape, np.inf if all_of_them else -np.inf)
-    join, pick = (np.logical_and, np.minimum) if all_of_them else (np.logical_or, np.maximum)
-    for turned in _turned(robot, poses, orientations):
-        found = criterion.judge(robot, turned, margin)
-        inside, margins = join(inside, found.inside), pick(margins, found.margin)
-    return Judgement(inside, margins)
-
-
-def _turned(robot: Robot, poses: Pose, orientations: ArrayLike) -> list[Pose]:
-    planar = robot.dimension == 2
-    given: Array = as_array(orientations, "orientations", ("k",) if planar else ("k", 3), "rad")
-    if not len(given):
-        raise InvalidInput("orientations must hold at least one")
-    return [Pose(poses.position, angle=turn) if planar else Pose(poses.position, rpy=turn) for turn in given]
+    join = (np.logical_or, np.maximum)

@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..errors import InvalidInput
 from ..robot import Robot
-from ..robot.pose import Pose
 from .criterion import Criterion, Flags
-from .grids import PoseGrid, axis_names
+from .grids import PoseGrid
 from .sweep import Progress, workspace
 
 _MOST_CELLS = 2_000_000
@@ -70,7 +68,8 @@ def refine(robot: Robot, grid: PoseGrid, criterion: Criterion, levels: int = 3, 
     >>> found.bounds[0] <= found.measure <= found.bounds[1]
     True
     """
-    lower, upper = _cells(grid)
+    lower, upper = (np.stack([part.ravel() for part in np.meshgrid(*ends, indexing="ij")], axis=1)
+                    for ends in ([at[:-1] for at in grid.axes.values()], [at[1:] for at in grid.axes.values()]))
     kept: list[tuple[Array, Array, Flags, Flags]] = []
     for level in range(levels + 1):
         if len(lower) > _MOST_CELLS:
@@ -84,13 +83,6 @@ def refine(robot: Robot, grid: PoseGrid, criterion: Criterion, levels: int = 3, 
             progress(level + 1, levels + 1)
     joined = [np.concatenate(parts) for parts in zip(*kept)]
     return RefinedWorkspace(tuple(grid.axes), joined[0], joined[1], joined[2], joined[3])
-
-
-def _cells(grid: PoseGrid) -> tuple[Array, Array]:
-    """(N, k) lower and upper corners of the grid's cells."""
-    lows = np.meshgrid(*[places[:-1] for places in grid.axes.values()], indexing="ij")
-    highs = np.meshgrid(*[places[1:] for places in grid.axes.values()], indexing="ij")
-    return (np.stack([part.ravel() for part in lows], axis=1), np.stack([part.ravel() for part in highs], axis=1))
 
 
 def _halved(lower: Array, upper: Array) -> tuple[Array, Array]:
@@ -108,16 +100,8 @@ def _share_inside(robot: Robot, grid: PoseGrid, criterion: Criterion, lower: Arr
         return np.zeros(0)
     places = [np.array(which) for which in product((0.0, 1.0), repeat=k)] + [np.full(k, 0.5)]
     points = np.stack([lower + (upper - lower) * at for at in places], axis=1)
-    unique, back = _unique(points.reshape(-1, k))
-    position = np.tile(grid.origin.position, (len(unique), 1))
-    for column, name in enumerate(grid.axes):
-        position[:, axis_names(grid.origin.dimension).index(name)] = unique[:, column]
-    poses = Pose.of(position, np.broadcast_to(grid.origin.rotation, (len(position), *grid.origin.rotation.shape)))
-    inside = workspace(robot, poses, criterion, margin=False, n_jobs=n_jobs).inside
-    return inside[back].reshape(len(lower), -1).mean(axis=1)
-
-
-def _unique(points: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Points that differ by more than rounding, and which of them each point is."""
-    _, first, back = np.unique(np.round(points, 9), axis=0, return_index=True, return_inverse=True)
-    return points[first], back.ravel()
+    # Points that differ by more than rounding, and which of them each point is.
+    flat = points.reshape(-1, k)
+    _, first, back = np.unique(np.round(flat, 9), axis=0, return_index=True, return_inverse=True)
+    inside = workspace(robot, grid.poses_at(flat[first]), criterion, margin=False, n_jobs=n_jobs).inside
+    return inside[back.ravel()].reshape(len(lower), -1).mean(axis=1)

@@ -64,11 +64,6 @@ def _limits(robot: Robot, task: Task) -> tuple[Array, Array]:
 
 def _blocks(rows: Array) -> Any:
     """Sparse: each block of rows (B, f, m + 1) over its own m tensions, and over the one s they share, the last."""
-    from scipy.sparse import csr_matrix
+    from scipy.sparse import block_diag, hstack
 
-    B, f, m = rows.shape[0], rows.shape[1], rows.shape[2] - 1
-    columns = np.empty((B, f, m + 1), dtype=int)
-    columns[..., :m] = (np.arange(B * m).reshape(B, 1, m))
-    columns[..., m] = B * m
-    starts = np.arange(0, rows.size + 1, m + 1)
-    return csr_matrix((rows.ravel(), columns.ravel(), starts), shape=(B * f, B * m + 1))
+    return hstack([block_diag(rows[..., :-1]), rows[..., -1].reshape(-1, 1)], format="csr")

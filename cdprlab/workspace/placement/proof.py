@@ -12,7 +12,8 @@ from ...arrays import Array
 from ...mechanics.cables import anchor_offsets, cable_directions, cable_vectors
 from ...mechanics.kinematics import cross
 from ...mechanics.optimization import largest_last
-from ...robot import Base, Robot
+from ...mechanics.statics import footings
+from ...robot import Robot
 from ...robot.pose import Pose
 from .program import Task
 
@@ -101,9 +102,9 @@ def largest_share(robot: Robot, pose: Pose, load: Array, tipping: bool) -> float
 class _Pulls(NamedTuple):
     """What the cables can pull wherever their bases stand: f = forces @ y with least ≤ y ≤ most, rows @ y ≤ sides.
 
-    forces : (m, d, v)
-    least, most : (v,)
-    rows, sides : (f, v), (f,) |f_i| ≤ τ_max as a polytope around the ball: what it does not hold, the ball does not
+    forces : (m, d, 3 m), three columns a cable
+    least, most : (3 m,)
+    rows, sides : (f, 3 m), (f,) |f_i| ≤ τ_max as a polytope around the ball: what it does not hold, the ball does not
     """
 
     forces: Array
@@ -115,20 +116,20 @@ class _Pulls(NamedTuple):
 
 def _pulls(robot: Robot, pose: Pose, load: Array) -> _Pulls:
     m, d = robot.n_cables, robot.dimension
-    ways = [_ways(robot, k) for k in robot.base_indices]
-    cones = [np.column_stack([u, E]) for u, E in zip(cable_directions(robot, pose), ways)]
-    ends = np.cumsum([cone.shape[1] for cone in cones])
-    forces, least, most = np.zeros((m, d, ends[-1])), np.full(ends[-1], -np.inf), np.full(ends[-1], np.inf)
-    for i, (cone, end) in enumerate(zip(cones, ends)):
-        first = end - cone.shape[1]
-        forces[i, :, first:end] = cone
-        least[first] = 0.0
-        if not ways[i].size:
-            least[first], most[first] = robot.tension_min[i], robot.tension_max[i]
-    driven = [i for i in range(m) if ways[i].size]
-    normals = _normals(d, load)
-    rows = (normals @ forces[driven]).reshape(-1, ends[-1])
-    return _Pulls(forces, least, most, rows, np.repeat(robot.tension_max[driven], len(normals)))
+    cones, least, most = np.zeros((m, d, m, 3)), np.full((m, 3), -np.inf), np.full((m, 3), np.inf)
+    least[:, 0] = 0.0
+    driven = []
+    for i, (u, k) in enumerate(zip(cable_directions(robot, pose), robot.base_indices)):
+        ways = _ways(robot, k)
+        cones[i, :, i, 0] = u
+        cones[i, :, i, 1:1 + ways.shape[1]] = ways
+        if ways.size:
+            driven.append(i)
+        else:
+            least[i, 0], most[i, 0] = robot.tension_min[i], robot.tension_max[i]
+    forces, normals = cones.reshape(m, d, 3 * m), _normals(d, load)
+    return _Pulls(forces, least.ravel(), most.ravel(), (normals @ forces[driven]).reshape(-1, 3 * m),
+                  np.repeat(robot.tension_max[driven], len(normals)))
 
 
 def _ways(robot: Robot, k: int) -> Array:
@@ -156,39 +157,23 @@ def _normals(d: int, load: Array) -> Array:
 
 
 def standing_rows(robot: Robot, k: int, rises: Array) -> tuple[Array, Array]:
-    """Rows (e, m, d) over the f_i and sides (e,) [N m] that hold while a base stands, wherever it is driven.
+    """Rows (e, m, d) over the f_i and sides (e,) [N m] that hold while a base with a footprint stands, wherever it is.
 
-    Its center of pressure p stays inside the footprint: towards e, p·e N = Σ (−z_i f_ie + r_ie f_iz) + G_e m g is at
-    most c_e N, N = m g + Σ f_iz, c the contact. A base that turns may bring r_i, G and c any way round: their lengths.
+    A base that does not turn takes its footing along. One that turns may bring exit points r_i, center of mass G and
+    corners any way round: in every direction e its center of pressure p keeps p·e ≤ R, the farthest corner's, with
+    p·e N = Σ (−z_i f_ie + r_ie f_iz) + G_e m g and N = m g + Σ f_iz, and only the lengths of r_i and G are known.
     """
-    base, d = robot.bases[k], robot.dimension
-    mine = [i for i, carrier in enumerate(robot.base_indices) if carrier == k]
-    origin = base.to_world(np.zeros(d))
-    arms, center = robot.exit_points[mine] - origin, base.to_world(base.center_of_mass) - origin
-    contacts, outward = _edges(base, origin)
-    reach, ahead, ballast = ((x * outward).sum(axis=-1) for x in (contacts, arms[:, None], center))
-    if base.speed_max[0] > 0:
-        reach = np.full(len(outward), np.linalg.norm(base.footprint, axis=1).max())
-        swing = np.linalg.norm(arms[:, :-1], axis=1) * np.sign(rises[mine])
-        ahead, ballast = np.repeat(-swing[:, None], len(outward), axis=1), -np.linalg.norm(center[:-1])
-    rows = np.zeros((len(outward), robot.n_cables, d))
-    height = arms[:, None, -1] - contacts[:, -1]
-    rows[:, mine] = -np.swapaxes(height[..., None] * outward, 0, 1)
-    rows[:, mine, -1] = (ahead - reach).T
-    return rows, (reach - ballast) * base.mass * robot.gravity
-
-
-def _edges(base: Base, origin: Array) -> tuple[Array, Array]:
-    """(e, d) a contact of each tipping edge from the base's center, and the level direction outwards."""
-    d = origin.size
-    if d == 2:
-        signs = np.sign(base.footprint[:, 0] - base.footprint[::-1, 0])
-        return base.to_world(base.footprint) - origin, np.column_stack([signs, 0 * signs])
-    contacts = base.to_world(np.pad(base.footprint, ((0, 0), (0, 1)))) - origin
-    if base.speed_max[0] > 0:
-        angles = np.arange(16) * np.pi / 8
-        around = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
-        return np.zeros_like(around), around
-    along = np.roll(contacts, -1, axis=0) - contacts
-    normals = np.column_stack([along[:, 1], -along[:, 0], 0 * along[:, 0]])
-    return contacts, normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    base = robot.bases[k]
+    if base.speed_max[0] == 0:
+        footing = next(each for each in footings(robot) if each.base == k)
+        return footing.levers @ base.rotation.T, -footing.center @ (footing.weight @ base.rotation)
+    angles = np.arange(16) * np.pi / 8
+    around = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    reach = np.linalg.norm(base.footprint, axis=1).max()
+    rows = np.zeros((len(around), robot.n_cables, 3))
+    for i, carrier in enumerate(robot.base_indices):
+        if carrier == k:
+            x, y, z = robot.cables[i].exit_point
+            rows[:, i] = -z * around
+            rows[:, i, 2] = -np.hypot(x, y) * np.sign(rises[i]) - reach
+    return rows, np.full(len(around), (reach + np.hypot(*base.center_of_mass[:2])) * base.mass * robot.gravity)
