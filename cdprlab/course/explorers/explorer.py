@@ -7,7 +7,6 @@ text what the picture shows. Needs no kernel and no browser: `set` moves the sli
 from __future__ import annotations
 
 import html
-from base64 import b64encode
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import wraps
@@ -22,6 +21,7 @@ from ...arrays import as_number
 from ...errors import CdprError, InvalidInput
 from ...view.picture import Picture
 from ...view.style import house_style
+from ..shown import Shown, picture_tag
 
 _NUMBERS_STYLE = "line-height: 1.35; margin: 0.5em 0 0 0.5em; font-size: 12px; white-space: pre; overflow-x: auto"
 
@@ -141,7 +141,7 @@ def movable(axes: Axes, *fmt: str, **look: Any) -> Line2D:
     return line
 
 
-class Explorer:
+class Explorer(Shown):
     """Sliders, a picture and numbers; in a notebook it shows itself.
 
     controls : Slider and Choice, in the order shown
@@ -173,7 +173,7 @@ class Explorer:
         if len(self.controls) < len(controls):
             raise InvalidInput("two controls have the same name: " + ", ".join(control.name for control in controls))
         self.title = title
-        self.text, self._png, self._description = "", b"", ""
+        self._png = b""
         self._callbacks: list[Callable[[Values], Any]] = []
         self._quiet = False
         self._make_widgets()
@@ -213,11 +213,6 @@ class Explorer:
         """The picture as PNG."""
         return self._png
 
-    @property
-    def alt_text(self) -> str:
-        """What the picture shows, in a sentence."""
-        return self._description
-
     def told(self, values: Values, *left_out: str) -> str:
         """The sliders' values as text, but for some: "x 0.5 m, yaw 30 deg"."""
         return ", ".join(f"{name} {values[name]:.4g} {control.unit}" for name, control in self.controls.items()
@@ -253,25 +248,11 @@ class Explorer:
     def close(self) -> None:
         """Let go of everything; safe to call twice."""
         self._callbacks.clear()
-        for part in _tree(self.widget):
-            part.unobserve_all()
-            for model in (getattr(part, "style", None), part.layout, part):
-                if model is not None:
-                    model.close()
-
-    def _repr_mimebundle_(self, **options: Any) -> Any:
-        words = {"text/plain": f"{self.alt_text}\n{self.text}"}  # printed and headless notebooks show the numbers
-        if self.widget.comm is None:  # closed
-            return words
-        bundle = self.widget._repr_mimebundle_(**options)
-        data, *more = bundle if isinstance(bundle, tuple) else (bundle,)
-        shown = {**(data or {}), **words}
-        return (shown, *more) if more else shown
+        super().close()
 
     # --- inside ---------------------------------------------------------------------------------------
     def _make_widgets(self) -> None:
         self.sliders = {name: control.widget() for name, control in self.controls.items()}
-        # An HTML img, because ipywidgets' Image knows no alternative text (and 8.1.9's fails to show with a tooltip).
         self._image, self._numbers, self._mistake = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
         title = ipywidgets.HTML(f"<b>{html.escape(self.title)}</b>")
         self.panel = ipywidgets.VBox(list(self.sliders.values()), layout={"width": "34em", "max_width": "100%"})
@@ -292,26 +273,19 @@ class Explorer:
         try:
             text = as_text(self.numbers(values))
             self.draw(values)
-            picture, description = self._picture.png(), str(self.describe(values))
+            picture, alt_text = self._picture.png(), str(self.describe(values))
         except Exception as error:
             self._show_mistake(error)
         self.text = text
         self._numbers.value = f'<pre style="{_NUMBERS_STYLE}">{html.escape(text)}</pre>'
-        self._png, self._description = picture, description
-        self._image.value = self._img_tag()
+        self._png, self.alt_text = picture, alt_text
+        self._image.value = picture_tag(picture, tuple(self._picture.figure.get_size_inches()), alt_text)
         self._mistake.value = ""
         for callback in tuple(self._callbacks):
             try:
                 callback(values)
             except Exception as error:
                 self._show_mistake(error)
-
-    def _img_tag(self) -> str:
-        width, height = (round(side) for side in self._picture.figure.bbox.size)
-        # Decoded before the page is painted again, and its place kept: no flicker while a slider moves.
-        return (f'<img decoding="sync" width="{width}" height="{height}" style="max-width: 100%; height: auto" '
-                f'alt="{html.escape(self._description)}" '
-                f'src="data:image/png;base64,{b64encode(self._png).decode("ascii")}">')
 
     def _show_mistake(self, error: Exception) -> NoReturn:
         """Readable in the widget, where a notebook would hide it in its log, and raised again for whoever called."""
@@ -322,11 +296,6 @@ class Explorer:
                                '<span style="font-weight: normal">The picture is the one before this move; '
                                "mend the function it calls, or move on.</span></div>")
         raise error
-
-
-def _tree(widget: Any) -> list[Any]:
-    """A widget and all it holds."""
-    return [widget, *(part for child in getattr(widget, "children", ()) for part in _tree(child))]
 
 
 def as_text(numbers: Mapping[str, Any] | str) -> str:
