@@ -13,7 +13,7 @@ from cdprlab.__main__ import main
 from cdprlab.errors import MissingDependency
 
 try:
-    from cdprlab.simulate.spatial import import_pybullet
+    from cdprlab.simulate.bullet import import_pybullet
 
     import_pybullet()
     ENGINE = True

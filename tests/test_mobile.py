@@ -73,11 +73,10 @@ def test_a_base_tips_where_statics_says(world, direction):
     edge = int(np.nanargmin(limits))
     with cl.open_simulator(world, bodies=True) as simulator:
         simulator.cut()
-        body, at = simulator._bodies[1], [*base.position, height]
+        body, at, (b, client) = simulator.bases.bodies[1], [*base.position, height], simulator.bullet
         for k in range(10000):
             force = 0.9 * limits[edge] + 0.2 * k
-            simulator._bullet.applyExternalForce(body, 6, (push * force).tolist(), at, simulator._bullet.WORLD_FRAME,
-                                                 physicsClientId=simulator._client)
+            b.applyExternalForce(body, 6, (push * force).tolist(), at, b.WORLD_FRAME, physicsClientId=client)
             simulator.step(np.zeros(8))
             inner = [i for i in range(4) if i not in (edge, (edge + 1) % 4)]
             if simulator.wheel_loads()["passive"][inner].sum() < 0.5 and k > 20:
@@ -112,29 +111,29 @@ def test_ropes_hold_the_platform_while_a_base_drives(world):
 
 
 def test_bases_on_stabilizers_do_not_drive(simulator):
-    simulator.lower_stabilizers()
+    simulator.bases.lower_stabilizers()
     before = simulator.base_poses
-    assert simulator.is_stabilized and not simulator.drive([0.1, 0.2, 0, 0, 0, 0]).any()
+    assert simulator.bases.is_stabilized and not simulator.drive([0.1, 0.2, 0, 0, 0, 0]).any()
     for _ in range(200):
         simulator.step(holding(simulator))
     np.testing.assert_allclose(simulator.base_poses, before, atol=1e-4)
-    simulator.raise_stabilizers()
+    simulator.bases.raise_stabilizers()
     assert simulator.drive([0.1, 0.2, 0, 0, 0, 0]).any()
-    simulator.lower_stabilizers()
+    simulator.bases.lower_stabilizers()
     simulator.reset()
-    assert not simulator.is_stabilized
+    assert not simulator.bases.is_stabilized
 
 
 def test_coupled_bases_drive_together(simulator):
-    simulator.couple()
-    assert simulator.is_coupled
+    simulator.bases.couple()
+    assert simulator.bases.is_coupled
     before = simulator.base_poses
     simulator.drive([0, 0.2, 0, 0, 0, 0])
     for _ in range(500):
         simulator.step(holding(simulator))
     moved = simulator.base_poses - before
     np.testing.assert_allclose(moved[:, 0], 0.1, atol=5e-3)
-    simulator.uncouple()
+    simulator.bases.uncouple()
     simulator.drive(np.zeros(6))
     rest = simulator.base_poses
     for _ in range(200):
@@ -145,16 +144,16 @@ def test_coupled_bases_drive_together(simulator):
 def test_a_gripped_box_comes_along_and_a_released_one_stays(world):
     with cl.open_simulator(world, "length", bodies=True) as simulator:
         start = simulator.state().pose
-        simulator.add_box("box", start.position + [0, 0, -0.3], [0.4, 0.3, 0.15], 0.5)
-        simulator.grip("box")
+        simulator.boxes.add("box", start.position + [0, 0, -0.3], [0.4, 0.3, 0.15], 0.5)
+        simulator.boxes.grip("box")
         for k in range(1, 401):
             simulator.wind(cl.cable_lengths(world.robot, cl.Pose(start.position + [0, 0, 0.1 * k / 400])))
-        lifted = simulator.box_pose("box").position
+        lifted = simulator.boxes.pose("box").position
         np.testing.assert_allclose(lifted - start.position, [0, 0, -0.2], atol=0.03)
-        simulator.release("box")
+        simulator.boxes.release("box")
         for _ in range(600):
             simulator.wind(simulator.rope_lengths)
-        assert simulator.box_pose("box").position[2] == pytest.approx(0.075, abs=0.01)  # on the floor
+        assert simulator.boxes.pose("box").position[2] == pytest.approx(0.075, abs=0.01)  # on the floor
 
 
 def test_substeps_change_neither_wheel_loads_nor_driving(world):
@@ -174,16 +173,16 @@ def test_substeps_change_neither_wheel_loads_nor_driving(world):
 def test_a_gripped_box_is_drawn_in(world):
     with cl.open_simulator(world, bodies=True) as simulator:
         start = simulator.state().pose
-        simulator.add_box("box", start.position + [0, 0.3, 0], [0.1, 0.1, 0.1], 0.01)
-        simulator.grip("box")
+        simulator.boxes.add("box", start.position + [0, 0.3, 0], [0.1, 0.1, 0.1], 0.01)
+        simulator.boxes.grip("box")
         for k in range(1, 501):
-            simulator.draw("box", [0, -0.2 * k / 500, 0])
+            simulator.boxes.draw("box", [0, -0.2 * k / 500, 0])
             simulator.step(holding(simulator))
-        off = (simulator.box_pose("box").position - simulator.position) @ simulator.rotation
+        off = (simulator.boxes.pose("box").position - simulator.position) @ simulator.rotation
         np.testing.assert_allclose(off, [0, 0.1, 0], atol=2e-3)
-        assert simulator.is_gripped("box")
+        assert simulator.boxes.is_gripped("box")
         with pytest.raises(InvalidInput, match="not gripped"):
-            simulator.draw("crate", [0, 0, 0])
+            simulator.boxes.draw("crate", [0, 0, 0])
 
 
 def test_two_flights_are_identical(world):
@@ -203,6 +202,6 @@ def test_wrong_requests_are_named(world, simulator):
     with pytest.raises(InvalidInput, match="cables that are bodies"):
         cl.open_simulator(world, "force", bodies=True)
     with pytest.raises(InvalidInput, match="no box 'crate'"):
-        simulator.grip("crate")
+        simulator.boxes.grip("crate")
     with pytest.raises(InvalidInput, match="base speeds"):
         simulator.drive([0, 0, 0])

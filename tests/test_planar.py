@@ -298,7 +298,7 @@ def test_planar_equals_spatial_in_the_plane(build):
 def test_planar_flight_equals_spatial_flight():
     """The same pulls for 0.3 s in both engines: same motion, though Bullet rounds some of it to single precision."""
     try:
-        from cdprlab.simulate.spatial import import_pybullet
+        from cdprlab.simulate.bullet import import_pybullet
 
         import_pybullet()
     except MissingDependency as missing:
@@ -415,9 +415,9 @@ def test_wrong_requests_are_named():
     with cl.open_simulator(world, "length") as simulator:
         with pytest.raises(InvalidInput, match=r"use wind\(lengths\)"):
             simulator.step(np.ones(4))
-        for lengths, message in (([1.0, 2.0], "must be 4 numbers"),
-                                 ([*simulator.lengths, 1.0], "must be 4 numbers"),
-                                 ([-1.0, 1, 1, 1], "must be positive"), ([np.nan] * 4, "must be positive")):
+        for lengths, message in (([1.0, 2.0], "must be 4 positive numbers"),
+                                 ([*simulator.lengths, 1.0], "must be 4 positive numbers"),
+                                 ([-1.0, 1, 1, 1], "4 positive numbers"), ([np.nan] * 4, "4 positive numbers")):
             with pytest.raises(InvalidInput, match=message):
                 simulator.wind(lengths)
     with cl.open_simulator(world) as simulator, pytest.raises(InvalidInput, match=r'open .* with cables="length"'):

@@ -44,7 +44,7 @@ def test_tensions_and_gaps_are_complementary(name, seed):
     """T ≥ 0, no rope longer than wound, and no pull from one that is shorter: for random speeds and lengths."""
     world, rng = cl.load_world(name), np.random.default_rng(seed)
     with cl.open_simulator(world, "length") as simulator:
-        law, W = simulator._ropes, simulator.wrench_matrix
+        law, W = simulator.ropes, simulator.wrench_matrix
         mass, _ = mass_and_bias(world.robot, simulator.rotation, np.zeros(6))
         S = world.robot.pattern.basis(simulator.rotation)
         mobility = S.T @ np.linalg.inv(mass) @ S
@@ -154,7 +154,7 @@ def test_stiff_elastic_ropes_are_ropes_of_given_length(marionet):
         arguments = (simulator.wrench_matrix, simulator.rotation, simulator.twist, simulator.lengths,
                      simulator.lengths, simulator.lengths + [0, 0, 0.1, 0], None)
         # Ropes of given length yield too, 1e-6 of A's trace, of which A's smallest eigenvalue is a few thousandths.
-        np.testing.assert_allclose(stiff(*arguments), simulator._ropes(*arguments), rtol=1e-3, atol=1e-3)
+        np.testing.assert_allclose(stiff(*arguments), simulator.ropes(*arguments), rtol=1e-3, atol=1e-3)
 
 
 def test_two_windings_are_identical(marionet):

@@ -11,7 +11,7 @@ import cdprlab as cl
 from cdprlab.errors import InfeasibleTensions, InvalidInput, MissingDependency
 
 try:
-    from cdprlab.simulate.spatial import import_pybullet
+    from cdprlab.simulate.bullet import import_pybullet
 
     import_pybullet()
 except MissingDependency as missing:

@@ -11,7 +11,7 @@ import cdprlab as cl
 from cdprlab.errors import InvalidInput, SimulationDiverged
 
 try:
-    from cdprlab.simulate.spatial import import_pybullet
+    from cdprlab.simulate.bullet import import_pybullet
 
     import_pybullet()
 except cl.errors.MissingDependency as missing:

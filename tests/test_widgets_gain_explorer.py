@@ -12,7 +12,7 @@ from cdprlab.course.explorers.gains import error_decay, judge, sampled_error, st
 from cdprlab.errors import InvalidInput, MissingDependency
 
 try:
-    from cdprlab.simulate.spatial import import_pybullet
+    from cdprlab.simulate.bullet import import_pybullet
 
     import_pybullet()
     ENGINE = True

@@ -23,7 +23,7 @@ from ..mechanics.winch import (
 )
 from ..robot import Robot, Winch, turned_to
 from ..simulate import Simulator
-from ..simulate.mobile import MobileSimulator
+from ..simulate.spatial import SpatialSimulator
 from ..simulate.state import State
 from ..tensions.distribution import solver_for
 from ..tensions.standing import standing_tensions
@@ -41,7 +41,7 @@ class WinchControl(Command):
 
     name: ClassVar[str]
     cables: ClassVar[str]
-    engine: MobileSimulator
+    engine: SpatialSimulator
     feasible: bool
 
     def start(self, engine: Simulator, substeps: int) -> Columns:

@@ -8,7 +8,9 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..world import World
+from .planar import PlanarSimulator
 from .simulator import Simulator
+from .spatial import SpatialSimulator
 
 __all__ = ["CABLE_MODELS", "Simulator", "open_simulator"]
 
@@ -38,14 +40,4 @@ def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **op
                            f"there are {', '.join(_ENGINES[world.engine])}")
     if not (np.isfinite(dt) and dt > 0):
         raise InvalidInput(f"dt must be a positive time step [s], got {dt!r}")
-    if world.engine == "planar":
-        from .planar import PlanarSimulator
-
-        return PlanarSimulator(world, cables, dt, **options)
-    if options.pop("bodies", False):
-        from .mobile import MobileSimulator
-
-        return MobileSimulator(world, cables, dt, **options)
-    from .spatial import SpatialSimulator
-
-    return SpatialSimulator(world, cables, dt, **options)
+    return (PlanarSimulator if world.engine == "planar" else SpatialSimulator)(world, cables, dt, **options)

@@ -1,39 +1,33 @@
-"""Spatial worlds with loose boxes, and a gripper on the platform that takes hold of them, draws them in and lets go.
+"""Loose boxes, and a gripper on the platform that takes hold of them, draws them in and lets go.
 
 The gripper is a constraint between platform and box, whose place on the platform may be moved.
 """
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Iterator
+
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
 from ..robot.pose import Pose
-from ..world import World
-from .spatial import DEFAULT_TIP_MASS, SpatialSimulator, quaternion_of
-from .state import State
+from .bullet import Bullet
 
 
-class BoxSimulator(SpatialSimulator):
-    """A spatial world with boxes that may be gripped; arguments as `SpatialSimulator`."""
+class Boxes:
+    """The loose boxes of a world in PyBullet, none at first.
 
-    def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *, tip_mass: float = DEFAULT_TIP_MASS,
-                 solver_iterations: int = 5) -> None:
-        self._boxes: dict[str, int] = {}
-        self._box_sizes: dict[str, Array] = {}
-        self._grips: dict[str, int] = {}
-        self._drawn: dict[str, tuple[Array, Array]] = {}
-        super().__init__(world, cables, dt, tip_mass=tip_mass, solver_iterations=solver_iterations)
+    platform : the body that grips them
+    """
 
-    def reset(self, pose: Pose | None = None) -> State:
-        for name in list(self._grips):
-            self.release(name)
-        return super().reset(pose)
+    def __init__(self, bullet: Bullet, platform: int) -> None:
+        self._bullet, self._platform = bullet, platform
+        self._boxes: dict[str, tuple[int, Array]] = {}           # body, size
+        self._grips: dict[str, tuple[int, Array]] = {}           # constraint, rotation seen from the platform
 
-    def add_box(self, name: str, position: ArrayLike, size: ArrayLike, mass: float, yaw: float = 0.0,
-                friction: float = 0.5) -> None:
+    def add(self, name: str, position: ArrayLike, size: ArrayLike, mass: float, yaw: float = 0.0,
+            friction: float = 0.5) -> None:
         """Put a loose box into the world.
 
         position : (3,) of its center [m]; size : (3,) [m]; mass : [kg]; yaw : [rad]
@@ -41,30 +35,28 @@ class BoxSimulator(SpatialSimulator):
         """
         if name in self._boxes:
             raise InvalidInput(f"there is a box {name!r} already")
-        b, client = self._bullet, self._client
-        half = (as_array(size, "size", (3,), "m") / 2).tolist()
-        shape = b.createCollisionShape(b.GEOM_BOX, halfExtents=half, physicsClientId=client)
-        place = as_array(position, "position", (3,), "m").tolist()
-        self._boxes[name] = int(b.createMultiBody(mass, shape, basePosition=place, physicsClientId=client,
-                                                  baseOrientation=b.getQuaternionFromEuler([0, 0, yaw])))
-        b.changeDynamics(self._boxes[name], -1, lateralFriction=friction, physicsClientId=client)
-        self._box_sizes[name] = 2 * np.array(half)
+        extent = as_array(size, "size", (3,), "m")
+        body = self._bullet.add_box(extent, as_array(position, "position", (3,), "m"), yaw, mass)
+        self._bullet.engine.changeDynamics(body, -1, lateralFriction=friction, physicsClientId=self._bullet.client)
+        self._boxes[name] = body, extent
 
-    def box_pose(self, name: str) -> Pose:
-        """Where a loose box is."""
-        place, turn = self._bullet.getBasePositionAndOrientation(self._box(name), self._client)
-        matrix = np.array(self._bullet.getMatrixFromQuaternion(turn)).reshape(3, 3)
-        return Pose.of(np.array(place), matrix)
+    def pose(self, name: str) -> Pose:
+        """Where a box is."""
+        return Pose.of(*self._bullet.placed(self._body(name)))
+
+    def __iter__(self) -> Iterator[tuple[Pose, Array]]:
+        """Pose and size of each [m]."""
+        return ((self.pose(name), size) for name, (_, size) in self._boxes.items())
 
     def grip(self, name: str) -> None:
-        """Hold a loose box at the platform, as they are to each other now."""
-        if name not in self._grips:
-            # What is held must not also push: platform and box overlap where the box lies in the tray.
-            self._bullet.setCollisionFilterPair(self._platform, self._box(name), -1, -1, 0,
-                                                physicsClientId=self._client)
-            (pa, ra), (pb, rb) = self._placed(self._platform), self._placed(self._box(name))
-            self._drawn[name] = ra.T @ (pb - pa), ra.T @ rb
-            self._grips[name] = self._fixed(self._platform, -1, self._box(name), -1)
+        """Hold a box at the platform, as they are to each other now."""
+        if name in self._grips:
+            return
+        body, platform, bullet = self._body(name), self._platform, self._bullet
+        # What is held must not also push: platform and box overlap where the box lies in the tray.
+        bullet.engine.setCollisionFilterPair(platform, body, -1, -1, 0, physicsClientId=bullet.client)
+        seen = bullet.placed(platform)[1].T @ bullet.placed(body)[1]
+        self._grips[name] = bullet.fix(platform, -1, body, -1), seen
 
     def draw(self, name: str, stroke: ArrayLike) -> None:
         """Let the gripper hold a gripped box off the place where it was gripped.
@@ -73,35 +65,21 @@ class BoxSimulator(SpatialSimulator):
         """
         if name not in self._grips:
             raise InvalidInput(f"box {name!r} is not gripped; gripped are {', '.join(self._grips) or 'none'}")
-        pivot = self._drawn[name][1].T @ -as_array(stroke, "stroke", (3,), "m")
-        self._bullet.changeConstraint(self._grips[name], jointChildPivot=pivot.tolist(), physicsClientId=self._client)
+        grip, seen = self._grips[name]
+        pivot = seen.T @ -as_array(stroke, "stroke", (3,), "m")
+        self._bullet.engine.changeConstraint(grip, jointChildPivot=pivot.tolist(), physicsClientId=self._bullet.client)
 
     def is_gripped(self, name: str) -> bool:
-        """Whether a loose box is held at the platform."""
+        """Whether a box is held at the platform."""
         return name in self._grips
 
-    def release(self, name: str) -> None:
-        """Let a box go."""
-        if name in self._grips:
-            self._bullet.removeConstraint(self._grips.pop(name), physicsClientId=self._client)
+    def release(self, *names: str) -> None:
+        """Let these boxes go, or all of them."""
+        for name in names or tuple(self._grips):
+            if name in self._grips:
+                self._bullet.engine.removeConstraint(self._grips.pop(name)[0], physicsClientId=self._bullet.client)
 
-    def _box(self, name: str) -> int:
+    def _body(self, name: str) -> int:
         if name not in self._boxes:
             raise InvalidInput(f"there is no box {name!r}; there are {', '.join(self._boxes) or 'none'}")
-        return self._boxes[name]
-
-    def _fixed(self, a: int, link_a: int, b: int, link_b: int) -> int:
-        """Hold b at a as they are now; frames are in centers of mass."""
-        (pa, ra), (pb, rb) = self._placed(a, link_a), self._placed(b, link_b)
-        engine = self._bullet
-        constraint = engine.createConstraint(
-            a, link_a, b, link_b, engine.JOINT_FIXED, [0, 0, 0], (ra.T @ (pb - pa)).tolist(), [0, 0, 0],
-            parentFrameOrientation=quaternion_of(ra.T @ rb), physicsClientId=self._client)
-        return int(constraint)
-
-    def _placed(self, body: int, link: int = -1) -> tuple[Array, Array]:
-        """Center of mass and rotation of a link, or of a body's base (−1)."""
-        b, client = self._bullet, self._client
-        place, turn = (b.getBasePositionAndOrientation(body, client) if link < 0 else
-                       b.getLinkState(body, link, 0, 1, client)[:2])
-        return np.array(place), np.array(b.getMatrixFromQuaternion(turn)).reshape(3, 3)
+        return self._boxes[name][0]

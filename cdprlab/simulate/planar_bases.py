@@ -13,7 +13,7 @@ from ..robot import Robot
 Point = tuple[float, float]
 
 
-class DrivenBases:
+class PlanarBases:
     """The bases of a planar robot, driven at given speeds in steps of dt.
 
     robot : where they start

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from functools import reduce
-from itertools import permutations
+from itertools import chain, permutations
+from struct import Struct
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,9 @@ from ..robot import Base
 from ..robot.parts import DECK_HEIGHT
 from ..robot.pose import Pose
 from ..world import World
-from .planar_bases import DrivenBases
+from .planar_bases import PlanarBases
 
+_CORNERS = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 _FRICTION = 0.5
 _MOST_ITERATIONS = 1000
 _MOST_ORDERED = 6
@@ -37,6 +39,10 @@ class PlanarSpace:
 
     def __init__(self, pymunk: Any, world: World, start: Pose, iterations: int) -> None:
         self._pymunk, robot = pymunk, world.robot
+        self._ropes: list[Any] = []
+        self._cut: set[int] = set()
+        self._put, self._batch = pymunk.batch.set_space_bodies, pymunk.batch.Buffer()
+        self._field = pymunk.batch.BodyFields.VELOCITY
         self.space = pymunk.Space()
         self.space.gravity, self.space.iterations = (0.0, -robot.gravity), iterations
         body = self.body = pymunk.Body(robot.mass, float(robot.platform.inertia))
@@ -48,33 +54,61 @@ class PlanarSpace:
             self._run_on_a_rail(float(start.position[1]))
         self._make_scene(world)
         self._bases = [self._base_body(base) for base in robot.bases]
+        self.step = self.space.step
 
     def clear(self) -> None:
         """Take everything out of the space. pymunk aborts where Python frees a body while pymunk frees its space."""
         self.space.remove(*self.space.constraints, *self.space.shapes, *self.space.bodies)
 
-    def place_bases(self, bases: DrivenBases, dt: float) -> None:
+    def place_bases(self, bases: PlanarBases, dt: float) -> None:
         """Put the bases' bodies where the coming step takes them to where they are now, and let them drive."""
         for body, ((x, y), heading, (vx, vy), spin) in zip(self._bases, bases.motions()):
             body.velocity, body.angular_velocity = (vx, vy), spin
             body.position, body.angle = (x - vx * dt, y - vy * dt), heading - spin * dt
             self.space.reindex_shapes_for_body(body)
+        for rope, place in zip(self._ropes, bases.exits):
+            rope.a.position = place
 
-    def tie(self, exits: Iterable[ArrayLike], anchors: Iterable[ArrayLike], order: Iterable[int]) -> list[Any]:
+    def tie(self, exits: list[list[float]], anchors: list[list[float]], order: Iterable[int]) -> None:
         """A rope of length zero from a reel at each exit point to the platform, anchors from its center of mass.
 
         order : in which the solver takes them
         """
-        ropes = []
         for exit_point, anchor in zip(exits, anchors):
             reel = self._pymunk.Body(body_type=self._pymunk.Body.STATIC)
             reel.position = exit_point
             rope = self._pymunk.SlideJoint(reel, self.body, (0, 0), anchor, 0.0, 0.0)
             rope.error_bias = 0.0
-            ropes.append(rope)
-        for i in order:
-            self.space.add(ropes[i].a, ropes[i])
-        return ropes
+            self._ropes.append(rope)
+        self._order = tuple(order)
+        for i in self._order:
+            self.space.add(self._ropes[i].a, self._ropes[i])
+        # In the engine's order: what moves, then what does not, as it was added.
+        rows = Struct(f"{2 * (2 + len(self._bases) + len(self._ropes))}d")
+        self._still = [0.0, 0.0] * (1 + len(self._bases))   # the ground, and bases, which `place_bases` drives
+        self._pack, self._velocities = rows.pack_into, bytearray(rows.size)
+        self._batch.set_float_buf(self._velocities)
+
+    def untie(self, cable: int) -> None:
+        """Take a rope out."""
+        if self._ropes:
+            self.space.remove(self._ropes[cable])
+            self._cut.add(cable)
+
+    def reel(self, speeds: list[tuple[float, float]], velocity: tuple[float, float]) -> None:
+        """Set the reels' speeds [m/s], all at once, which costs half as much as one after the other.
+
+        velocity : of the platform, which stays as it is [m/s]
+        """
+        self._pack(self._velocities, 0, *velocity, *self._still,
+                   *chain.from_iterable([speeds[i] for i in self._order]))
+        self._put(self.space, self._field, self._batch)
+
+    def rope_tensions(self, dt: float) -> list[float]:
+        """What each rope pulled during the last step [N]."""
+        if self._cut:
+            return [0.0 if i in self._cut else rope.impulse / dt for i, rope in enumerate(self._ropes)]
+        return [rope.impulse / dt for rope in self._ropes]
 
     def contact_force(self, dt: float) -> float:
         """Sum of the normal forces on the platform during the last step [N]."""

@@ -16,8 +16,8 @@ def ray_distances(simulator: SpatialSimulator, origin: Array, directions: Array,
     origin : (3,) of the scanner [m]; directions : (b, 3) unit vectors; reach : [m]
     """
     ends = origin + reach * directions
-    hits = simulator._bullet.rayTestBatch(np.broadcast_to(origin, ends.shape).tolist(), ends.tolist(),
-                                          physicsClientId=simulator._client)
+    b, client = simulator.bullet
+    hits = b.rayTestBatch(np.broadcast_to(origin, ends.shape).tolist(), ends.tolist(), physicsClientId=client)
     share = np.array([hit[2] for hit in hits])
     return np.where([hit[0] >= 0 for hit in hits], reach * share, np.inf)
 
@@ -29,7 +29,7 @@ class Bystander:
     """
 
     def __init__(self, simulator: SpatialSimulator, place: Array, radius: float) -> None:
-        self._engine, self._client = simulator._bullet, simulator._client
+        self._engine, self._client = simulator.bullet
         shape = self._engine.createCollisionShape(self._engine.GEOM_CYLINDER, radius=radius, height=_TALL,
                                                   physicsClientId=self._client)
         self._body = self._engine.createMultiBody(0, shape, basePosition=[*place, _TALL / 2],

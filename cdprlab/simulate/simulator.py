@@ -1,16 +1,17 @@
-"""The interface every engine keeps."""
+"""What every engine does: the interface and its checks, winches within their limits, cuts and pushes."""
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array
-from ..errors import InvalidInput
+from ..arrays import Array, as_array
+from ..errors import InvalidInput, SimulationDiverged
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import World
@@ -20,14 +21,15 @@ from .state import State
 class Simulator(ABC):
     """One robot in one engine; several may live in one process. Use it in a ``with`` block, or close it.
 
-    world, robot, dt : what it was made for; dt is the engine's time step [s]
+    world, cables, dt : what it was made for; dt is the engine's time step [s]
+    robot : with its bases where they are now
     position, rotation, twist, tensions : the present state, as in `State`
     wrench_matrix, lengths : (n, m) and (m,) [m] of the present pose
+    paid_out : (m,) what the winches have let out of each rope [m], empty where tensions are commanded
+    cut_cables : indices
     """
 
-    world: World
     robot: Robot
-    dt: float
     position: Array
     rotation: Array
     twist: Array
@@ -35,51 +37,144 @@ class Simulator(ABC):
     wrench_matrix: Array
     lengths: Array
 
+    def __init__(self, world: World, cables: str, dt: float) -> None:
+        self.world, self.cables, self.dt = world, cables, float(dt)
+        self.is_wound = cables in ("length", "elastic")
+        self.paid_out: list[float] = []
+        self._most = (world.robot.speed_max * self.dt).tolist()   # wound in one step
+
+    # --- what each engine does in its own way --------------------------------------------------------
     @abstractmethod
-    def reset(self, pose: Pose | None = None) -> State:
-        """Put the robot at rest at a pose (default the world's), all cables whole; time starts at 0."""
+    def place(self, start: Pose) -> None:
+        """Put the robot at rest at a pose, all cables whole, and what its winches have paid out to what holds it."""
 
     @abstractmethod
-    def step(self, tensions: Array, substeps: int = 1) -> None:
+    def pull(self, tensions: Array, substeps: int) -> None:
         """Advance by ``substeps`` × dt with these (m,) cable tensions held [N]."""
 
-    def wind(self, lengths: ArrayLike, substeps: int = 1) -> bool:
-        """Advance while winches bring the ropes to these (m,) lengths; False where a speed limit kept one from it."""
-        raise InvalidInput(f"{type(self).__name__} has no winches")
-
-    def drive(self, speeds: ArrayLike) -> Array:
-        """Let the mobile bases drive on at these (3p,) speeds; returns them as their limits allow [rad/s, m/s]."""
-        raise InvalidInput(f"{type(self).__name__} has no bases that drive: planar worlds have")
-
-    def sample(self) -> Iterable[float]:
-        """Position, rotation (row by row), twist, lengths and tensions as one row of a log."""
-        return np.concatenate([self.position, self.rotation.ravel(), self.twist, self.lengths, self.tensions]).tolist()
+    @abstractmethod
+    def reel(self, lengths: list[float]) -> None:
+        """Advance by dt, by whose end no rope is longer than these (m,) lengths [m]."""
 
     @abstractmethod
-    def state(self) -> State:
-        """The present state."""
-
-    @abstractmethod
-    def cut(self, cables: ArrayLike | None = None) -> None:
-        """Cut cables by index from 0 (default all): they carry nothing until the next reset."""
-
-    @abstractmethod
-    def push(self, wrench: ArrayLike) -> None:
-        """Apply an external (n,) wrench at P during every further step [N, N m]; zero to stop."""
+    def sever(self, cable: int) -> None:
+        """Cut a cable that is whole, given by index."""
 
     @abstractmethod
     def contact_force(self) -> float:
         """Sum of the normal contact forces on the platform during the last step [N]."""
 
     @abstractmethod
-    def render(self, width: int = 640, height: int = 480) -> Any:
-        """(height, width, 3) uint8 picture of the present state, cables colored by tension."""
-
-    @abstractmethod
     def close(self) -> None:
         """Release the engine; safe to call twice."""
 
-    def __enter__(self) -> Simulator:
+    def drive(self, speeds: ArrayLike) -> Array:
+        """Let the mobile bases drive on at these (3p,) speeds; returns them as their limits allow [rad/s, m/s]."""
+        raise InvalidInput(f"{type(self).__name__} has no bases that drive: planar worlds have")
+
+    # --- the interface ----------------------------------------------------------------------------
+    def reset(self, pose: Pose | None = None) -> State:
+        """Put the robot at rest at a pose (default the world's), all cables whole; time starts at 0."""
+        self.steps = 0
+        self.cut_cables: set[int] = set()
+        self.pushed: Array | None = None
+        self.place(self.world.pose if pose is None else pose)
+        return self.state()
+
+    def step(self, tensions: Array, substeps: int = 1) -> None:
+        """Advance by ``substeps`` × dt with these (m,) cable tensions held [N]."""
+        if self.is_wound:
+            raise InvalidInput(f"cables={self.cables!r} takes rope lengths: use wind(lengths), not step(tensions)")
+        if substeps < 1:
+            raise InvalidInput(f"substeps must be at least 1, got {substeps}")
+        self.pull(tensions, substeps)
+
+    def wind(self, lengths: ArrayLike, substeps: int = 1) -> bool:
+        """Advance by ``substeps`` × dt while the winches bring the ropes evenly to these lengths.
+
+        lengths : (m,) at the end of the last substep [m]
+        Returns False where a winch's speed limit kept a rope from its length.
+        Raises InvalidInput unless ``cables`` is "length" or "elastic".
+        """
+        if not self.is_wound:
+            raise InvalidInput(f"cables={self.cables!r} takes tensions: use step(tensions), or open the simulator "
+                               "with cables=\"length\"")
+        before = self.paid_out
+        wanted = lengths if isinstance(lengths, list) else np.asarray(lengths, dtype=float).tolist()
+        after = self._reachable(wanted, substeps)
+        for k in range(1, substeps):
+            self._reel_to([a + k / substeps * (b - a) for a, b in zip(before, after)])
+        self._reel_to(after)
+        return after is wanted
+
+    def _reel_to(self, lengths: list[float]) -> None:
+        self.reel(lengths)
+        self.paid_out = lengths
+
+    def _reachable(self, wanted: list[float], substeps: int) -> list[float]:
+        """The wanted lengths as far as the winches' speed limits allow; the same list if they all do."""
+        now = self.paid_out
+        if len(wanted) == len(now) and all([
+                wish > 0 and abs(wish - rope) <= most * substeps for wish, rope, most in zip(wanted, now, self._most)]):
+            return wanted
+        if len(wanted) != len(now) or not all(0 < wish < math.inf for wish in wanted):
+            raise InvalidInput(f"rope lengths must be {len(now)} positive numbers [m], got {wanted}")
+        # A winch exactly at its limit must not fail by rounding.
+        farthest = [most * substeps + 1e-9 for most in self._most]
+        reached = [min(max(wish, rope - far), rope + far) for wish, rope, far in zip(wanted, now, farthest)]
+        return wanted if reached == wanted else reached
+
+    def cut(self, cables: ArrayLike | None = None) -> None:
+        """Cut cables by index from 0 (default all): they carry nothing until the next reset."""
+        m = self.world.robot.n_cables
+        for i in range(m) if cables is None else np.atleast_1d(np.asarray(cables, dtype=int)).tolist():
+            if not 0 <= i < m:
+                raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {i}")
+            if i not in self.cut_cables:
+                self.cut_cables.add(i)
+                self.sever(i)
+
+    def push(self, wrench: ArrayLike) -> None:
+        """Apply an external (n,) wrench at P during every further step [N, N m]; zero to stop."""
+        robot = self.world.robot
+        given = as_array(wrench, "external wrench", (robot.n_dof,), "N, N m")
+        self.pushed = robot.pattern.basis(self.rotation) @ given if given.any() else None
+
+    @property
+    def time(self) -> float:
+        """Since the reset [s]."""
+        return self.steps * self.dt
+
+    @property
+    def rope_lengths(self) -> Array | None:
+        """What the winches have let out of each rope, None where there are none [m]."""
+        return np.array(self.paid_out) if self.is_wound else None
+
+    def loose_boxes(self) -> Iterable[tuple[Pose, Array]]:
+        """Pose and (3,) size of each [m]."""
+        return ()
+
+    def state(self) -> State:
+        """The present state."""
+        return State(self.time, self.robot, self.position, self.rotation, self.twist, self.tensions, self.world.scene,
+                     self.rope_lengths, frozenset(self.cut_cables), tuple(self.loose_boxes()))
+
+    def sample(self) -> Sequence[float]:
+        """Position, rotation (row by row), twist, lengths and tensions as one row of a log."""
+        row: list[float] = np.concatenate([self.position, self.rotation.ravel(), self.twist, self.lengths,
+                                           self.tensions]).tolist()
+        return row
+
+    def diverge(self) -> None:
+        """Raise SimulationDiverged, which names the cable that pulls hardest."""
+        pulls = np.where(np.isfinite(self.tensions), np.abs(self.tensions), np.inf)
+        worst = int(pulls.argmax())
+        raise SimulationDiverged(
+            f"the simulation diverged at t = {self.time:.4g} s: the platform left the scene; cable {worst + 1} carried "
+            f"most, {pulls[worst]:.3g} N; take a smaller dt or lower gains (K_d times the control period must stay "
+            "below 2)", self.time, worst + 1)
+
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:

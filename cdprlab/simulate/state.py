@@ -1,4 +1,4 @@
-"""What sensors tell at one instant: the state that controllers are written against and engines report."""
+"""What an engine tells at one instant: controllers are written against it, pictures are drawn from it."""
 
 from __future__ import annotations
 
@@ -7,17 +7,22 @@ from typing import NamedTuple
 from ..arrays import Array
 from ..robot import Robot
 from ..robot.pose import Pose
+from ..world import Scene
 
 
 class State(NamedTuple):
-    """What a controller may know at one instant.
+    """What a controller may know at one instant, and what else a picture shows.
 
     time : [s]
-    robot : the robot, for its masses and points
+    robot : the robot, for its masses and points; its bases where they are now
     position : (d,) of P in the world [m]
     rotation : (d, d)
     twist : (3 planar or 6 spatial,) [v; ω] of P in world axes [m/s, rad/s]
     tensions : (m,) measured over the last step, zero before the first [N]
+    scene : what stands around the robot
+    rope_lengths : (m,) let out by winches, None where tensions are commanded [m]
+    cut : indices of the cables that are cut
+    boxes : pose and (3,) size [m] of each loose box
     """
 
     time: float
@@ -26,6 +31,10 @@ class State(NamedTuple):
     rotation: Array
     twist: Array
     tensions: Array
+    scene: Scene | None = None
+    rope_lengths: Array | None = None
+    cut: frozenset[int] = frozenset()
+    boxes: tuple[tuple[Pose, Array], ...] = ()
 
     @property
     def pose(self) -> Pose:

@@ -29,7 +29,7 @@ def bare_step_time(simulator):
     """Seconds per stepSimulation, residual threshold 0, same bodies and constraints, nothing read or commanded."""
     simulator.reset()
     simulator.step(simulator.robot.tension_min)
-    step, client = simulator._bullet.stepSimulation, simulator._client
+    step, client = simulator.bullet.engine.stepSimulation, simulator.bullet.client
     began = time.perf_counter()
     for _ in range(STEPS):
         step(client)

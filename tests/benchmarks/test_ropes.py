@@ -13,7 +13,7 @@ STEPS = 300
 def bare_step_time(simulator):
     """Seconds per stepSimulation of four legs at rest, nothing read or commanded."""
     simulator.reset()
-    step, client = simulator._bullet.stepSimulation, simulator._client
+    step, client = simulator.bullet.engine.stepSimulation, simulator.bullet.client
     began = time.perf_counter()
     for _ in range(STEPS):
         step(client)

@@ -17,8 +17,7 @@ from ...robot.pose import Pose
 from ...run import Log
 from ...run.loop import fly
 from ...run.winches import WinchControl, winch_control
-from ...simulate import open_simulator
-from ...simulate.mobile import MobileSimulator
+from ...simulate.spatial import SpatialSimulator
 from ...world import World
 from ...world.model import PickAndPlace
 from ..plane import relative
@@ -64,9 +63,8 @@ def pick_and_place(world: World, task: str = "pick_and_place", control: str | Wi
     law = winch_control(control)
     begin = replace(world, robot=world.robot.with_bases(job.coupled), pose=job.start, tasks={task: job})
     machine = Machine(job_phases(world, job, speed, fold=fold), faults)
-    with open_simulator(begin, law.cables, dt, bodies=True, solver_iterations=20) as engine:
-        assert isinstance(engine, MobileSimulator)
-        engine.add_box(BOX, job.box_position, job.box_size, job.box_mass, friction=_ROLLERS)
+    with SpatialSimulator(begin, law.cables, dt, bodies=True, solver_iterations=20) as engine:
+        engine.boxes.add(BOX, job.box_position, job.box_size, job.box_mass, friction=_ROLLERS)
         work = _Work(engine, job, machine, law, control_period)
         log, elapsed = fly(engine, law, work.wishes(progress), substeps)
     settings = {"dt": dt, "control_period": control_period, "speed": speed}
@@ -77,7 +75,7 @@ def pick_and_place(world: World, task: str = "pick_and_place", control: str | Wi
 class _Work:
     """One job under way: what changes from step to step."""
 
-    def __init__(self, engine: MobileSimulator, task: PickAndPlace, machine: Machine, law: WinchControl,
+    def __init__(self, engine: SpatialSimulator, task: PickAndPlace, machine: Machine, law: WinchControl,
                  period: float) -> None:
         self.engine, self.task, self.machine, self.law, self.period = engine, task, machine, law, period
         self.path: Trajectory = hold(task.start, 1.0)
@@ -137,7 +135,7 @@ class _Work:
         end = self.path.end
         phase.begin(self.engine)
         self.path = hold(end, phase.duration) if phase.to is None else quintic(end, phase.to, phase.duration)
-        if self.engine.is_gripped(BOX) and not self.offset.any():
+        if self.engine.boxes.is_gripped(BOX) and not self.offset.any():
             self.offset = self._held() - (self.stroke - 1) * self.task.stroke
         self.bases = self.engine.base_poses.copy()
 
@@ -164,8 +162,8 @@ class _Work:
         if phase.stroke is not None and not (self.machine.stopped or self.machine.done):
             share = rest_to_rest((now - self.machine.began) / phase.duration)
             self.stroke = float(phase.stroke[0] + share * (phase.stroke[1] - phase.stroke[0]))
-            engine.draw(BOX, (self.stroke - 1) * self.task.stroke)
-        load, place = payload(self.task, self.stroke) if engine.is_gripped(BOX) else (0.0, self.task.seat)
+            engine.boxes.draw(BOX, (self.stroke - 1) * self.task.stroke)
+        load, place = payload(self.task, self.stroke) if engine.boxes.is_gripped(BOX) else (0.0, self.task.seat)
         if (load, *place) != self.carried:
             self.carried = load, *place
             engine.carry(self.empty.with_payload(load, place) if load else self.empty)
@@ -173,11 +171,11 @@ class _Work:
     # --- looking and writing down -----------------------------------------------------------------
     def _held(self) -> Array:
         """(3,) the box's center in the platform frame [m]."""
-        return (self.engine.box_pose(BOX).position - self.engine.position) @ self.engine.rotation
+        return (self.engine.boxes.pose(BOX).position - self.engine.position) @ self.engine.rotation
 
     def _look(self, now: float, wish: Reference) -> Sensors:
         engine, phase = self.engine, self.machine.phase
-        gripped = engine.is_gripped(BOX)
+        gripped = engine.boxes.is_gripped(BOX)
         place = self.offset + (self.stroke - 1) * self.task.stroke if gripped else self.task.seat + self.task.stroke
         slipped = float(np.linalg.norm(self._held() - place))
         now_at = engine.base_poses
@@ -189,7 +187,7 @@ class _Work:
                        (engine.position, engine.rotation), now_at)
 
     def _note(self, wish: Reference, sensors: Sensors) -> None:
-        engine, robot, box = self.engine, self.empty, self.engine.box_pose(BOX)
+        engine, robot, box = self.engine, self.empty, self.engine.boxes.pose(BOX)
         tau = engine.tensions
         beyond = (tau < robot.tension_min - _SLACK).any() or (tau > robot.tension_max + _SLACK).any()
         self.overloaded = self.overloaded + self.period if beyond else 0.0

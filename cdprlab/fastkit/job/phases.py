@@ -12,7 +12,6 @@ from ...errors import InvalidInput
 from ...mechanics.trajectory import PEAK_SPEED
 from ...robot import Base
 from ...robot.pose import Pose
-from ...simulate.mobile import MobileSimulator
 from ...world import World
 from ...world.model import PickAndPlace
 from ..plane import placed, relative
@@ -46,15 +45,16 @@ def job_phases(world: World, task: PickAndPlace, speed: float = 0.5, fold: bool 
 def _deployment(world: World, task: PickAndPlace) -> Iterator[Phase]:
     if not task.coupled:
         return
-    yield Phase("coupled", "both bases stand together, the link closed", 0.5, begin=MobileSimulator.couple)
-    yield Phase("uncouple", "the electromagnetic link opens", 0.3, begin=MobileSimulator.uncouple)
+    yield Phase("coupled", "both bases stand together, the link closed", 0.5,
+                begin=lambda engine: engine.bases.couple())
+    yield Phase("uncouple", "the electromagnetic link opens", 0.3, begin=lambda engine: engine.bases.uncouple())
     words = (("sidestep", "clear of the shelf"), ("deploy", "the active base drives away, the platform stays"),
              ("line up", "the base takes its place"))
     for name, start in task.coupled.items():
         base = world.robot.base(name)
         yield from _legs(base, start, base.pose, task.aside, words)
     yield Phase("stabilize", "the stabilizers go down, no base can drive", 0.5,
-                begin=MobileSimulator.lower_stabilizers)
+                begin=lambda engine: engine.bases.lower_stabilizers())
 
 
 def _folding(world: World, task: PickAndPlace) -> Iterator[Phase]:
@@ -62,14 +62,14 @@ def _folding(world: World, task: PickAndPlace) -> Iterator[Phase]:
     if not task.coupled:
         raise InvalidInput("bases are to fold back, but the task names no `coupled:` base and its pose")
     yield Phase("lift feet", "the stabilizers go up, the bases stand on wheels", 0.5,
-                begin=MobileSimulator.raise_stabilizers)
+                begin=lambda engine: engine.bases.raise_stabilizers())
     words = (("step out", "clear of the shelf again"), ("fold", "the active base drives back, the platform stays"),
              ("close up", "beside the other base, as before"))
     for name, goal in task.coupled.items():
         base = world.robot.base(name)
         yield from _legs(base, base.pose, goal, task.aside, words)
     yield Phase("link", "the electromagnetic link closes", 0.5, drives=dict(task.coupled), guard=_arrived,
-                begin=MobileSimulator.couple)
+                begin=lambda engine: engine.bases.couple())
 
 
 def _legs(base: Base, start: Place, goal: Place, aside: float, words: tuple[tuple[str, str], ...]) -> Iterator[Phase]:
@@ -94,7 +94,7 @@ def _taking(task: PickAndPlace, speed: float) -> Iterator[Phase]:
     yield Phase("tilt", "the lip goes down, by cable lengths alone", 1.0, Pose.of(before.position, hooking.rotation))
     yield Phase("reach", "forward, the lip under the box's edge", 1.5, hooking)
     yield Phase("hook", "level again", 1.0, at, guard=box_there)
-    yield Phase("grip", "the gripper closes", 0.3, begin=lambda engine: engine.grip(BOX))
+    yield Phase("grip", "the gripper closes", 0.3, begin=lambda engine: engine.boxes.grip(BOX))
     yield Phase("draw in", "the box slides from its board into the tray", _DRAWING, stroke=(1.0, 0.0))
     yield Phase("back off", "away from the shelf", 1.5, before)
 
@@ -111,7 +111,7 @@ def _putting(task: PickAndPlace, speed: float) -> Iterator[Phase]:
     yield Phase("push", "the box's edge comes over its board", _DRAWING * over, stroke=(0.0, over))
     yield Phase("set down", "down onto the board", 0.8, at)
     yield Phase("push out", "the box slides onto its board", _DRAWING, stroke=(over, 1.0))
-    yield Phase("release", "the gripper opens", 0.5, begin=lambda engine: engine.release(BOX))
+    yield Phase("release", "the gripper opens", 0.5, begin=lambda engine: engine.boxes.release(BOX))
     yield Phase("unhook", "the lip goes down", 1.0, hooking)
     yield Phase("retreat", "away from the shelf", 1.5, Pose.of(before.position, hooking.rotation))
     yield Phase("level", "level again", 1.0, before)

@@ -11,9 +11,8 @@ from ...arrays import Array
 from ...errors import InvalidInput
 from ...robot.pose import Pose
 from ...run.log import Log
-from ...simulate import open_simulator
-from ...simulate.mobile import MobileSimulator
 from ...simulate.scanner import Bystander, ray_distances
+from ...simulate.spatial import SpatialSimulator
 from ...world import World
 from ..navigation.driving import Pair, Walker
 from ..navigation.hall import Hall
@@ -40,11 +39,10 @@ class EnginePair(Pair):
                  walkers: tuple[Walker, ...] = (), seed: int = 0, dt: float = 4e-3,
                  odometry: Odometry | None = None) -> None:
         super().__init__(vehicle, hall, walkers, odometry, seed)
-        engine = open_simulator(moved_pair(world, pose), "tension", dt, bodies=True, solver_iterations=20)
-        assert isinstance(engine, MobileSimulator)
+        engine = SpatialSimulator(moved_pair(world, pose), "tension", dt, bodies=True, solver_iterations=20)
         self.engine = engine
-        engine.couple()
-        engine.lock_platform()
+        engine.bases.couple()
+        engine.bases.lock(engine.platform)
         self._bystanders = [Bystander(engine, walker.place, walker.radius) for walker in walkers]
         self.log = Log({"tensions": (engine.tensions.shape, "N"), "wheels": (self._wheels().shape, "N"),
                         "tilts": ((), "rad")})

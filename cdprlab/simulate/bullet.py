@@ -1,0 +1,135 @@
+"""PyBullet: imported when first needed, kept quiet, and where its bodies are."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import math
+import os
+import sys
+from collections.abc import Iterator
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import MissingDependency
+
+ORIGIN, STRAIGHT = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]
+Link = tuple[float, int, list[float], list[float], int, int, list[int]]
+"""Mass, shape (−1: none), place in the parent and orientation, parent (0: the base), joint and its axis."""
+
+
+class Bullet(NamedTuple):
+    """One client of PyBullet (DIRECT mode, no window), in which a world's bodies live.
+
+    engine : the module; client : which every call names, in the loop by position: keywords take twice the time
+    """
+
+    engine: Any
+    client: int
+
+    @classmethod
+    def connect(cls) -> Bullet:
+        """A new, empty one."""
+        engine = import_pybullet()
+        with quiet():  # connect() prints its arguments
+            return cls(engine, engine.connect(engine.DIRECT))
+
+    def placed(self, body: int, link: int = -1) -> tuple[Array, Array]:
+        """Center of mass [m] and rotation of a link, or of a body's base (−1)."""
+        place, turn = (self.engine.getBasePositionAndOrientation(body, self.client) if link < 0 else
+                       self.engine.getLinkState(body, link, 0, 1, self.client)[:2])
+        return np.array(place), np.array(self.engine.getMatrixFromQuaternion(turn)).reshape(3, 3)
+
+    def add_box(self, size: Array, position: Array, yaw: float, mass: float = 0.0) -> int:
+        """A solid box, which nothing moves if it has no mass."""
+        b = self.engine
+        shape = b.createCollisionShape(b.GEOM_BOX, halfExtents=(size / 2).tolist(), physicsClientId=self.client)
+        return int(b.createMultiBody(mass, shape, basePosition=position.tolist(), physicsClientId=self.client,
+                                     baseOrientation=b.getQuaternionFromEuler([0, 0, yaw])))
+
+    def fix(self, a: int, link_a: int, b: int, link_b: int) -> int:
+        """A constraint that holds b at a as they are now; frames are in centers of mass."""
+        (pa, ra), (pb, rb) = self.placed(a, link_a), self.placed(b, link_b)
+        return int(self.engine.createConstraint(
+            a, link_a, b, link_b, self.engine.JOINT_FIXED, [0, 0, 0], (ra.T @ (pb - pa)).tolist(), [0, 0, 0],
+            parentFrameOrientation=quaternion_of(ra.T @ rb), physicsClientId=self.client))
+
+    def add_chain(self, links: list[Link], joints: list[float], position: Array | None = None,
+                  turn: list[float] = STRAIGHT) -> int:
+        """One body of these links, without motors, damping or a limit of its joints' speeds.
+
+        joints : their values; position, turn : of its base, which is fixed
+        """
+        b, client, n = self.engine, self.client, len(links)
+        mass, shapes, places, turns, parents, kinds, axes = map(list, zip(*links))
+        body = int(b.createMultiBody(
+            0, -1, basePosition=ORIGIN if position is None else position.tolist(), baseOrientation=turn,
+            linkMasses=mass, linkCollisionShapeIndices=shapes, linkVisualShapeIndices=[-1] * n, linkPositions=places,
+            linkOrientations=turns, linkInertialFramePositions=[ORIGIN] * n,
+            linkInertialFrameOrientations=[STRAIGHT] * n, linkParentIndices=parents, linkJointTypes=kinds,
+            linkJointAxis=axes, physicsClientId=client))
+        # Joints start with motors of 1000 N that would hold the robot in place.
+        b.setJointMotorControlArray(body, list(range(n)), b.VELOCITY_CONTROL, forces=[0] * n, physicsClientId=client)
+        # The default of 100 m/s caps the tension at 100 m_tip/dt. In a call of its own: given together with
+        # a link's other settings, Bullet applies all of them to the base.
+        b.changeDynamics(body, -1, maxJointVelocity=1e9, physicsClientId=client)
+        for link in range(-1, n):
+            b.changeDynamics(body, link, linearDamping=0, angularDamping=0, jointDamping=0, physicsClientId=client)
+        for joint, value in enumerate(joints):
+            b.resetJointState(body, joint, value, physicsClientId=client)
+        return body
+
+
+@cache
+def import_pybullet() -> Any:
+    """The engine, its start-up banner kept off the terminal; raises MissingDependency naming the ways out."""
+    try:
+        with quiet():
+            import pybullet
+    except ImportError:
+        raise MissingDependency(
+            "spatial worlds run in PyBullet, which is not installed; it has wheels for Linux x86-64 and Python up to "
+            "3.11: use `uv venv --python 3.11`, `conda create -n cdprlab python=3.11` or the python:3.11 container, "
+            "then `pip install pybullet` (planar worlds, tensions and sets work without it)") from None
+    return pybullet
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Silence C code that prints: Python's own redirection does not reach file descriptors 1 and 2."""
+    libc = ctypes.CDLL(None)
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(Exception):
+            stream.flush()
+    saved, nothing = [os.dup(1), os.dup(2)], os.open(os.devnull, os.O_WRONLY)
+    libc.fflush(None)
+    try:
+        os.dup2(nothing, 1)
+        os.dup2(nothing, 2)
+        yield
+    finally:
+        libc.fflush(None)  # C buffers its output; it must leave before the descriptors come back
+        for descriptor, copy in zip((1, 2), saved):
+            os.dup2(copy, descriptor)
+            os.close(copy)
+        os.close(nothing)
+
+
+def quaternion_of(rotation: Array) -> list[float]:
+    """(x, y, z, w) of a rotation matrix."""
+    from scipy.spatial.transform import Rotation
+
+    quaternion: list[float] = Rotation.from_matrix(rotation).as_quat().tolist()
+    return quaternion
+
+
+def turn_z_to(direction: Array) -> list[float]:
+    """Quaternion of the shortest turn from the z axis to a direction."""
+    x, y, z = direction / np.linalg.norm(direction)
+    if z < -1 + 1e-9:
+        return [1.0, 0.0, 0.0, 0.0]
+    scale = math.sqrt(2 * (1 + z))
+    return [-y / scale, x / scale, 0.0, scale / 2]

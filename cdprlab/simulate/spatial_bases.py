@@ -1,0 +1,220 @@
+"""Mobile bases as bodies in PyBullet: they stand on wheels, drive, tip over, and carry their cables' legs.
+
+A base hangs on six joints of its own, two along the floor, one about the vertical, one up, two to tilt, so that driving
+is commanded exactly while rising and tilting are left to physics. Its wheels are spheres without friction: driving is
+the joints' business, and a sphere touches at the one point the footprint names. Everything of a base, legs included,
+is one multibody, which Bullet solves without the slip a constraint between bodies would bring.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array, frozen
+from ..errors import InvalidInput
+from ..robot import Base, Robot
+from .bullet import ORIGIN, STRAIGHT, Bullet, Link, turn_z_to
+from .legs import Leg, leg_joints, leg_links
+
+_ALONG, _ACROSS, _ABOUT, _BODY = 0, 1, 2, 6   # joints that drive, and the link that is the base
+_WHEEL = 0.05      # m
+_TRACTION = 0.8    # of the weight: the most the drives push with, rubber on concrete
+_GAINS = 0.1, 1.0, 0.0    # of a speed motor, as PyBullet has them; named ones take twice the time of the call
+
+
+class SpatialBases:
+    """The bases of a robot that are bodies, steered within limits, coupled by a link, their wheels weighed.
+
+    robot : whose bases stand; with none of them nothing moves
+    is_stabilized : whether they stand on feet, which are where the wheels are: then none drives
+    bodies : of the bases, in file order
+    exits : (m, 3) exit points now [m]; exit_steps : (m, 3) how far they went in the last step [m]
+    """
+
+    def __init__(self, bullet: Bullet, robot: Robot, tip_mass: float) -> None:
+        self._bullet, self._robot, self._tip_mass = bullet, robot, tip_mass
+        self._fastest = np.array([base.speed_max for base in robot.bases]).ravel()
+        self._traction = [_TRACTION * base.mass * robot.gravity for base in robot.bases]
+        self._feet = [np.insert(base.footprint, 2, 0.0, axis=1) - base.center_of_mass for base in robot.bases]
+        self._still, self._mounted = _mounted(robot)
+        self.bodies: list[int] = []
+
+    def build(self, anchors: Array, middle: Array) -> dict[int, Leg]:
+        """Anew where the world puts them; returns the leg of each of their cables, by its index.
+
+        anchors : (m, 3) [m]; middle : (3,) of where the platform is to be [m]
+        """
+        robot, legs, self.bodies = self._robot, {}, []
+        self._link, self.is_stabilized, self._speeds = -1, False, np.zeros_like(self._fastest)
+        self._targets = [list(base.pose) for base in robot.bases]
+        for k, base in enumerate(robot.bases):
+            cables = [i for i, of in enumerate(robot.base_indices) if of == k]
+            exits = np.array([robot.cables[i].exit_point for i in cables]).reshape(-1, 3)
+            body = _add_base(self._bullet, base, exits, anchors[cables], middle, self._tip_mass)
+            self.bodies.append(body)
+            legs.update({i: (body, _BODY + 3 * (place + 1)) for place, i in enumerate(cables)})
+        self.exits = robot.exit_points
+        self.look()
+        return legs
+
+    # --- every step -------------------------------------------------------------------------------
+    def steer(self, period: float) -> None:
+        """Let the motors drive on for so long [s]."""
+        b, client = self._bullet
+        control, speed = b.setJointMotorControl2, b.VELOCITY_CONTROL
+        speeds, poses = self._speeds.tolist(), self.poses.tolist()
+        for k, body in enumerate(self.bodies):
+            spin, along, across = speeds[3 * k:3 * k + 3]
+            goal, now, towed = self._targets[k], poses[k], self.is_coupled and k == 1
+            heading, force = goal[2] + spin * period / 2, 0.0 if towed else self._traction[k]
+            c, s = math.cos(heading), math.sin(heading)
+            for joint, rate in ((_ALONG, c * along - s * across), (_ACROSS, s * along + c * across), (_ABOUT, spin)):
+                # Bullet's own position motors lag behind where a step has substeps: half of what is missing a step.
+                missing = (goal[joint] - now[joint]) / (2 * period)
+                goal[joint] += rate * period
+                control(body, joint, speed, 0.0, missing + rate, force, *_GAINS, client)
+
+    def look(self) -> None:
+        """See where they have come to."""
+        self._poses: Array | None = None
+        b, client = self._bullet
+        rows = []
+        for body in self.bodies:
+            place, quaternion = b.getLinkState(body, _BODY, 0, 1, client)[:2]
+            rows.append(b.getMatrixFromQuaternion(quaternion) + place)
+        values = np.array(rows)
+        # Per base, rotation and center of mass side by side.
+        self._frames = frames = np.concatenate([values[:, :9].reshape(-1, 3, 3), values[:, 9:, None]], axis=2)
+        exits = self._mounted.dot(frames.transpose(0, 2, 1).reshape(-1, 3)) + self._still
+        self.exit_steps = exits - self.exits
+        self.exits = frozen(exits)
+
+    # --- the interface ----------------------------------------------------------------------------
+    @property
+    def poses(self) -> Array:
+        """(p, 3) x, y and heading of each base [m, rad]."""
+        if self._poses is None:
+            read, client = self._bullet.engine.getJointStates, self._bullet.client
+            self._poses = frozen(np.array([[state[0] for state in read(body, (_ALONG, _ACROSS, _ABOUT), client)]
+                                           for body in self.bodies]))
+        return self._poses
+
+    @property
+    def tilts(self) -> Array:
+        """(p,) angle of each base's mast from the vertical [rad]."""
+        return np.arccos(np.minimum(self._frames[:, 2, 2], 1.0))
+
+    def wheel_loads(self, substeps: int) -> dict[str, Array]:
+        """Base name → (k,) normal force on each footprint contact, in file order [N].
+
+        substeps : of the last engine call
+        """
+        loads = {}
+        for base, body, feet, frame in zip(self._robot.bases, self.bodies, self._feet, self._frames):
+            force = np.zeros(len(feet))
+            contacts = self._bullet.engine.getContactPoints(bodyA=body, linkIndexA=_BODY,
+                                                            physicsClientId=self._bullet.client)
+            if contacts:
+                points = (np.array([contact[5] for contact in contacts]) - frame[:, 3]).dot(frame[:, :3])
+                nearest = ((points[:, None] - feet)**2).sum(axis=2).argmin(axis=1)
+                # Bullet divides a substep's impulse by the whole step.
+                np.add.at(force, nearest, [contact[9] * substeps for contact in contacts])
+            loads[base.name] = force
+        return loads
+
+    def drive(self, speeds: ArrayLike) -> Array:
+        """Drive on at these (3p,) speeds; returns them as their limits allow [rad/s, m/s]."""
+        wanted = as_array(speeds, "base speeds", self._fastest.shape, "rad/s, m/s")
+        fastest = np.zeros_like(wanted) if self.is_stabilized else self._fastest
+        self._speeds = np.minimum(np.maximum(wanted, -fastest), fastest)
+        return self._speeds
+
+    @property
+    def is_coupled(self) -> bool:
+        """Whether the link is closed."""
+        return self._link >= 0
+
+    def couple(self) -> None:
+        """Close the electromagnetic link: the second base then goes where the first one drives.
+
+        Raises InvalidInput unless there are two bases.
+        """
+        if len(self.bodies) != 2:
+            raise InvalidInput(f"the link couples two bases, this robot has {len(self.bodies)}")
+        if not self.is_coupled:
+            self._link = self._bullet.fix(self.bodies[0], _BODY, self.bodies[1], _BODY)
+
+    def uncouple(self) -> None:
+        """Open the link; the second base stands where it then is."""
+        if self.is_coupled:
+            self._bullet.engine.removeConstraint(self._link, physicsClientId=self._bullet.client)
+            self._targets[1] = self.poses[1].tolist()
+            self._link = -1
+
+    def lock(self, platform: int) -> None:
+        """Fix the platform to the first base until the next reset, as for a drive on which no cable moves."""
+        self._bullet.fix(self.bodies[0], _BODY, platform, -1)
+
+    def lower_stabilizers(self) -> None:
+        """Stand on feet: every base stays as it is, and does not drive."""
+        self.is_stabilized = True
+        self._speeds = np.zeros_like(self._speeds)
+        self._targets = self.poses.tolist()
+
+    def raise_stabilizers(self) -> None:
+        """Stand on wheels again."""
+        self.is_stabilized = False
+
+
+def _add_base(bullet: Bullet, base: Base, exits: Array, anchors: Array, middle: Array, tip_mass: float) -> int:
+    """The body of a base where the world puts it, its legs reaching to the anchor points.
+
+    exits : (k, 3) of its cables, in its own frame [m]; anchors, middle : in the world [m]
+    """
+    links = _standing(bullet, base)
+    joints = [*base.pose, 0.0, 0.0, 0.0, 0.0]
+    seen, ends = ((points - base.origin) @ base.rotation for points in (middle, anchors))   # in the base's frame
+    for exit_point, anchor in zip(exits, ends):
+        aim = turn_z_to(seen - exit_point)
+        links += leg_links(bullet, tip_mass, len(links), _BODY + 1, (exit_point - base.center_of_mass).tolist(), aim)
+        joints += leg_joints(bullet, aim, anchor - exit_point)
+    body = bullet.add_chain(links, joints)
+    inertia = _inertia(base)
+    bullet.engine.changeDynamics(body, _BODY, localInertiaDiagonal=inertia, physicsClientId=bullet.client)
+    bullet.engine.changeDynamics(body, _BODY, lateralFriction=0.0, physicsClientId=bullet.client)
+    return body
+
+
+def _standing(bullet: Bullet, base: Base) -> list[Link]:
+    """Links of a base without legs."""
+    b, com, n = bullet.engine, base.center_of_mass, len(base.footprint)
+    wheels = b.createCollisionShapeArray(
+        shapeTypes=[b.GEOM_SPHERE] * n, radii=[_WHEEL] * n, physicsClientId=bullet.client,
+        collisionFramePositions=[[x - com[0], y - com[1], _WHEEL - com[2]] for x, y in base.footprint.tolist()])
+    slide, swing = b.JOINT_PRISMATIC, b.JOINT_REVOLUTE
+    free = [(slide, [1, 0, 0]), (slide, [0, 1, 0]), (swing, [0, 0, 1]),
+            (slide, [0, 0, 1]), (swing, [1, 0, 0]), (swing, [0, 1, 0])]
+    links: list[Link] = [(0.0, -1, ORIGIN, STRAIGHT, k, kind, axis) for k, (kind, axis) in enumerate(free)]
+    return [*links, (base.mass, wheels, com.tolist(), STRAIGHT, _BODY, b.JOINT_FIXED, [0, 0, 1])]
+
+
+def _inertia(base: Base) -> list[float]:
+    """Of a uniform box over the footprint, twice as high as its center of mass [kg m²]."""
+    x, y = np.ptp(base.footprint, axis=0)
+    z = 2 * base.center_of_mass[2]
+    return (base.mass / 12 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])).tolist()
+
+
+def _mounted(robot: Robot) -> tuple[Array, Array]:
+    """Where exit points are fixed: (m, 3) in the world, and (m, 4p) for [R c]ᵀ of every base, one below the other."""
+    m = robot.n_cables
+    still, local = np.zeros((m, 3)), np.zeros((m, len(robot.bases), 4))
+    for i, (cable, k) in enumerate(zip(robot.cables, robot.base_indices)):
+        if k < 0:
+            still[i] = cable.exit_point
+        else:
+            local[i, k] = [*(cable.exit_point - robot.bases[k].center_of_mass), 1.0]
+    return still, local.reshape(m, -1)
