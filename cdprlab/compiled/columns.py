@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array
-from .jit import compiled
+from .jit import compiled_for
 
 
-@compiled
+@compiled_for(2, 2, 2, 3)
 def cables(exit_points: Array, anchor_points: Array, positions: Array, rotations: Array) -> tuple[Array, Array]:
     """Lengths l (k, m) and whole wrench matrices W (k, 3 planar or 6 spatial, m) at k poses.
 

@@ -11,14 +11,11 @@ from .jit import compiled, compiled_for
 _log = compiled(turn_about_axes)
 
 
-@compiled_for(1, 2, 1, 2)
-def pose_error(p: Array, R: Array, p_d: Array, R_d: Array) -> Array:
-    """e = [p_d − p; log(R_d Rᵀ)], (3 planar or 6 spatial,) in world axes.
-
-    p, p_d : positions (d,) [m]; R, R_d : rotations (d, d)
-    """
+@compiled
+def put_error(p: Array, R: Array, p_d: Array, R_d: Array, error: Array) -> None:
+    """e = [p_d − p; log(R_d Rᵀ)] of one pose, written into ``error``."""
     d = p.size
-    error, turn = np.empty(3 * (d - 1)), np.zeros((d, d))
+    turn = np.zeros((d, d))
     for i in range(d):
         error[i] = p_d[i] - p[i]
         for j in range(d):
@@ -28,7 +25,19 @@ def pose_error(p: Array, R: Array, p_d: Array, R_d: Array) -> Array:
         error[2] = np.arctan2(turn[1, 0], turn[0, 0])
     else:
         error[3], error[4], error[5] = _log(turn)
-    return error
+
+
+@compiled_for(2, 3, 2, 3)
+def pose_errors(positions: Array, rotations: Array, wanted_positions: Array, wanted_rotations: Array) -> Array:
+    """e (k, 3 planar or 6 spatial) of k poses, in world axes.
+
+    positions, wanted_positions : p, p_d (k, d) [m]; rotations, wanted_rotations : R, R_d (k, d, d)
+    """
+    count, d = positions.shape
+    errors = np.empty((count, 3 * (d - 1)))
+    for k in range(count):
+        put_error(positions[k], rotations[k], wanted_positions[k], wanted_rotations[k], errors[k])
+    return errors
 
 
 @compiled_for(0, 2, 1, 0, 2, 1)
@@ -91,11 +100,12 @@ def computed_torque(K_p: Array, K_d: Array, mass: float, inertia: Array, center:
                     p: Array, R: Array, t: Array, p_d: Array, R_d: Array, t_d: Array, a_d: Array) -> Array:
     """W τ = M (a_d + K_d (t_d − t) + K_p e) + h, (3 planar or 6 spatial,).
 
-    K_p, K_d : (n, n) gains in world axes; then as in `mass_and_bias` and `pose_error`, and the wanted twist and a_d
+    K_p, K_d : (n, n) gains in world axes; then as in `mass_and_bias` and `put_error`, and the wanted twist and a_d
     """
     n = t.size
     M, h = mass_and_bias(mass, inertia, center, gravity, R, t)
-    e, a = pose_error(p, R, p_d, R_d), np.zeros(n)
+    e, a = np.empty(n), np.empty(n)
+    put_error(p, R, p_d, R_d, e)
     for i in range(n):
         a[i] = a_d[i]
         for j in range(n):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, plain
+from ..arrays import Array
 from ..errors import InvalidInput
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -41,7 +41,7 @@ def cables_at(robot: Robot, pose: Pose) -> Cables:
         cable = int(np.argwhere(lengths == 0)[0][-1]) + 1
         raise InvalidInput(f"cable {cable} has no length at this pose: its anchor point is on its exit point, "
                            "so it has no direction")
-    directions = np.swapaxes(W[..., :robot.dimension, :], -1, -2)
+    directions = W[..., :robot.dimension, :].swapaxes(-1, -2)
     return Cables(directions, lengths, robot.pattern.project(W, pose.rotation))
 
 
@@ -108,9 +108,9 @@ def _lengths_and_wrenches(robot: Robot, pose: Pose) -> tuple[Array, Array]:
 
     _check_dimension(robot, pose)
     d, batch = robot.dimension, pose.batch_shape
-    lengths, W = cables(robot.exit_points, robot.anchor_points, plain(pose.position.reshape(-1, d)),
-                        plain(pose.rotation.reshape(-1, d, d)))
-    return lengths.reshape(*batch, *lengths.shape[1:]), W.reshape(*batch, *W.shape[1:])
+    lengths, W = cables(robot.exit_points, robot.anchor_points, pose.position.reshape(-1, d),
+                        pose.rotation.reshape(-1, d, d))
+    return lengths.reshape(batch + lengths.shape[1:]), W.reshape(batch + W.shape[1:])
 
 
 def _check_dimension(robot: Robot, pose: Pose) -> None:

@@ -69,9 +69,9 @@ def pose_error(pose: Pose, wanted: Pose) -> Array:
     >>> pose_error(Pose([0, 0], angle=0.1), Pose([1, 0], angle=0.3)).round(6)
     array([1. , 0. , 0.2])
     """
-    from ..compiled import control
+    from ..compiled.control import pose_errors
 
-    if not pose.batch_shape:
-        return control.pose_error(pose.position, pose.rotation, wanted.position, wanted.rotation)
-    errors = [pose_error(here, there) for here, there in zip(pose, wanted)]
-    return np.array(errors).reshape(*pose.batch_shape, 3 * (pose.dimension - 1))
+    d = pose.dimension
+    errors = pose_errors(pose.position.reshape(-1, d), pose.rotation.reshape(-1, d, d),
+                         wanted.position.reshape(-1, d), wanted.rotation.reshape(-1, d, d))
+    return errors.reshape(pose.batch_shape + errors.shape[1:])

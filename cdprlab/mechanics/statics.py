@@ -12,7 +12,6 @@ from ..errors import InvalidInput
 from ..robot import Base, Robot
 from ..robot.pose import Pose, cross_matrix
 from .cables import anchor_offsets, cable_directions, cables_at
-from .kinematics import cross
 
 
 def wrench_matrix(robot: Robot, pose: Pose) -> Array:
@@ -40,12 +39,17 @@ def gravity_wrench(robot: Robot, pose: Pose) -> Array:
     >>> gravity_wrench(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])) + 0.0
     array([    0. ,     0. , -1471.5,     0. ,     0. ,     0. ])
     """
-    d = robot.dimension
-    force = np.zeros((*pose.batch_shape, d))
-    force[..., d - 1] = -robot.mass * robot.gravity
+    d, down = robot.dimension, -robot.mass * robot.gravity
     arm = pose.rotation @ robot.platform.center_of_mass
-    full = np.concatenate([force, cross(arm, force)], axis=-1)
-    return robot.pattern.project(full[..., None], pose.rotation)[..., 0]
+    wrench = np.zeros((*pose.batch_shape, 3 * (d - 1), 1))
+    wrench[..., d - 1, 0] = down
+    # (R c) × f with f = (0, down) or (0, 0, down)
+    if d == 2:
+        wrench[..., 2, 0] = arm[..., 0] * down
+    else:
+        wrench[..., 3, 0] = arm[..., 1] * down
+        wrench[..., 4, 0] = -arm[..., 0] * down
+    return robot.pattern.project(wrench, pose.rotation)[..., 0]
 
 
 def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: ArrayLike) -> Array:

@@ -55,6 +55,16 @@ def paired(reference, candidate, repeats):
     return min(first for first, _ in times) / min(second for _, second in times)
 
 
+def test_wrench_matrices_of_a_batch(benchmark, report, caroca):
+    """Microseconds a pose; as many poses at a time as stay in the cache."""
+    robot, poses, *_ = caroca
+    batch = poses[:500]
+    cl.wrench_matrix(robot, batch)
+    least = min(seconds(lambda: cl.wrench_matrix(robot, batch)) for _ in range(101))
+    report("W of the Caroca, in a batch [µs a pose]", least / 500 * 1e6, 0.3)
+    benchmark(cl.wrench_matrix, robot, batch)
+
+
 @pytest.mark.parametrize("margin, promised", [(False, 15), (True, None)], ids=["verdict", "margin"])
 def test_wrench_feasibility_beside_quadprog(benchmark, report, caroca, margin, promised):
     """From poses to verdicts, wrench matrices included; the loop gets its W for nothing."""
