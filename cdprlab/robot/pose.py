@@ -234,10 +234,10 @@ def _rotation(d: int, rpy: ArrayLike | None, angle: ArrayLike | None, matrix: Ar
         return _checked_matrix(as_array(matrix, "matrix", (d, d), batch=True))
     if d == 2:
         if rpy is not None:
-            raise InvalidInput("a planar pose takes angle, not rpy", ("rpy",))
+            raise InvalidInput("a planar pose takes angle=, not rpy=", ("rpy",))
         return _turn(as_array(0.0 if angle is None else angle, "angle", (), "rad", batch=True))
     if angle is not None:
-        raise InvalidInput("a spatial pose takes rpy, not angle", ("angle",))
+        raise InvalidInput("a spatial pose takes rpy=, not angle=", ("angle",))
     if rpy is None:
         return np.eye(3)
     return _scipy_rotation().from_euler("xyz", as_array(rpy, "rpy", (3,), "rad", batch=True)).as_matrix()
