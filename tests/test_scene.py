@@ -6,7 +6,7 @@ from test_widgets import planar_world
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.view.scene import RobotScene, legend_html, scene
+from cdprlab.view.scene import RobotScene, legend_html
 from cdprlab.view.style import OBSTACLE, SLACK_COLOR, tension_colors
 
 SPATIAL = [name for name in cl.world_names() if cl.load_world(name).robot.dimension == 3]
@@ -75,7 +75,7 @@ def test_faces_look_outwards():
 
 def test_planar_worlds_and_wrong_poses_are_refused():
     with pytest.raises(InvalidInput, match="planar"):
-        scene(planar_world())
+        RobotScene(planar_world())
     opened = RobotScene(cl.load_world("caroca"))
     with pytest.raises(InvalidInput, match="single spatial Pose"):
         opened.move(cl.Pose([0, 0]), TENSIONS)

@@ -25,10 +25,10 @@ class Blocks:
 
     >>> from cdprlab import Pose
     >>> from cdprlab.view.outlines import box_corners
-    >>> cubes = [box_corners(np.ones(3), np.array([0.0, y, 0.0]), Pose([0, 0, 0])) for y in (0, 2)]
+    >>> cubes = [box_corners(np.ones(3), Pose([0, y, 0])) for y in (0, 2)]
     >>> blocks = Blocks(np.stack(cubes), np.array([0.0, -9.0, 0.0]))
-    >>> blocks.order(), blocks.hidden(np.array([[0.0, 9.0, 0.0], [5.0, 9.0, 0.0]])).tolist()
-    ([1, 0], [True, False])
+    >>> blocks.order(), blocks.hides(np.array([[0.0, 1.0, 0.0], [5.0, 9.0, 0.0]])).tolist()
+    ([1, 0], [[True, False], [False, False]])
     """
 
     def __init__(self, corners: Array, eye: Array) -> None:
@@ -62,8 +62,8 @@ class Blocks:
             left = left[left != order[-1]]
         return order
 
-    def hidden(self, points: Array) -> NDArray[np.bool_]:
-        """(k,) whether a box stands between the eye and each of (k, 3) points."""
+    def hides(self, points: Array) -> NDArray[np.bool_]:
+        """(n, k) whether each box stands between the eye and each of (k, 3) points."""
         start = self.eye_heights[..., None]
         end = self.normals @ points.T - self.offsets[..., None]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -71,7 +71,7 @@ class Blocks:
         outside = np.where(end < start, crossing, np.inf)
         enters = np.where(start > 0, outside, 0.0).max(axis=1)
         leaves = np.where((start <= 0) & (end > 0), crossing, 1.0).min(axis=1)
-        return np.asarray((enters < leaves - _NEARLY).any(axis=0))
+        return np.asarray(enters < leaves - _NEARLY)
 
 
 def lightness(normals: Array) -> Array:

@@ -102,7 +102,7 @@ class RobotDrawing:
         self.pose = pose
         flat, robot = self.view.flat, self.robot
         anchors = pose.position + anchor_offsets(robot, pose)
-        self._place_solids(self._around + platform_solids(robot, pose, loads))
+        self._paint(self._around + platform_solids(robot, pose, loads))
         if robot.dimension == 3:
             shadow = platform_corners(robot, pose)[box_faces(3)]
             shadow[..., 2] = floor_height(robot, self.scene)
@@ -117,29 +117,22 @@ class RobotDrawing:
             self._place_axes(self._platform_axes, pose.position, pose.rotation)
 
     # --- what is where --------------------------------------------------------------------------------
-    def _place_solids(self, solids: list[Solid]) -> None:
-        corners = np.stack([solid.corners for solid in solids])
-        colors = np.array([to_rgb(solid.color) for solid in solids])
-        steel = np.array([solid.color == STEEL for solid in solids])
-        shades = np.ones((len(solids), 1))
+    def _paint(self, solids: list[Solid]) -> None:
+        """Their faces, from the back to the front."""
         if self.robot.dimension == 2:
-            faces = corners[:, box_faces(2)]
-            shown = [(k, np.array([0])) for k in range(len(solids))]
+            faces = [(solid.corners[box_faces(2)[0]], solid.color, 1.0) for solid in solids]
         else:
-            blocks = Blocks(corners, self.view.eye)
+            self._blocks = blocks = Blocks(np.stack([solid.corners for solid in solids]), self.view.eye)
             # Beams and masts are too thin to hide a cable, and exit points lie inside of them.
-            self._wide = Blocks(corners[~steel], self.view.eye)
-            faces, shades = blocks.faces, lightness(blocks.normals)
-            shown = [(k, np.flatnonzero(blocks.seen[k]) if self.solid else np.argsort(blocks.seen[k]))
-                     for k in blocks.order()]
-        index = np.repeat([k for k, _ in shown], [len(which) for _, which in shown])
-        which = np.concatenate([which for _, which in shown])
-        fills = np.clip(colors[index] * shades[index, which][:, None], 0, 1)
-        edges = np.where(steel[index, None], 1.0, 0.62) * fills
-        alphas = np.where(steel[index] | self.solid, 1.0, 0.3)
-        self._solids.set_verts(self.view.flat(faces[index, which]))
-        self._solids.set_facecolor(np.column_stack([fills, alphas]))
-        self._solids.set_edgecolor(edges)
+            self._wide = [solid.color != STEEL for solid in solids]
+            shades = lightness(blocks.normals)
+            faces = [(blocks.faces[k, f], solids[k].color, shades[k, f]) for k in blocks.order()
+                     for f in np.argsort(blocks.seen[k]) if blocks.seen[k, f] or not self.solid]
+        fills = np.clip([shade * np.array(to_rgb(color)) for _, color, shade in faces], 0, 1)
+        steel = np.array([color == STEEL for _, color, _ in faces])
+        self._solids.set_verts(self.view.flat(np.stack([corners for corners, _, _ in faces])))
+        self._solids.set_facecolor(np.column_stack([fills, np.where(steel | self.solid, 1.0, 0.3)]))
+        self._solids.set_edgecolor(fills * np.where(steel, 1.0, 0.62)[:, None])
 
     def _place_cables(self, anchors: Array, tensions: ArrayLike | None, rope_lengths: ArrayLike | None) -> None:
         ends, m = self.robot.exit_points, self.robot.n_cables
@@ -160,7 +153,7 @@ class RobotDrawing:
         """(k, 2) where points appear, NaN where a solid hides them."""
         flat = self.view.flat(points)
         if self.solid and self.robot.dimension == 3:
-            flat[self._wide.hidden(points)] = np.nan
+            flat[self._blocks.hides(points)[self._wide].any(axis=0)] = np.nan
         return flat
 
     def _place_axes(self, parts: tuple[Any, list[Any]], origin: Array, rotation: Array) -> None:

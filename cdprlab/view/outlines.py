@@ -26,8 +26,11 @@ class Solid(NamedTuple):
     color: str
 
 
-def box_corners(size: Array, center: Array, pose: Pose) -> Array:
-    """(2^d, d) corners of a box, in the order of ``box_edges`` [m]."""
+def box_corners(size: Array, pose: Pose, center: Array | float = 0.0) -> Array:
+    """(2^d, d) corners of a box, in the order of ``box_edges`` [m].
+
+    pose : of the body it is part of; center : (d,) of the box in that body's frame [m]
+    """
     signs = np.array(list(product((-0.5, 0.5), repeat=len(size))))
     return np.asarray(pose.position + (signs * size + center) @ pose.rotation.T)
 
@@ -51,7 +54,7 @@ def box_faces(dimension: int) -> Array:
 # --- the robot ----------------------------------------------------------------------------------------------
 def platform_corners(robot: Robot, pose: Pose) -> Array:
     """(2^d, d) corners of the platform's box in the world [m]."""
-    return box_corners(robot.platform.size, robot.platform.center, pose)
+    return box_corners(robot.platform.size, pose, robot.platform.center)
 
 
 def platform_solids(robot: Robot, pose: Pose, loads: Sequence[tuple[Pose, Array]] = ()) -> list[Solid]:
@@ -61,8 +64,8 @@ def platform_solids(robot: Robot, pose: Pose, loads: Sequence[tuple[Pose, Array]
     """
     if not loads:
         return [Solid(platform_corners(robot, pose), PLATFORM)]
-    parts = [Solid(box_corners(size, center, pose), PLATFORM) for center, size in _tray(robot.platform)]
-    return parts + [Solid(box_corners(size, np.zeros(3), place), LOAD) for place, size in loads]
+    parts = [Solid(box_corners(size, pose, center), PLATFORM) for center, size in _tray(robot.platform)]
+    return parts + [Solid(box_corners(size, place), LOAD) for place, size in loads]
 
 
 def _tray(platform: Platform) -> list[tuple[Array, Array]]:
@@ -105,7 +108,7 @@ def frame_segments(robot: Robot, scene: Scene) -> Array:
     d, segments = robot.dimension, []
     if scene.frame is not None:
         middle, size = scene.frame.mean(axis=0), scene.frame[1] - scene.frame[0]
-        segments += list(box_corners(size, np.zeros(d), Pose(middle))[box_edges(d)])
+        segments += list(box_corners(size, Pose(middle))[box_edges(d)])
     decks = {base.name for base in robot.bases if len(base.footprint)}
     for cable, point in zip(robot.cables, robot.exit_points):
         if cable.base is not None or scene.frame is None:
@@ -119,8 +122,8 @@ def surroundings(robot: Robot, scene: Scene) -> list[Solid]:
     thickness = 0.005 * float(np.linalg.norm(np.ptp(landmarks(robot, scene), axis=0)))
     found = [Solid(_beam(start, end, thickness), STEEL) for start, end in frame_segments(robot, scene)]
     found += [Solid(_deck(base), DECK) for base in robot.bases if len(base.footprint)]
-    return found + [Solid(corners, OBSTACLE if box.kind == "obstacle" else BOX)
-                    for box, corners in zip(scene.boxes, _scene_corners(scene))]
+    return found + [Solid(box_corners(box.size, box.pose), OBSTACLE if box.kind == "obstacle" else BOX)
+                    for box in scene.boxes]
 
 
 def _beam(start: Array, end: Array, thickness: float) -> Array:
@@ -130,7 +133,7 @@ def _beam(start: Array, end: Array, thickness: float) -> Array:
     across = np.linalg.qr(np.column_stack([end - start, np.eye(d)[:, np.argsort(np.abs(end - start))[:d - 1]]]))[0]
     size = np.full(d, thickness)
     size[0] += np.linalg.norm(end - start)
-    return box_corners(size, np.zeros(d), Pose.of((start + end) / 2, across))
+    return box_corners(size, Pose.of((start + end) / 2, across))
 
 
 def _deck(base: Base) -> Array:
@@ -138,21 +141,14 @@ def _deck(base: Base) -> Array:
     planar = base.center_of_mass.size == 2
     low, high = base.footprint.min(axis=0), base.footprint.max(axis=0)
     low, high = (np.array([*ends[:1 if planar else 2], z]) for ends, z in ((low, 0.0), (high, DECK_HEIGHT)))
-    return box_corners(high - low, (low + high) / 2, Pose.of(base.origin, base.rotation))
-
-
-def _scene_corners(scene: Scene) -> list[Array]:
-    turns = [{"angle": box.yaw} if len(box.size) == 2 else {"rpy": [0, 0, box.yaw]} for box in scene.boxes]
-    return [box_corners(box.size, 0 * box.size, Pose(box.position, **turn))
-            for box, turn in zip(scene.boxes, turns)]
+    return box_corners(high - low, Pose.of(base.origin, base.rotation), (low + high) / 2)
 
 
 def landmarks(robot: Robot, scene: Scene, poses: Pose | None = None) -> Array:
     """(k, d) points that must be in the picture: exits, frame, bases, boxes, the platform at some poses [m]."""
-    groups = [robot.exit_points, *_scene_corners(scene)]
+    groups = [robot.exit_points, frame_segments(robot, scene).reshape(-1, robot.dimension)]
+    groups += [box_corners(box.size, box.pose) for box in scene.boxes]
     groups += [_deck(base) for base in robot.bases if len(base.footprint)]
-    if scene.frame is not None:
-        groups.append(frame_segments(robot, scene).reshape(-1, robot.dimension))
     if poses is not None:
         groups += [platform_corners(robot, pose) for pose in (poses if poses.batch_shape else [poses])]
     points = np.concatenate(groups)

@@ -17,29 +17,17 @@ from ..robot.pose import Pose
 from ..world import World
 from .outlines import box_faces, floor_height, floor_tiles, landmarks, platform_solids, surroundings
 from .style import AXIS_COLORS, FLOOR, INK, SLACK_COLOR, STEEL, TENSION_COLORS, tension_colors, tension_limits
+from .text_table import tension_text
 
 
-def scene(world: World, pose: Pose | None = None, tensions: ArrayLike | None = None) -> Any:
-    """The robot and what is around it as a k3d plot, cables colored by tension, with the tensions as text.
+class RobotScene:
+    """A robot and what is around it in ``plot``, a k3d.Plot, cables colored by tension, with the tensions as text.
 
     world : a spatial World
     pose : single Pose; default the world's
     tensions : (m,) [N]; default none given, all cables grey
-    Returns k3d.Plot.
-    Raises InvalidInput for a planar world or a pose that does not fit.
-
-    >>> import cdprlab as cl
-    >>> scene(cl.load_world("caroca"), tensions=[200.0] * 8).height
-    460
-    """
-    return RobotScene(world, pose, tensions).plot
-
-
-class RobotScene:
-    """The k3d objects of a world: made once, then moved by ``move``.
-
-    world, pose, tensions : see ``scene``
     limits : tensions of the first and last color [N]; default 0 and the smaller of weight and largest limit
+    Raises InvalidInput for a planar world or a pose that does not fit.
 
     >>> import cdprlab as cl
     >>> opened = RobotScene(cl.load_world("caroca"))
@@ -65,7 +53,9 @@ class RobotScene:
         self.legend = k3d.text2d("", position=(0.01, 0.02), is_html=True, size=0.8, label_box=True, color=_rgb(INK))
         self.plot += self.legend
         self.move(start, np.full(world.robot.n_cables, np.nan) if tensions is None else tensions)
-        self.plot.camera = _camera(points)
+        center, reach = (points.min(axis=0) + points.max(axis=0)) / 2, float(np.linalg.norm(np.ptp(points, axis=0)))
+        eye = center + 1.1 * reach * np.array([0.45, -0.85, 0.35])
+        self.plot.camera = [*eye.tolist(), *center.tolist(), 0, 0, 1]
         self.plot.layout.width, self.plot.layout.max_width = "600px", "100%"
 
     def move(self, pose: Pose, tensions: ArrayLike) -> None:
@@ -83,7 +73,7 @@ class RobotScene:
             line.vertices = np.array([exit_point, anchor], dtype=np.float32)
             line.color = _rgb(color)
         for label, place in zip(self.numbers, 0.6 * self.robot.exit_points + 0.4 * anchors):
-            label.position = [float(x) for x in place]
+            label.position = place.tolist()
         self.anchors.positions = anchors.astype(np.float32)
         matrix = np.eye(4, dtype=np.float32)
         matrix[:3, :3], matrix[:3, 3] = pose.rotation, pose.position
@@ -115,7 +105,7 @@ class RobotScene:
             shade = _rgb(color)
             ends = np.stack([origin, origin + length * axis]).astype(np.float32)
             self.plot += k3d.line(ends, color=shade, width=1.5 * self.unit, shader="mesh", name=f"{name} axis")
-            place = [float(c) for c in origin + 1.25 * length * axis]
+            place = (origin + 1.25 * length * axis).tolist()
             self.plot += k3d.text(name, position=place, color=shade, size=1.2, label_box=False, reference_point="cc")
 
     def _add_robot(self, pose: Pose) -> None:
@@ -134,19 +124,16 @@ class RobotScene:
 
 def legend_html(tensions: Array, limits: tuple[float, float]) -> str:
     """The color scale with its ends [N], and every cable's tension as a number."""
-    blocks = "".join(f'<span style="color: {_css(color)}">■</span>' for color in TENSION_COLORS)
-    grey = f'<span style="color: {_css(SLACK_COLOR)}">■</span>'
-    lines = [f"tension [N]: {limits[0]:.0f} {blocks} {limits[1]:.0f}, slack {grey}"]
+    scale, grey = "".join(map(_block, TENSION_COLORS)), _block(SLACK_COLOR)
+    lines = [f"tension [N]: {limits[0]:.0f} {scale} {limits[1]:.0f}, slack {grey}"]
     if np.isfinite(tensions).any():
-        shown = [f'<span style="color: {_css(color)}">■</span> {k + 1}: {tension_text(tau)}'
-                 for k, (tau, color) in enumerate(zip(tensions, tension_colors(tensions, limits)))]
-        lines += shown
+        lines += [f"{_block(color)} {k}: {tension_text(tau)}"
+                  for k, (tau, color) in enumerate(zip(tensions, tension_colors(tensions, limits)), 1)]
     return "<br>".join(lines)
 
 
-def tension_text(tension: float) -> str:
-    """A tension as a number, or that there is none."""
-    return f"{tension:.1f}" if tension > 0 else "slack"
+def _block(color: Any) -> str:
+    return f'<span style="color: #{_rgb(color):06X}">■</span>'
 
 
 def _mesh(corners: Array, faces: Array, color: str, name: str, opacity: float = 1.0) -> Any:
@@ -157,19 +144,7 @@ def _mesh(corners: Array, faces: Array, color: str, name: str, opacity: float = 
                     flat_shading=True, side="double", name=name)
 
 
-def _camera(points: Array) -> list[float]:
-    """Eye, target and up of a view that holds all points, as k3d takes them."""
-    center = (points.min(axis=0) + points.max(axis=0)) / 2
-    reach = float(np.linalg.norm(np.ptp(points, axis=0)))
-    eye = center + 1.1 * reach * np.array([0.45, -0.85, 0.35])
-    return [float(x) for x in (*eye, *center, 0, 0, 1)]
-
-
 def _rgb(color: Any) -> int:
     """As k3d takes a color: from "#RRGGBB" or three numbers up to 255."""
     red, green, blue = map(int, ImageColor.getrgb(color)[:3] if isinstance(color, str) else color)
     return red << 16 | green << 8 | blue
-
-
-def _css(color: Any) -> str:
-    return f"#{_rgb(color):06X}"

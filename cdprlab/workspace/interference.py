@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ..arrays import Array, as_array, as_number
+from ..arrays import Array, as_number
 from ..errors import InvalidInput
 from ..mechanics.cables import anchor_offsets
 from ..robot import Robot
@@ -104,9 +104,7 @@ def obstacle_distances(robot: Robot, poses: Pose, box: Box) -> Array:
     if np.shape(box.size) != (d,):
         raise InvalidInput(f"obstacle {box.name or box.kind!r} has {np.size(box.size)} edges, the robot lives in "
                            f"{d} dimensions")
-    turn, c, s = np.eye(d), np.cos(box.yaw), np.sin(box.yaw)
-    turn[:2, :2] = [[c, -s], [s, c]]
-    center = as_array(box.position, "position", (d,), "m")
+    center, turn = box.pose.position, box.pose.rotation
     anchors, exits = ((points - center) @ turn for points in (_anchors(robot, poses), robot.exit_points))
     return box_distance(anchors, np.broadcast_to(exits, anchors.shape), np.asarray(box.size) / 2)
 

@@ -21,6 +21,13 @@ class Box:
     kind: str = "box"
     name: str = ""
 
+    @property
+    def pose(self) -> Pose:
+        """Of its center."""
+        if len(self.size) == 2:
+            return Pose(self.position, angle=self.yaw)
+        return Pose(self.position, rpy=[0, 0, self.yaw])
+
 
 @dataclass(frozen=True, eq=False)
 class Scene:

@@ -16,7 +16,7 @@ from ...robot.pose import Pose
 from ...run import Run
 from ...view.drawing import RobotDrawing
 from ...view.style import GREY, INK, tension_colors
-from ...view.text_table import fixed, text_table
+from ...view.text_table import fixed, tension_text, text_table
 from .explorer import Explorer, Slider, Values
 
 _FRAME = 0.1
@@ -90,7 +90,7 @@ class RunPlayer(Explorer):
                  f"position of P   ({position}) m",
                  f"position error  {1e3 * run.position_errors[k]:.3f} mm",
                  "tensions balance the wanted wrench" if run.feasible[k] else "NO feasible tensions at this time"]
-        rows = [[str(c + 1), _tension(measured), fixed(commanded, 1), f"{low:g} to {high:g}"]
+        rows = [[str(c + 1), tension_text(measured), fixed(commanded, 1), f"{low:g} to {high:g}"]
                 for c, (measured, commanded, low, high) in enumerate(zip(
                     run.measured_tensions[k], run.commanded_tensions[k], robot.tension_min, robot.tension_max))]
         return "\n".join(lines) + "\n\n" + text_table(["cable", "measured [N]", "commanded [N]", "limits [N]"], rows)
@@ -99,7 +99,7 @@ class RunPlayer(Explorer):
         """What is seen at that time."""
         tau = np.nan_to_num(self.run.measured_tensions[self.index(values["t"])])  # a cut cable is NaN
         return (f"{self.title}, task {self.run.task}, at {values['t']:.2f} s: robot with cables colored by tension, "
-                f"{_tension(tau.min())} to {_tension(tau.max())} N, and a bar for each cable")
+                f"{tension_text(tau.min())} to {tension_text(tau.max())} N, and a bar for each cable")
 
     def close(self) -> None:
         """Let go of everything, the 3-D scene too."""
@@ -157,7 +157,7 @@ class _TensionBars:
         for bar, width, color, word, tau in zip(self.bars, shown, colors, self.words, measured):
             bar.set_width(width)
             bar.set_facecolor(tuple(color))
-            word.set_text(_tension(tau))
+            word.set_text(tension_text(tau))
         ends = np.maximum(shown, commanded)
         for k, (word, end) in enumerate(zip(self.words, ends)):
             word.set_position((end + self.pad, k + 1))
@@ -206,8 +206,3 @@ def _draw_limits(axes: Axes, low: Array, high: Array, end: float) -> None:
 def _spread(limits: Array) -> str:
     low, high = float(limits.min()), float(limits.max())
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
-
-
-def _tension(tension: float) -> str:
-    """A tension as a number, or that there is none."""
-    return fixed(tension, 1) if tension > 0 else "slack"

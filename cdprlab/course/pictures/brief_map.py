@@ -55,7 +55,7 @@ def draw_design(axes: Axes, brief: Brief, world: World, azimuth: float = 25.0) -
     """The robot at its start, the box of positions dashed."""
     drawing = RobotDrawing(axes, world.robot, world.scene, world.pose, azimuth)
     middle = Pose((brief.lower + brief.upper) / 2)
-    box = box_corners(brief.upper - brief.lower, np.zeros(3), middle)
+    box = box_corners(brief.upper - brief.lower, middle)
     axes.add_collection(LineCollection(list(drawing.view.flat(box[box_edges(3)])), colors=INK, linewidths=1.2,
                                        linestyles=[(0, (4, 3))], zorder=7), autolim=False)
     for artist in axes.get_children():
