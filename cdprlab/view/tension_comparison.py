@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..arrays import Array
-from .plots import Figure
+from .plots import Figure, fitted_title
 from .style import BLUE, GREY, INK, VERMILION, WARNING, cable_style, house_style
 
 _COLUMNS = 3
@@ -27,8 +27,7 @@ def plot_tension_comparison(table: Any) -> Figure:
     with house_style():
         rows = -(-len(table.method) // _COLUMNS)
         figure = Figure(figsize=(13.0, 2.3 * rows + 1.0 + 1.6 + 0.26 * len(table.method)), layout="constrained")
-        title = f"{table.world.title} · task {table.task} · tension distributions"
-        figure.suptitle(title, x=0.01, ha="left", fontsize=13 * min(1.0, 130 / len(title)), color=INK)
+        fitted_title(figure, f"{table.world.title} · task {table.task} · tension distributions")
         halves: Any = figure.subfigures(2, 1, height_ratios=[2.3 * rows, 1.6 + 0.26 * len(table.method)])
         above, below = halves
         panels = above.subplots(rows, _COLUMNS, sharex=True, sharey=True, squeeze=False).ravel()
@@ -38,7 +37,8 @@ def plot_tension_comparison(table: Any) -> Figure:
         charts = below.subplots(1, len(_NUMBERS), sharey=True)
         for chart, (name, label, factor, logarithmic) in zip(charts, _NUMBERS):
             _numbers(chart, table, factor * getattr(table, name), label, logarithmic, jumps=name == "largest_step")
-        _method_names(charts[0], table.method)
+        charts[0].set_yticks(range(len(table.method)), [name.replace("_", " ") for name in table.method])
+        charts[0].set_ylim(len(table.method) - 0.5, -0.5)
         figure.alt_text = _in_words(table)
         return figure
 
@@ -99,11 +99,6 @@ def _numbers(chart: Axes, table: Any, values: Array, label: str, logarithmic: bo
     chart.set_xlabel(label)
     if jumping.any():
         chart.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1)
-
-
-def _method_names(chart: Axes, names: Sequence[str]) -> None:
-    chart.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
-    chart.set_ylim(len(names) - 0.5, -0.5)
 
 
 def _in_words(table: Any) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ from .depth import lightness
 from .drawing import RobotDrawing
 from .film import checked_path, save_png
 from .picture import Picture
-from .plots import Figure
+from .plots import Figure, fitted_title
 from .screen import robot_axes, sized_figure
 from .style import BLUE, GREY, INK, VERMILION, WARNING, house_style
 
@@ -43,7 +43,7 @@ def plot_workspace(robot: Robot, grid: PoseGrid, judgement: Judgement, *, title:
     with house_style():
         figure = _sized(np.array([np.ptp(places) for places in grid.axes.values()][:2]))
         draw_workspace(figure.add_subplot(), robot, grid, judgement, unit=unit, quantity=quantity)
-        _title(figure.axes[0], title)
+        fitted_title(figure, title)
         figure.alt_text = f"{title or 'Workspace'}. {describe(grid, judgement, unit)}"
         return figure
 
@@ -61,7 +61,7 @@ def plot_workspaces(robot: Robot, grid: PoseGrid, judgements: Mapping[str, Judge
             panel.set_title(name)
         for panel in figure.axes[len(judgements):rows * columns]:
             panel.set_axis_off()
-        figure.suptitle(title, x=0.01, ha="left", fontsize=12, fontweight="bold")
+        fitted_title(figure, title)
         figure.alt_text = f"{title}. " + " ".join(f"{name}: {describe(grid, judgement, unit)}"
                                                   for name, judgement in judgements.items())
         return figure
@@ -76,7 +76,7 @@ def draw_workspace(axes: Axes, robot: Robot, grid: PoseGrid, judgement: Judgemen
     if len(grid.axes) != 2:
         raise InvalidInput(f"a map needs a grid over two axes, this one is over {', '.join(grid.axes)}; hold one axis "
                            "by giving it the same lower and upper end")
-    (x_name, x), (y_name, y) = grid.axes.items()
+    x, y = grid.axes.values()
     inside, margin = grid.field(judgement.inside).T, grid.field(judgement.margin).T
     axes.pcolormesh(x, y, np.ma.masked_where(inside, inside), cmap=ListedColormap([WARNING]), shading="nearest")
     shown = np.where(inside & np.isfinite(margin), margin, np.nan)
@@ -86,7 +86,7 @@ def draw_workspace(axes: Axes, robot: Robot, grid: PoseGrid, judgement: Judgemen
         axes.pcolormesh(x, y, np.ma.masked_where(~inside, inside), cmap=ListedColormap([_PALE]), shading="nearest")
     if inside.any() and not inside.all():
         axes.contour(x, y, inside.astype(float), [0.5], colors=INK, linewidths=1.6)
-    _frame(axes, robot, (x_name, y_name), x, y)
+    _frame(axes, robot, list(grid.axes), x, y)
 
 
 def plot_certified(robot: Robot, found: CertifiedWorkspace, *, title: str = "") -> Figure:
@@ -108,11 +108,10 @@ def plot_certified(robot: Robot, found: CertifiedWorkspace, *, title: str = "") 
         for boxes, look in looks.values():
             patches = [Rectangle(low[columns], *(high - low)[columns]) for low, high in boxes]
             axes.add_collection(PatchCollection(patches, linewidth=0.3, **look))
-        _frame(axes, robot, (names[0], names[1]), *np.stack([found.lower.min(axis=0), found.upper.max(axis=0)])
-               .T[columns])
+        _frame(axes, robot, names, *np.stack([found.lower.min(axis=0), found.upper.max(axis=0)], axis=1)[columns])
         keys: Any = [Patch(label=name, **look) for name, (_, look) in looks.items()]
         figure.legend(handles=keys, loc="outside lower left", ncols=3)
-        _title(axes, title)
+        fitted_title(figure, title)
         low, high = found.bounds
         counts = ", ".join(f"{len(boxes)} boxes {name}" for name, (boxes, _) in looks.items())
         figure.alt_text = f"{title or 'Certified workspace'}. {counts}; inside measures {low:.4g} to {high:.4g}."
@@ -161,14 +160,10 @@ def _shade(axes: Axes, x: Array, y: Array, margin: Array, label: str, most: floa
     drawn = axes.pcolormesh(x, y, margin, cmap=blues, vmin=0, vmax=top, shading="nearest")
     levels = np.unique([float(f"{level:.2g}") for level in top * np.array([0.2, 0.4, 0.6, 0.8])])
     lines = axes.contour(x, y, np.ma.masked_invalid(margin), levels, colors=INK, linewidths=0.6)
-    axes.clabel(lines, fmt=_number, fontsize=8)
+    axes.clabel(lines, fmt=lambda value: f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}", fontsize=8)
     figure: Any = axes.figure
     figure.colorbar(drawn, ax=axes, label=label, location="bottom" if np.ptp(x) > np.ptp(y) else "right", aspect=35,
                     extend="max" if known.max() > top else "neither")
-
-
-def _number(value: float) -> str:
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
 
 
 def _sized(extent: Array) -> Figure:
@@ -177,7 +172,7 @@ def _sized(extent: Array) -> Figure:
     return Figure(figsize=(7.6, float(np.clip(1.9 + 6.4 * height / max(width, 1e-9), 3.4, 7.6))), layout="constrained")
 
 
-def _frame(axes: Axes, robot: Robot, names: tuple[str, str], x: Array, y: Array) -> None:
+def _frame(axes: Axes, robot: Robot, names: Sequence[str], x: Array, y: Array) -> None:
     """Axes with units, and the exit points as far as the plane has their directions."""
     if "φ" not in names:
         columns = [axis_names(robot.dimension).index(name) for name in names]
@@ -186,15 +181,7 @@ def _frame(axes: Axes, robot: Robot, names: tuple[str, str], x: Array, y: Array)
         x, y = np.append(x, exits[:, 0]), np.append(y, exits[:, 1])
         axes.set_aspect("equal")
     pad = 0.03 * max(float(np.ptp(x)), float(np.ptp(y)))
-    axes.set(xlabel=_label(names[0]), ylabel=_label(names[1]), xlim=(x.min() - pad, x.max() + pad),
+    across, up = (f"{name} [rad]" if name == "φ" else f"{name} [m]" for name in names)
+    axes.set(xlabel=across, ylabel=up, xlim=(x.min() - pad, x.max() + pad),
              ylim=(y.min() - pad, y.max() + pad))
     axes.grid(False)
-
-
-def _title(axes: Axes, title: str) -> None:
-    """About 62 characters of 12 points fit; a longer title is set smaller rather than cut off."""
-    axes.set_title(title, fontsize=12 * min(1.0, 62 / max(len(title), 1)))
-
-
-def _label(name: str) -> str:
-    return f"{name} [rad]" if name == "φ" else f"{name} [m]"
