@@ -15,7 +15,6 @@ from cdprlab.configurations import (
     plan_detour,
     reset_by_marks,
     slack_length,
-    taut_cables,
     taut_configurations,
 )
 from cdprlab.configurations.accuracy import position_sensitivity
@@ -299,12 +298,6 @@ def test_the_slack_length_is_the_first_that_is_certain(marionet):
     lengths = np.linalg.norm(EXITS - place, axis=1)
     assert len(compatible_configurations(marionet, lengths + [0, 0, 0, 0.62], 0.005)) > 1
     assert slack < 0.05 and compatible_configurations(marionet, lengths + [0, 0, 0, slack], 0.005) == ((1, 2, 3),)
-
-
-def test_taut_from_noise(marionet):
-    rng = np.random.default_rng(1)
-    readings = np.array([60.0, 30.0, 0.0, 1.0]) + rng.normal(0, 0.5, (100, 4))
-    assert taut_cables(readings, 0.5).tolist() == ["taut", "taut", "slack", "unsure"]
 
 
 def test_marks_put_a_drifting_length_right():

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import combinations
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number
-from ..errors import InvalidInput
+from ..arrays import Array, as_number
 from ..robot import Robot
-from .configuration import Configuration, counterclockwise, triplets
+from .configuration import Configuration, as_position, counterclockwise, few_cables, triplets
 from .region import Region, region
-from .sides import FORMS, side_range
+from .sides import side_range
 
 INSIDE, UNCERTAIN, OUTSIDE = "inside", "uncertain", "outside"
 
@@ -38,11 +34,13 @@ def classify_configurations(robot: Robot, position: ArrayLike, position_uncertai
     'inside'
     """
     M = as_position(position)
-    spread = _half_width(position_uncertainty, "position_uncertainty"), _half_width(exit_uncertainty,
-                                                                                    "exit_uncertainty")
-    if form not in FORMS:
-        raise InvalidInput(f"interval form must be one of {', '.join(FORMS)}, got {form!r}")
-    return {chosen: _class(robot.exit_points[chosen.indices], M, *spread, form) for chosen in triplets(robot)}
+    spread = (as_number(position_uncertainty, "position_uncertainty", "m", minimum=0.0),
+              as_number(exit_uncertainty, "exit_uncertainty", "m", minimum=0.0))
+    classes = {}
+    for chosen in triplets(robot):
+        low, high = certainty(robot.exit_points[chosen.indices], M, *spread, form)
+        classes[chosen] = INSIDE if low > 0 else OUTSIDE if high < 0 else UNCERTAIN
+    return classes
 
 
 def taut_configurations(robot: Robot, position: ArrayLike, tolerance: float = 1e-6) -> tuple[Configuration, ...]:
@@ -60,10 +58,8 @@ def taut_configurations(robot: Robot, position: ArrayLike, tolerance: float = 1e
     >>> all(len(chosen) <= 3 for chosen in taut_configurations(robot, [0.5, 0.1, 1.0]))
     True
     """
-    triplets(robot)
     M, exits = as_position(position), robot.exit_points
-    return tuple(Configuration(np.array(chosen) + 1) for k in (1, 2, 3)
-                 for chosen in combinations(range(robot.n_cables), k) if _holds(exits[list(chosen)], M, tolerance))
+    return tuple(chosen for chosen in few_cables(robot) if _holds(exits[chosen.indices], M, tolerance))
 
 
 def _holds(exits: Array, M: Array, tolerance: float) -> bool:
@@ -78,11 +74,6 @@ def _holds(exits: Array, M: Array, tolerance: float) -> bool:
     return rise > 0 and bool(off <= tolerance and (shares * rise > needed).all())
 
 
-def _class(exits: Array, M: Array, position_uncertainty: float, exit_uncertainty: float, form: str) -> str:
-    low, high = certainty(exits, M, position_uncertainty, exit_uncertainty, form)
-    return INSIDE if low > 0 else OUTSIDE if high < 0 else UNCERTAIN
-
-
 def certainty(exits: Array, M: Array, position_uncertainty: float, exit_uncertainty: float,
               form: str) -> tuple[float, float]:
     """Smallest lower and smallest upper end of the four conditions' ranges; sides in the given interval form."""
@@ -95,15 +86,3 @@ def certainty(exits: Array, M: Array, position_uncertainty: float, exit_uncertai
     sides = [side_range(a[i], a[j], M[:2], exit_uncertainty, position_uncertainty, form)
              for i, j in ((0, 1), (1, 2), (2, 0))]
     return min(float(below[0]), *(low for low, _ in sides)), min(float(below[1]), *(high for _, high in sides))
-
-
-def as_position(position: Any) -> Array:
-    """(3,) from coordinates or a Pose."""
-    return as_array(getattr(position, "position", position), "position", (3,), "m")
-
-
-def _half_width(value: float, name: str) -> float:
-    width = as_number(value, name, "m")
-    if width < 0:
-        raise InvalidInput(f"{name} is the half width of a box and must not be negative, got {width:g} m")
-    return width

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from ..arrays import Array
+from ..arrays import Array, as_array
 from ..errors import InvalidInput
 from ..robot import Robot
 
@@ -38,6 +38,11 @@ class Configuration(tuple[int, ...]):
     __str__ = __repr__
 
 
+def as_position(position: ArrayLike) -> Array:
+    """(3,) from coordinates or a Pose [m]."""
+    return as_array(getattr(position, "position", position), "position", (3,), "m")
+
+
 def triplets(robot: Robot) -> tuple[Configuration, ...]:
     """Every choice of three cables.
 
@@ -48,7 +53,17 @@ def triplets(robot: Robot) -> tuple[Configuration, ...]:
                            f"is {robot.motion_pattern}")
     if robot.n_cables < 3:
         raise InvalidInput(f"a fully constrained point needs three cables, this robot has {robot.n_cables}")
-    return tuple(Configuration(chosen) for chosen in combinations(range(1, robot.n_cables + 1), 3))
+    return tuple(_choices(robot, 3))
+
+
+def few_cables(robot: Robot) -> tuple[Configuration, ...]:
+    """Every choice of one, two or three cables, fewer first; raises as `triplets`."""
+    triplets(robot)
+    return tuple(chosen for size in (1, 2, 3) for chosen in _choices(robot, size))
+
+
+def _choices(robot: Robot, size: int) -> Iterator[Configuration]:
+    return (Configuration(chosen) for chosen in combinations(range(1, robot.n_cables + 1), size))
 
 
 def counterclockwise(exits: Array) -> Array:

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..robot import Robot
-from .classify import as_position
-from .configuration import Configuration, triplets
+from .configuration import Configuration, as_position, triplets
 from .region import Region, region
 from .sequence import UNSAFE_CHANGE, ConfigurationSequence, location_score, plan_configurations
 

@@ -1,19 +1,18 @@
-"""What measurements say about the configuration: lengths with errors, noisy tensions, marks on the cables."""
+"""What measurements say about the configuration: lengths with errors, and marks on the cables."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import combinations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, as_number
 from ..errors import InvalidInput
 from ..robot import Robot
 from .accuracy import position_sensitivity
-from .classify import as_position, certainty
-from .configuration import Configuration, triplets
+from .classify import certainty
+from .configuration import Configuration, Indices, as_position, few_cables, triplets
 
 _GROWTH = 1.1
 _SLACKS = tuple(1e-3 * _GROWTH**k for k in range(88))
@@ -38,15 +37,13 @@ def compatible_configurations(robot: Robot, lengths: ArrayLike, length_error: fl
     >>> compatible_configurations(robot, lengths)
     (A123,)
     """
-    triplets(robot)
+    candidates = few_cables(robot)
     rho = as_array(lengths, "lengths", (robot.n_cables,), "m")
     # A displaced exit point shows as a length error of at most the diagonal of its box.
     error = as_number(length_error, "length_error", "m") + np.sqrt(3) * as_number(exit_uncertainty,
                                                                                   "exit_uncertainty", "m")
-    exits = robot.exit_points
-    return tuple(Configuration(np.array(chosen) + 1) for k in (1, 2, 3)
-                 for chosen in combinations(range(robot.n_cables), k)
-                 if _possible(exits, rho, list(chosen), error, exit_uncertainty))
+    return tuple(chosen for chosen in candidates
+                 if _possible(robot.exit_points, rho, chosen.indices, error, exit_uncertainty))
 
 
 def slack_length(robot: Robot, position: ArrayLike, configuration: Iterable[int], length_error: float = 0.01, *,
@@ -86,22 +83,6 @@ def slack_length(robot: Robot, position: ArrayLike, configuration: Iterable[int]
     return high
 
 
-def taut_cables(tensions: ArrayLike, noise: float, smallest: float = 1.0) -> NDArray[np.str_]:
-    """"taut", "slack" or "unsure" for each cable, from N noisy tension readings: mean ± 3 noise / √N against a limit.
-
-    tensions : (N, m) [N]; noise : standard deviation of one reading [N]
-    smallest : mean tension from which a cable counts as taut [N]
-    Raises InvalidInput for a noise that is not positive.
-
-    >>> taut_cables([[50.2, 0.3], [49.7, -0.4], [50.1, 0.2]], noise=0.3).tolist()
-    ['taut', 'slack']
-    """
-    readings = as_array(tensions, "tensions", (np.shape(tensions)[-1],), "N", batch=True)
-    spread = 3 * as_number(noise, "noise", "N", positive=True) / np.sqrt(max(1, len(readings)))
-    mean = readings.mean(axis=0)
-    return np.where(mean - spread > smallest, "taut", np.where(mean + spread < smallest, "slack", "unsure"))
-
-
 def reset_by_marks(readings: ArrayLike, marks: Iterable[tuple[int, float]]) -> Array:
     """Cable length from a drum that drifts, put right by each mark that passes the exit point.
 
@@ -139,26 +120,24 @@ def hanging_position(robot: Robot, lengths: ArrayLike) -> tuple[Array, Configura
     >>> M.round(6), taut
     (array([0.5, 0.1, 1. ]), A123)
     """
-    triplets(robot)
-    rho, exits = as_array(lengths, "lengths", (robot.n_cables,), "m"), robot.exit_points
+    candidates, exits = few_cables(robot), robot.exit_points
+    rho = as_array(lengths, "lengths", (robot.n_cables,), "m")
     found = []
-    for k in (1, 2, 3):
-        for chosen in combinations(range(robot.n_cables), k):
-            place = (_below_one, _below_two, _below_three)[k - 1](exits[list(chosen)], rho[list(chosen)], 0.0)
-            # 1e-9 m: a rope that is taut as well is not too short.
-            if place is not None and (np.linalg.norm(exits - place[0], axis=1) <= rho + 1e-9).all():
-                found.append((float(place[0][2]), k, place[0], Configuration(np.array(chosen) + 1)))
+    for chosen in candidates:
+        place = _below(exits[chosen.indices], rho[chosen.indices], 0.0)
+        # 1e-9 m: a rope that is taut as well is not too short.
+        if place is not None and (np.linalg.norm(exits - place[0], axis=1) <= rho + 1e-9).all():
+            found.append((place[0], chosen))
     if not found:
         raise InvalidInput(f"no point is within reach of all ropes of lengths {rho.tolist()} m")
-    # Fewer ropes first where they hold the same point: the others are just not slack.
-    _, _, M, taut = min(found, key=lambda candidate: (round(candidate[0], 9), candidate[1]))
-    return M, taut
+    # The first, of fewest ropes, where several hold the same point: the others are just not slack.
+    return min(found, key=lambda candidate: round(float(candidate[0][2]), 9))
 
 
 # --- positions from lengths, with their error ---------------------------------------------------------------
-def _possible(exits: Array, rho: Array, chosen: list[int], error: float, exit_uncertainty: float) -> bool:
+def _possible(exits: Array, rho: Array, chosen: Indices, error: float, exit_uncertainty: float) -> bool:
     """Whether taut cables ``chosen`` can carry the load alone, given all lengths ± error."""
-    place = (_below_one, _below_two, _below_three)[len(chosen) - 1](exits[chosen], rho[chosen], error)
+    place = _below(exits[chosen], rho[chosen], error)
     if place is None:
         return False
     M, radius = place
@@ -168,8 +147,11 @@ def _possible(exits: Array, rho: Array, chosen: list[int], error: float, exit_un
     return len(chosen) < 3 or certainty(exits[chosen], M, radius, exit_uncertainty, "corners")[1] >= 0
 
 
-def _below_one(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:
-    return exits[0] - [0, 0, rho[0]], error
+def _below(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:
+    """Where one, two or three taut cables hold a load, and how far off that may be; None where they cannot."""
+    if len(rho) == 1:
+        return exits[0] - [0, 0, rho[0]], error
+    return _below_two(exits, rho, error) if len(rho) == 2 else _below_three(exits, rho, error)
 
 
 def _below_two(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:

@@ -14,8 +14,7 @@ from ..arrays import Array
 from ..errors import InvalidInput
 from ..robot import Robot
 from .accuracy import position_sensitivity
-from .classify import as_position
-from .configuration import Configuration, triplets
+from .configuration import Configuration, as_position, triplets
 from .region import region
 
 METHODS = ("stability", "accuracy")
@@ -215,8 +214,7 @@ def location_score(exits: Array, position: Array) -> int:
     >>> location_score(np.array([[0, 0, 3], [4, 0, 3], [0, 4, 3.0]]), np.array([1, 1, 0.0]))
     2
     """
-    d = np.linalg.norm(position[:2] - exits[:, :2], axis=-1)
-    return _from_ratio(d.min() / d.max())
+    return _from_ratio(float(_plan_ratio(exits, position)))
 
 
 def _from_ratio(ratio: float) -> int:
@@ -241,9 +239,13 @@ def _switch(way: _Way, old: Configuration, new: Configuration, first: float, las
 
 
 def _distance_ratio(way: _Way, chosen: Configuration, shares: Array) -> Array:
-    """min d / max d over the plan distances to the configuration's exits."""
-    d = np.linalg.norm(way.at(shares)[:, None, :2] - way.exits[chosen.indices, :2], axis=-1)
-    return d.min(axis=1) / d.max(axis=1)
+    return _plan_ratio(way.exits[chosen.indices], way.at(shares))
+
+
+def _plan_ratio(exits: Array, positions: Array) -> Array:
+    """(…) min d / max d over the plan distances from positions (…, 3) to a configuration's exits."""
+    d = np.linalg.norm(positions[..., None, :2] - exits[:, :2], axis=-1)
+    return d.min(axis=-1) / d.max(axis=-1)
 
 
 def _sensitivity(way: _Way, chosen: Configuration, shares: Array) -> Array:
