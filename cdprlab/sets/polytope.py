@@ -89,7 +89,7 @@ class Polytope(ABC):
     @property
     def is_empty(self) -> bool:
         """Whether nothing satisfies the limits."""
-        return not self._program.is_feasible
+        return not bool(self._program.is_feasible[0])
 
     def support(self, direction: ArrayLike) -> Array:
         """h(d) = max d·x over the set; −inf when it is empty, inf where it is unbounded.

@@ -48,104 +48,85 @@ def maximize(A: Array, b: Array, c: Array) -> Optima:
     >>> maximize(box, np.ones(4), np.array([[1.0, 2.0], [-1.0, 0.0]])).values
     array([3., 1.])
     """
-    if b.ndim == 1:
-        return Program(A, b).maximize(c)
-    batch, k = np.broadcast_shapes(b.shape[:-1], c.shape[:-1]), A.shape[1]
-    limits = np.broadcast_to(b, (*batch, b.shape[-1])).reshape(-1, b.shape[-1])
-    goals = np.broadcast_to(c, (*batch, k)).reshape(-1, k)
-    values, points = np.full(len(goals), -np.inf), np.full((len(goals), k), np.nan)
-    if len(goals):
-        rows = _Rows(A, np.asarray(np.isfinite(limits).any(axis=0)))
-        feasible, starts = rows.vertices(limits)
-        values[feasible], points[feasible] = rows.walk(limits[feasible], goals[feasible], starts[feasible])
-    return Optima(values.reshape(batch), points.reshape(*batch, k))
+    return Program(A, b).maximize(c)
 
 
 class Program:
-    """A q ≤ b, asked again and again: where the walks start is found once."""
+    """A q ≤ b, for a batch of b, asked again and again: where the walks start is found once.
+
+    Rows are of size 1, over the directions they say something about (the others are free).
+    """
 
     def __init__(self, A: Array, b: Array) -> None:
-        self._rows = _Rows(A, np.isfinite(b))
-        self._b = b
-        feasible, starts = self._rows.vertices(b[None])
-        self.is_feasible, self._start = bool(feasible[0]), starts[0]
-
-    def maximize(self, c: Array) -> Optima:
-        """max c·q for each row of c, (…, k)."""
-        batch, k = c.shape[:-1], c.shape[-1]
-        goals = c.reshape(-1, k)
-        count = len(goals)
-        if not self.is_feasible:
-            return Optima(np.full(batch, -np.inf), np.full((*batch, k), np.nan))
-        values, points = self._rows.walk(np.broadcast_to(self._b, (count, self._b.size)), goals,
-                                         np.broadcast_to(self._start, (count, self._start.size)))
-        return Optima(values.reshape(batch), points.reshape(*batch, k))
-
-
-class _Rows:
-    """Rows of size 1 over the directions they say something about (the others are free)."""
-
-    def __init__(self, A: Array, used: Mask) -> None:
+        self.batch = b.shape[:-1]
+        limits = b.reshape(-1, b.shape[-1])
         sizes = np.linalg.norm(A, axis=1)
-        self.kept = used & (sizes > 1e-13 * max(sizes.max(initial=0.0), 1e-300))
-        self.empty = used & ~self.kept          # 0·q ≤ b: a condition on b alone
-        self.sizes = sizes[self.kept]
-        rows = A[self.kept] / self.sizes[:, None]
+        used = np.isfinite(limits).any(axis=0)
+        self._kept = used & (sizes > 1e-13 * max(sizes.max(initial=0.0), 1e-300))
+        self._empty = used & ~self._kept        # 0·q ≤ b: a condition on b alone
+        self._sizes = sizes[self._kept]
+        rows = A[self._kept] / self._sizes[:, None]
         _, s, vt = np.linalg.svd(rows, full_matrices=True)
         rank = int((s > 1e-11 * s.max(initial=0.0)).sum())
-        self.span, self.free = vt[:rank].T, vt[rank:].T
-        self.rows = rows @ self.span if rank < A.shape[1] else rows
+        self._span, self._free = vt[:rank].T, vt[rank:].T
         if rank == A.shape[1]:
-            self.span = np.eye(rank)
+            self._span = np.eye(rank)
+        self._rows = rows @ self._span
+        self._limits, self._scale = self._scaled(limits)
+        self.is_feasible, self._starts = self._vertices(limits)
 
-    def vertices(self, limits: Array) -> tuple[Mask, Indices]:
-        """(B,) whether there is any point, and (B, k) active rows of one vertex each."""
-        b, scale = self._scaled(limits)
-        count, k = len(b), self.rows.shape[1]
-        empty = np.asarray((limits[:, self.empty] >= -TOLERANCE * scale[:, None]).all(axis=1))
-        if k == 0:
-            return empty, np.zeros((count, 0), dtype=int)
-        first = _independent_rows(self.rows)
-        active = np.tile(first, (count, 1))
-        corner = b[:, first] @ np.linalg.inv(self.rows[first]).T
-        excess = corner @ self.rows.T - b
-        excess[:, first] = 0.0
-        out = np.flatnonzero(empty & (excess.max(axis=1) > _TIE))
-        feasible = empty.copy()
-        if out.size:
-            feasible[out], active[out] = self._first_vertices(b[out], active[out], excess[out])
-        return feasible, active
+    def maximize(self, c: Array) -> Optima:
+        """max c·q for each b and each row of c, (…, k)."""
+        batch, k = np.broadcast_shapes(self.batch, c.shape[:-1]), c.shape[-1]
+        goals = np.broadcast_to(c, (*batch, k)).reshape(-1, k)
+        which = np.broadcast_to(np.arange(len(self._limits)).reshape(self.batch), batch).ravel()
+        values, points = np.full(len(goals), -np.inf), np.full((len(goals), k), np.nan)
+        some = np.flatnonzero(self.is_feasible[which])
+        if some.size:
+            values[some], points[some] = self._walked(which[some], goals[some])
+        return Optima(values.reshape(batch), points.reshape(*batch, k))
 
-    def walk(self, limits: Array, goals: Array, active: Indices) -> tuple[Array, Array]:
-        """(B,) optimal values and (B, k) points, from given vertices."""
-        if not len(goals):
-            return np.zeros(0), np.zeros(goals.shape)
-        b, scale = self._scaled(limits)
-        inner = goals @ self.span
+    def _walked(self, which: Indices, goals: Array) -> tuple[Array, Array]:
+        """(B,) optimal values and (B, k) points of feasible programs."""
+        scale = self._scale[which]
+        inner = goals @ self._span
         size = np.maximum(np.linalg.norm(goals, axis=1), 1e-300)
-        if self.rows.shape[1]:
-            rows = np.broadcast_to(self.rows, (len(b), *self.rows.shape))
-            bounded, _, y = _walk(rows, b, inner / size[:, None], active)
-        else:
-            bounded, y = np.ones(len(b), dtype=bool), np.zeros((len(b), 0))
-        if self.free.size:
-            bounded &= np.abs(goals @ self.free).max(axis=1) <= 1e-9 * size
-        points = (y * scale[:, None]) @ self.span.T
+        bounded, y = np.ones(len(goals), dtype=bool), np.zeros((len(goals), 0))
+        if self._rows.shape[1]:
+            rows = np.broadcast_to(self._rows, (len(goals), *self._rows.shape))
+            bounded, _, y = _walk(rows, self._limits[which], inner / size[:, None], self._starts[which])
+        if self._free.size:
+            bounded &= np.abs(goals @ self._free).max(axis=1) <= 1e-9 * size
+        points = (y * scale[:, None]) @ self._span.T
         values = np.where(bounded, (inner * y).sum(axis=1) * scale, np.inf)
         return values, np.where(bounded[:, None], points, np.nan)
 
+    def _vertices(self, limits: Array) -> tuple[Mask, Indices]:
+        """(B,) whether there is any point, and (B, k) active rows of one vertex each."""
+        b, k = self._limits, self._rows.shape[1]
+        feasible = np.asarray((limits[:, self._empty] >= -TOLERANCE * self._scale[:, None]).all(axis=1))
+        first = _independent_rows(self._rows) if k else np.zeros(0, dtype=int)
+        active = np.tile(first, (len(b), 1))
+        if k:
+            excess = b[:, first] @ np.linalg.inv(self._rows[first]).T @ self._rows.T - b
+            excess[:, first] = 0.0
+            out = np.flatnonzero(feasible & (excess.max(axis=1) > _TIE))
+            if out.size:
+                feasible[out], active[out] = self._first_vertices(b[out], active[out], excess[out])
+        return feasible, active
+
     def _scaled(self, limits: Array) -> tuple[Array, Array]:
-        b = limits[:, self.kept] / self.sizes
+        b = limits[:, self._kept] / self._sizes
         scale = np.abs(np.where(np.isfinite(b), b, 0.0)).max(axis=1, initial=0.0)
         scale = np.where(scale > 0, scale, 1.0)
         return b / scale[:, None], scale
 
     def _first_vertices(self, b: Array, active: Indices, excess: Array) -> tuple[Mask, Indices]:
         """Let the broken rows give way by s, and make s as small as it will be."""
-        count, (r, k) = len(b), self.rows.shape
+        count, (r, k) = len(b), self._rows.shape
         broken = excess > _TIE
         rows = np.zeros((count, r + 1, k + 1))
-        rows[:, :r, :k] = self.rows
+        rows[:, :r, :k] = self._rows
         rows[:, :r, k] = np.where(broken, -1.0, 0.0)
         rows[:, r, k] = -1.0
         down = np.zeros((count, k + 1))
@@ -157,7 +138,7 @@ class _Rows:
         for i in np.flatnonzero(feasible):
             kept = reached[i][reached[i] != r]
             if kept.size > k:       # s never left: it is zero up to rounding, any k independent rows will do
-                kept = kept[_independent_rows(self.rows[kept])]
+                kept = kept[_independent_rows(self._rows[kept])]
             active[i] = kept
         return feasible, active
 
