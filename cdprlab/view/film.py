@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,9 @@ from PIL.PngImagePlugin import PngInfo
 
 from ..arrays import Array
 from ..errors import InvalidInput
+from ..robot.pose import Pose
 from ..simulate.state import State
+from ..world.model import Scene
 from .drawing import RobotDrawing
 from .outlines import landmarks
 from .picture import Picture
@@ -65,7 +67,7 @@ def save_film(run: Any, path: str | Path, seconds: float | None = None, fps: int
     if not (0 < length < np.inf and fps > 0):
         raise InvalidInput(f"a film needs a positive length and rate, got {length:g} s and {fps} pictures per second")
     times = np.linspace(0.0, lasting, max(12, round(length * fps)) + 1)
-    return save_gif(_frames(run, times, width), path, length / (len(times) - 1), _caption(run))
+    return save_gif(map(RunScreen(run, width).at, times.tolist()), path, length / (len(times) - 1), _caption(run))
 
 
 def still(run: Any, path: str | Path, t: float = 0.0, width: int = 960) -> Path:
@@ -75,24 +77,49 @@ def still(run: Any, path: str | Path, t: float = 0.0, width: int = 960) -> Path:
     width : [pixels]
     """
     target = checked_path(path, ".png")
-    frame, = _frames(run, np.array([t]), width)
-    return save_png(frame, target, f"{_caption(run)} State at t = {t:.2f} s.")
+    return save_png(RunScreen(run, width).at(t), target, f"{_caption(run)} State at t = {t:.2f} s.")
 
 
-def _frames(run: Any, times: Array, width: int) -> Iterator[Frame]:
-    """One picture for each time [s]."""
-    some = np.unique(np.linspace(0, len(run.time) - 1, 20).astype(int))
-    robots = [run.robot_at(k) for k in some] if run.base_poses is not None else []
-    also = [landmarks(robot, run.world.scene) for robot in robots]
-    # The last row is measured at the end of its step like all others; a cut cable is NaN there and shown as slack.
-    screen = RobotScreen(run.world.robot, run.world.scene, run.poses[some], run.measured_tensions, run.world.title,
-                         width, also=also)
-    for k in np.clip(np.searchsorted(run.time, times - 1e-9), 0, len(run.time) - 1):
-        if robots:
-            screen.drawing.drive(run.robot_at(k))
-        screen.drawing.move(run.poses[k], run.measured_tensions[k], _rope_lengths(run, k),
-                            trail=run.poses.position[np.unique(np.linspace(0, k, 50).astype(int))])
-        yield screen.show(float(run.time[k]))
+class RunScreen(RobotScreen):
+    """Pictures of a run, at whatever time.
+
+    run : Run; width : [pixels]
+    scene : what stands around it, by default that of the run's world; captioned : whether `words` are shown
+    """
+
+    def __init__(self, run: Any, width: int, scene: Scene | None = None, captioned: bool = False) -> None:
+        self.run, scene = run, run.world.scene if scene is None else scene
+        some = np.unique(np.linspace(0, len(run.time) - 1, 20).astype(int))
+        also = [landmarks(run.robot_at(k), scene) for k in some] if run.base_poses is not None else ()
+        # The last row is measured at the end of its step like all others; a cut cable is NaN there and shown as slack.
+        super().__init__(run.world.robot, scene, run.poses[some], run.measured_tensions, run.world.title, width,
+                         captioned=captioned, also=also)
+
+    def at(self, t: float) -> Frame:
+        """(height, width, 3) the picture at a time of the run [s]."""
+        return self.show(float(self.run.time[index_at(self.run.time, t)]), self.move(t))
+
+    def move(self, t: float) -> str:
+        """The robot at a time of the run [s]; returns what it does."""
+        run, k = self.run, index_at(self.run.time, t)
+        if run.base_poses is not None:
+            self.drawing.drive(run.robot_at(k))
+        self.drawing.move(run.poses[k], run.measured_tensions[k], _rope_lengths(run, k), self.loads(k),
+                          run.poses.position[np.unique(np.linspace(0, k, 50).astype(int))])
+        return self.words(k)
+
+    def loads(self, index: int) -> Sequence[tuple[Pose, Array]]:
+        """Loose boxes at a control step: where they are, and their sizes."""
+        return ()
+
+    def words(self, index: int) -> str:
+        """What is done at a control step."""
+        return ""
+
+
+def index_at(times: Array, t: float) -> int:
+    """Of the row at a time, or the first one after it; the last one after the end."""
+    return min(int(np.searchsorted(times, t - 1e-9)), len(times) - 1)
 
 
 def _rope_lengths(run: Any, index: int) -> Array | None:

@@ -16,7 +16,17 @@ from ..arrays import Array
 from ..errors import InvalidInput
 from ..run import Run
 from ..workspace.grids import axis_names
-from .style import AXIS_COLORS, AXIS_DASHES, GREY, INK, WARNING, cable_style, house_style
+from .style import (
+    AXIS_COLORS,
+    AXIS_DASHES,
+    AXIS_STYLES,
+    GREY,
+    INK,
+    WARNING,
+    LineStyle,
+    cable_style,
+    house_style,
+)
 
 _MARKERS = 40
 """Measured values shown per cable: enough to see the course, few enough to see the line below."""
@@ -123,10 +133,10 @@ def _tracking_panels(figure: Figure, axes: Sequence[Axes], run: Run) -> None:
 
 def _position_panel(panel: Axes, run: Run) -> None:
     actual, wanted, names = run.poses.position, run.reference.pose.position, axis_names(run.world.robot.dimension)
-    for axis, color, dashes in zip(range(actual.shape[1]), AXIS_COLORS, AXIS_DASHES):
+    for axis, color in zip(range(actual.shape[1]), AXIS_COLORS):
         panel.plot(run.time, wanted[:, axis], color=color, linewidth=6, alpha=0.28, solid_capstyle="butt",
                    label=f"_reference {names[axis]}")
-        panel.plot(run.time, actual[:, axis], color=color, linestyle=dashes, label=names[axis])
+    draw_lines(panel, run.time, actual, names, AXIS_STYLES)
     panel.set_ylabel("position [m]")
     panel.set_title("Position of P")
     handles = [Line2D([], [], color=INK, linewidth=6, alpha=0.28, label="reference"),
@@ -137,8 +147,7 @@ def _position_panel(panel: Axes, run: Run) -> None:
 
 def _error_panel(panel: Axes, time: Array, errors: Array, names: Sequence[str], label: str, title: str) -> None:
     colors = AXIS_COLORS if errors.shape[1] > 1 else (INK,)
-    for column, color, dashes in zip(range(errors.shape[1]), colors, AXIS_DASHES):
-        panel.plot(time, errors[:, column], color=color, linestyle=dashes, linewidth=1.4, label=names[column])
+    draw_lines(panel, time, errors, names, list(map(LineStyle, colors, AXIS_DASHES)), linewidth=1.4)
     norm = np.linalg.norm(errors, axis=1)
     handles = []
     if errors.shape[1] > 1:
@@ -217,9 +226,7 @@ def _draw_limits(panel: Axes, run: Run) -> None:
                          (r"$\tau_\mathrm{max}$", robot.tension_max)):
         for limit in np.unique(limits):
             if limit <= 1.4 * shown:
-                panel.axhline(limit, color=INK, linewidth=1.2, linestyle=(0, (1, 2)), label="_limit")
-                panel.annotate(f"{name} {limit:g} N", (0.995, limit), xycoords=("axes fraction", "data"), ha="right",
-                               xytext=(0, 3), textcoords="offset points", fontsize=9, color=INK)
+                mark_level(panel, limit, f"{name} {limit:g} N", 0.995, "right")
             else:
                 words.append(f"{name} {limit:g} N")
     if words:
@@ -274,6 +281,20 @@ def _around_zero(panel: Axes) -> None:
     panel.axhline(0, color=GREY, linewidth=0.8)
     low, high = panel.get_ylim()
     panel.set_ylim(min(low, -_LEAST_RANGE), max(high, _LEAST_RANGE))
+
+
+def draw_lines(panel: Axes, time: Array, lines: Array, names: Sequence[str], styles: Sequence[LineStyle],
+               **options: Any) -> None:
+    """Columns (N, k) over time (N,), each under its name and in its style."""
+    for line, name, style in zip(lines.T, names, styles):
+        panel.plot(time, line, color=style.color, linestyle=style.linestyle, label=name, **options)
+
+
+def mark_level(panel: Axes, level: float, words: str = "", place: float = 0.005, align: str = "left") -> None:
+    """A dotted line across the panel and words above it, at a share of its width."""
+    panel.axhline(level, color=INK, linewidth=1.2, linestyle=(0, (1, 2)), label="_limit")
+    panel.annotate(words, (place, level), xycoords=("axes fraction", "data"), ha=align, xytext=(0, 3),
+                   textcoords="offset points", fontsize=9, color=INK)
 
 
 def label_cables(panel: Axes, lines: Array) -> None:

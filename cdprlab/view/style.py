@@ -43,6 +43,9 @@ class LineStyle(NamedTuple):
     linestyle: Any
 
 
+AXIS_STYLES = tuple(map(LineStyle, AXIS_COLORS, AXIS_DASHES))
+
+
 def cable_style(index: int) -> LineStyle:
     """How cable ``index`` (from 0) is drawn.
 

@@ -9,13 +9,14 @@ from matplotlib.axes import Axes
 
 from ...arrays import Array
 from ...run.log import Log
-from ...view.plots import Figure
-from ...view.style import BLUE, GREEN, GREY, INK, VERMILION, house_style
+from ...view.plots import Figure, draw_lines, mark_level
+from ...view.style import BLUE, GREEN, GREY, house_style
 from ..job.job_record import least_edge_loads
 from ..mission.guards import LEANS
 from ..mission.mission_record import Mission
 from ..navigation.journey import Journey
 from .hall_figure import draw_scan
+from .job_figure import BASE_STYLES, TIPS
 
 
 def plot_scans(journey: Journey, moments: int = 6) -> Figure:
@@ -82,20 +83,15 @@ def _room_panel(panel: Axes, way: Journey) -> None:
 
 def _bearing_panels(panels: Any, mission: Mission, way: Journey, drive: Log) -> None:
     loads, tilts, tensions = panels
-    times, robot = way.time[1:], mission.world.robot
-    for line, base, color in zip(_edges(drive).T, robot.bases, (BLUE, VERMILION)):
-        loads.plot(times[_FOUND:], line, color=color, label=base.name)
-    loads.axhline(0, color=INK, linewidth=1.2, linestyle=(0, (1, 2)))
-    loads.annotate("0: a base begins to tip", (0.005, 0), xycoords=("axes fraction", "data"), xytext=(0, 3),
-                   textcoords="offset points", fontsize=9, color=INK)
+    times, robot, leaning = way.time[1:], mission.world.robot, float(np.degrees(LEANS))
+    draw_lines(loads, times[_FOUND:], _edges(drive), [base.name for base in robot.bases], BASE_STYLES)
+    mark_level(loads, 0.0, TIPS)
     loads.legend(loc="center right", fontsize=9)
     tilts.plot(times[_FOUND:], np.degrees(drive["tilts"][_FOUND:]), color=BLUE)
-    tilts.axhline(np.degrees(LEANS), color=INK, linewidth=1.2, linestyle=(0, (1, 2)))
-    tilts.annotate("more: a base leans", (0.01, 0.86), xycoords="axes fraction", va="top", fontsize=9)
-    tilts.set_ylim(0, 1.1 * np.degrees(LEANS))
+    mark_level(tilts, leaning, "more: a base leans")
+    tilts.set_ylim(0, 1.3 * leaning)
     tensions.plot(times, drive["tensions"], color=GREY, linewidth=1)
-    tensions.axhline(robot.tension_min.min(), color=INK, linewidth=1.2, linestyle=(0, (1, 2)))
-    tensions.annotate("no cable moves: all at their least", (0.01, 0.85), xycoords="axes fraction", fontsize=9)
+    mark_level(tensions, robot.tension_min.min(), "no cable moves: all at their least")
     tensions.set_ylim(0, 3 * float(robot.tension_min.max()))
 
 

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.collections import EllipseCollection, PolyCollection
-from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...view.drawing import HALO
-from ...view.film import save_gif
+from ...view.film import Frame, index_at, save_gif
 from ...view.screen import Screen
 from ...view.style import BLUE, GREEN, INK, ORANGE, PLATFORM, PURPLE, SKY, VERMILION, house_style
 from ...world import World
@@ -37,7 +36,7 @@ def save_mission_film(mission: Mission, path: str | Path, seconds: float = 24.0,
     """
     film, times = MissionFilm(mission, width), np.linspace(0.0, mission.now, round(seconds * fps))
 
-    def frames() -> Iterator[NDArray[np.uint8]]:
+    def frames() -> Iterator[Frame]:
         for drawn, t in enumerate(times.tolist(), 1):
             yield film.frame_at(t)
             if progress is not None:
@@ -60,10 +59,10 @@ class MissionFilm:
         self.screens: list[PlanScreen | JobScreen] = []
         for part in mission.parts.values():
             self.screens.append(PlanScreen(part, mission.world, width) if isinstance(part, Journey) else
-                                JobScreen(part, without_hall(part.world).scene, width))
+                                JobScreen(part, width, without_hall(part.world).scene, captioned=True))
         self.begins = np.cumsum([0.0, *(part.time[-1] for part in mission.parts.values())])[:-1]
 
-    def frame_at(self, t: float) -> NDArray[np.uint8]:
+    def frame_at(self, t: float) -> Frame:
         """(height, width, 3) the picture at a time of the mission [s]."""
         which = max(0, int(np.searchsorted(self.begins, t - 1e-9)) - 1)
         screen, event = self.screens[which], [event for event in self.mission.events if event.time <= t + 1e-9][-1]
@@ -100,7 +99,7 @@ class PlanScreen(Screen):
 
     def move(self, t: float) -> str:
         """The pair at a time of the journey [s]; returns what it does where that is not just driving."""
-        way, k = self.way, min(int(np.searchsorted(self.way.time, t - 1e-9)), len(self.way.time) - 1)
+        way, k = self.way, index_at(self.way.time, t)
         plan = next((plan for time, plan in reversed(way.plans) if time <= t + 1e-9 and plan.found), None)
         if plan is not None:
             self._plan.set_data(*plan.poses[:, :2].T)
