@@ -18,7 +18,7 @@ from scipy.optimize import linprog
 
 import cdprlab as cl
 from cdprlab.errors import SimulationDiverged
-from cdprlab.tensions.distribution import solver_for
+from cdprlab.tensions import solver_for
 from cdprlab.view.plots import Figure
 from cdprlab.view.style import BLUE, GREEN, INK, PURPLE, VERMILION, WARNING, cable_style, house_style
 

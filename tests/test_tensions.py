@@ -216,7 +216,9 @@ def test_a_batch_equals_a_loop_and_limits_broadcast(method):
     grid = cl.distribute_tensions(W.reshape(3, 4, 6, 8), w_e.reshape(3, 4, 6), low, 2500, method)
     for k in range(12):
         at, one = divmod(k, 4), cl.distribute_tensions(W[k], w_e[k], low[k % 4], 2500, method)
-        np.testing.assert_array_equal(grid.tensions[at], one.tensions)
+        # A batch of the quadratic program is solved in the polygon, one wrench by quadprog.
+        exact = method not in ("quadratic_program", "relaxed")
+        np.testing.assert_allclose(grid.tensions[at], one.tensions, rtol=0 if exact else 1e-11)
         assert (grid.feasible[at], grid.reason[at]) == (one.feasible, one.reason)
     assert not grid.tensions.flags.writeable and isinstance(one.feasible, bool)
 

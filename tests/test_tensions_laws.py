@@ -183,8 +183,8 @@ def test_numba_stays_in_its_room_and_does_without_a_cache(monkeypatch):
     importing = {path.relative_to(folder).as_posix() for path in folder.rglob("*.py")
                  for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.Import)
                  for alias in node.names if alias.name.split(".")[0] == "numba"}
-    assert importing == {"tensions/kernels.py"}
-    from cdprlab.tensions import kernels
+    assert importing == {"compiled/jit.py"}
+    from cdprlab.compiled import jit
     asked_for = []
 
     def njit(**options):
@@ -193,8 +193,13 @@ def test_numba_stays_in_its_room_and_does_without_a_cache(monkeypatch):
             raise RuntimeError("cannot cache function: no locator available")
         return lambda function: function
 
-    monkeypatch.setattr(kernels.numba, "njit", njit)
-    assert kernels.compiled(abs) is abs and asked_for == [True, False]
+    def function():
+        pass
+
+    monkeypatch.setattr(jit.numba, "njit", njit)
+    monkeypatch.setattr(jit.announcement, "often", "once")
+    assert jit.compiled(function) is function and asked_for == [True, False]
+    assert "NUMBA_CACHE_DIR" in jit.announcement.often
 
 
 def test_a_suspended_robot_cannot_be_pulled_to_the_middle_of_its_limits():

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from . import FOUND, OUT_OF_RANGE, TOO_REDUNDANT, UNSETTLED
 from .jit import compiled
-from .polygon import _reduce, _spread
-
-FOUND, UNREACHABLE, TOO_REDUNDANT, UNSETTLED = 0, 1, 2, 3
+from .linear_algebra import FREE, eliminate, solutions
 
 _STEPS = 100   # a vertex of 16 rows in three unknowns is found in about ten
 _FLAT = 1e-10  # directions and multipliers below this, of rows of size about 1, are zero
@@ -187,7 +186,7 @@ def margins(W: Array, w_e: Array, low: Array, high: Array, p: float, q: float) -
     Returns s (k,) and such tensions (k, m), NaN without an answer; FOUND or why not (k,).
     """
     count, n, m = W.shape
-    found, best, tensions = np.zeros(count, np.int64), np.empty(count), np.empty((count, m))
+    found, best, tensions = np.full(count, FOUND), np.empty(count), np.empty((count, m))
     reduced, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
     c, D, limits, rows = np.empty(m), np.zeros((m, max(m, 2))), np.empty(2 * m), np.empty((2 * m, 3))
     x, mu, direction, held = np.empty(3), np.empty(3), np.empty(3), np.empty(3, np.int64)
@@ -195,13 +194,13 @@ def margins(W: Array, w_e: Array, low: Array, high: Array, p: float, q: float) -
     for k in range(count):
         best[k] = np.nan
         for j in range(m):
-            owner[j], tensions[k, j] = -1, np.nan
+            owner[j], tensions[k, j] = FREE, np.nan
             D[j, 0] = D[j, 1] = 0.0   # a λ that is not there moves nothing, and stays where it is
-        rank, reachable = _reduce(W, w_e, k, c, reduced, line, owner)
+        rank, reachable = eliminate(W, w_e, k, c, reduced, line, owner)
         if not reachable or m - rank > 2:
-            found[k] = TOO_REDUNDANT if reachable else UNREACHABLE
+            found[k] = TOO_REDUNDANT if reachable else OUT_OF_RANGE
             continue
-        _spread(reduced, owner, c, c, D)
+        solutions(reduced, owner, c, c, D)
         used = _rows_of(c, D, low, high, p, q, rows, limits)
         x[0] = x[1] = 0.0
         if not _best(rows, limits, used, x, active, held, basis, gram, mu, direction):

@@ -1,4 +1,4 @@
-"""The programs that have no room of their own: whoever has rows, limits and one wish asks here."""
+"""One linear and one quadratic program: whoever has rows, limits and a wish asks here."""
 
 from __future__ import annotations
 
@@ -30,3 +30,21 @@ def largest_last(A: Any, b: Array, A_eq: Any = None, b_eq: Array | None = None,
     if found.status == 0:
         return float(found.x[-1]), np.asarray(found.x[:-1])
     return {2: -np.inf, 3: np.inf}.get(found.status, np.nan), np.full(cost.size - 1, np.nan)
+
+
+def least_quadratic(H: Array, a: Array, C: Array, b: Array, equal: int = 0, *, factored: bool = False) -> Array | None:
+    """min ½ xᵀ H x − aᵀ x with Cᵀ x ≥ b, the first ``equal`` rows as equalities; None where nothing keeps them.
+
+    H : (v, v) positive definite, or factored: R⁻¹ of its Cholesky factor Rᵀ R; a : (v,); C : (v, k); b : (k,)
+    Source: Goldfarb and Idnani 1983 (quadprog's dual active-set method).
+
+    >>> least_quadratic(np.eye(2), np.zeros(2), np.ones((2, 1)), np.array([3.0]))
+    array([1.5, 1.5])
+    """
+    import quadprog
+
+    try:
+        found: Array = quadprog.solve_qp(H, a, C, b, equal, factored)[0]
+    except ValueError:
+        return None
+    return found

@@ -14,7 +14,7 @@ from ..errors import InfeasibleTwist, InvalidInput
 from ..robot import Robot
 from ..robot.pose import Pose
 from .kinematics import Pivot, base_jacobian, jacobian
-from .optimization import largest_last
+from .optimization import largest_last, least_quadratic
 
 RESOLUTION_METHODS = {
     "quadratic_program": "least weighted norm within the speed limits",
@@ -131,8 +131,6 @@ def _exceeds(drive: Array, cables: Array, bound: tuple[Array, Array]) -> bool:
 
 def _within_limits(B: Array, rates: Array, roots: tuple[Array, Array], bound: tuple[Array, Array]) -> Array:
     """The same least squares with |q̇| ≤ q̇_max and |J t − B q̇| ≤ l̇_max, by a quadratic program."""
-    import quadprog
-
     matrix = np.concatenate([np.diag(roots[0]), roots[1][:, None] * B])
     hessian = matrix.T @ matrix
     # Where weights leave a choice the program needs a strictly convex cost: the least norm among equals.
@@ -146,7 +144,9 @@ def _within_limits(B: Array, rates: Array, roots: tuple[Array, Array], bound: tu
     sides -= slack * np.concatenate([bound[0], bound[0], bound[1][finite], bound[1][finite]])
     linear = B.T @ (roots[1]**2 * rates)
     usable = np.isfinite(sides)
-    return quadprog.solve_qp(hessian, linear, rows[usable].T.copy(), sides[usable])[0]
+    found = least_quadratic(hessian, linear, rows[usable].T.copy(), sides[usable])
+    assert found is not None, "the largest feasible share of a twist keeps its limits"
+    return found
 
 
 def _largest_scale(B: Array, rates: Array, limits: Array) -> float:

@@ -15,8 +15,7 @@ from ..mechanics.dynamics import inverse_dynamics
 from ..mechanics.statics import wrench_matrix
 from ..mechanics.trajectory import Trajectory
 from ..robot import Robot
-from ..tensions import solver_for, tension_methods
-from ..tensions.distribution import checked_distribution
+from ..tensions import checked_distribution, solver_for, tension_methods
 from ..tensions.method import Solver
 from ..world import World
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Array, as_array
 from ..errors import InfeasibleTensions, InvalidInput
 from ..robot import Robot
-from ..tensions.distribution import TensionDistribution, checked_distribution, solver_for
+from ..tensions import TensionDistribution, checked_distribution, solver_for
 
 INFEASIBLE = ("relax", "stop", "hold")
 """Where the method finds no tensions: take the least wrench error, raise, or keep the last tensions."""

@@ -25,7 +25,7 @@ from ..robot import Robot, Winch, turned_to
 from ..simulate import Simulator
 from ..simulate.spatial import SpatialSimulator
 from ..simulate.state import State
-from ..tensions.distribution import solver_for
+from ..tensions import solver_for
 from ..tensions.standing import standing_tensions
 from .controllers import ComputedTorque
 from .log import Columns

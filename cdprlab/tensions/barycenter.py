@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ..arrays import Array
-from .feasible_polygon import CENTROID, polygon_points, too_redundant
+from ..compiled import CENTROID
+from .feasible_polygon import polygon_points, unanswered
 from .method import Answers, BatchSolver, vectorized
 
 
@@ -18,7 +17,7 @@ def batch() -> BatchSolver:
 
     def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
         tensions, reasons, spare = polygon_points(W, w_e, low, high, CENTROID)
-        for k in np.flatnonzero(too_redundant(spare, reasons)):
+        for k in unanswered(spare, reasons):
             reasons[k] = f"the barycenter is computed for at most 2 redundant cables; here there are {spare[k]}"
         return tensions, reasons
 

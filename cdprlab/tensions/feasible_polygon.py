@@ -1,4 +1,4 @@
-"""The polygon of feasible tensions of up to two redundant cables: the doors to the compiled kernels."""
+"""The polygon of feasible tensions of up to two redundant cables: the doors to the compiled loops."""
 
 from __future__ import annotations
 
@@ -6,33 +6,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, plain
-from .method import INFEASIBLE, OUT_OF_RANGE, Texts, fixed_cables, no_reasons
-
-CENTROID, LOWEST, HIGHEST = 0, 1, 2
-"""What `polygon_points` picks: the area's centroid, or the corner of least or largest sum of tensions."""
+from ..compiled import EMPTY, FOUND, OUT_OF_RANGE, SPENT
+from .method import INFEASIBLE, UNREACHABLE, Texts, fixed_cables, no_reasons
 
 
 def polygon_points(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[Array, Texts, NDArray[np.int64]]:
     """One point of each polygon (segment, point) {τ : W τ + w_e = 0, low ≤ τ ≤ high}.
 
     W (k, n, m); w_e (k, n); low, high (k or 1, m)
+    pick : CENTROID, LOWEST or HIGHEST of `compiled`
     Returns tensions (k, m), NaN where there is no answer; reasons (k,); redundancy r = m − rank W (k,).
     Where r > 2 there is neither an answer nor a reason.
     """
-    from ..compiled import polygon as kernels
+    from ..compiled.polygon import polygons
 
-    tensions, found, spare = kernels.polygons(plain(W), plain(w_e), plain(low), plain(high), pick)
-    reasons = no_reasons(tensions.shape[0])
-    if found.any():
-        reasons[found == kernels.EMPTY] = INFEASIBLE
-        reasons[found == kernels.OUT_OF_RANGE] = OUT_OF_RANGE
-    return tensions, reasons, spare
+    tensions, found, spare = polygons(*map(plain, (W, w_e, low, high)), pick)
+    return tensions, _texts(found, {EMPTY: INFEASIBLE, OUT_OF_RANGE: UNREACHABLE}), spare
 
 
-def too_redundant(spare: NDArray[np.int64], reasons: Texts) -> NDArray[np.bool_]:
+def least_norm_points(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, Texts, NDArray[np.int64]]:
+    """The same of each polygon's point nearest to 0."""
+    from ..compiled.least_norm import least_norms
+
+    tensions, found, spare = least_norms(*map(plain, (W, w_e, low, high)))
+    return tensions, _texts(found, {EMPTY: INFEASIBLE, OUT_OF_RANGE: UNREACHABLE}), spare
+
+
+def unanswered(spare: NDArray[np.int64], reasons: Texts) -> NDArray[np.int64]:
     """Which of a batch have more than a polygon, and so no answer yet."""
-    most = spare > 2
-    return most & (reasons == "") if most.any() else most
+    return np.flatnonzero((spare > 2) & (reasons == "")) if (spare > 2).any() else spare[:0]
 
 
 def closest_tensions(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds: int = 0, *,
@@ -44,17 +46,22 @@ def closest_tensions(W: Array, w_e: Array, low: Array, high: Array, share: float
     W (k, n, m); w_e (k, n); low, high (k or 1, m)
     Returns tensions (k, m) and reasons (k,); outside the range of W the least-squares answer.
     """
-    from ..compiled import polygon as kernels
+    from ..compiled.closest import closest
 
-    tensions, found = kernels.closest(plain(W), plain(w_e), plain(low), plain(high), share, rounds)
-    reasons = no_reasons(tensions.shape[0])
-    if found.any():
-        reasons[found == kernels.SPENT] = spent
-        off = found == kernels.OUT_OF_RANGE
-        reasons[off] = OUT_OF_RANGE
+    tensions, found = closest(*map(plain, (W, w_e, low, high)), share, rounds)
+    off = found == OUT_OF_RANGE
+    if off.any():
         wish, fixed = (np.broadcast_to(part, tensions.shape)[off]
                        for part in (low + share * (high - low), fixed_cables(low, high)))
         missed = w_e[off] + (W[off] @ wish[..., None])[..., 0]
         free = np.where(fixed[:, None, :], 0.0, W[off])
         tensions[off] = wish - (np.linalg.pinv(free) @ missed[..., None])[..., 0]
-    return tensions, reasons
+    return tensions, _texts(found, {SPENT: spent, OUT_OF_RANGE: UNREACHABLE})
+
+
+def _texts(found: NDArray[np.int64], words: dict[int, str]) -> Texts:
+    reasons = no_reasons(found.size)
+    if (found != FOUND).any():
+        for code, text in words.items():
+            reasons[found == code] = text
+    return reasons

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import CENTROID, HIGHEST, LOWEST
 from ..errors import InvalidInput
-from .feasible_polygon import CENTROID, HIGHEST, LOWEST, polygon_points
+from .feasible_polygon import polygon_points
 from .method import Answers, BatchSolver, vectorized
 
 CHOICES = {"lowest": LOWEST, "middle": CENTROID, "highest": HIGHEST}

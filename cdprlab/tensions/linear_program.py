@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array
-from .feasible_polygon import LOWEST, polygon_points, too_redundant
-from .method import INFEASIBLE, OUT_OF_RANGE, RESIDUAL_TOLERANCE, Answers, BatchSolver, Solution, sharpened, vectorized
+from ..compiled import LOWEST
+from .feasible_polygon import polygon_points, unanswered
+from .method import INFEASIBLE, RESIDUAL_TOLERANCE, UNREACHABLE, Answers, BatchSolver, Solution, sharpened, vectorized
 
 
 def batch() -> BatchSolver:
@@ -19,7 +20,7 @@ def batch() -> BatchSolver:
     def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
         tensions, reasons, spare = polygon_points(W, w_e, low, high, LOWEST)
         lows, highs = (np.broadcast_to(limit, tensions.shape) for limit in (low, high))
-        for k in np.flatnonzero(too_redundant(spare, reasons)):
+        for k in unanswered(spare, reasons):
             tensions[k], reasons[k] = _highs(W[k], w_e[k], lows[k], highs[k])
         return tensions, reasons
 
@@ -34,7 +35,7 @@ def _highs(W: Array, w_e: Array, low: Array, high: Array) -> Solution:
         return sharpened(W, w_e, low, high, found.x), ""   # HiGHS leaves 1e-7 of equilibrium, ten times the tolerance
     best = np.linalg.lstsq(W, -w_e, rcond=None)[0]
     reachable = np.abs(W @ best + w_e).max() <= RESIDUAL_TOLERANCE * (1 + np.abs(w_e).max())
-    return np.full(low.size, np.nan), INFEASIBLE if reachable else OUT_OF_RANGE
+    return np.full(low.size, np.nan), INFEASIBLE if reachable else UNREACHABLE
 
 
 METHOD = vectorized(batch, complete=True,

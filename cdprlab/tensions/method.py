@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import isfinite
-from operator import sub
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,8 +17,7 @@ RESIDUAL_TOLERANCE = 1e-8
 LIMIT_TOLERANCE = 1e-8
 
 INFEASIBLE = "no tensions within the limits balance the wrench"
-OUT_OF_RANGE = "the cables cannot exert this wrench at any tension: it lies outside the range of W"
-
+UNREACHABLE = "the cables cannot exert this wrench at any tension: it lies outside the range of W"
 NOT_FINITE = "the wrench is not finite"
 
 Texts = NDArray[np.object_]
@@ -43,44 +41,53 @@ class Method(NamedTuple):
     build : ``(n, tension_min, tension_max, **options) → Solver``; checks its options, allocates once
     complete : whether it finds a distribution whenever one exists
     summary : one line for menus and tables
-    batch : ``(**options) → BatchSolver`` of the vectorized methods
+    batch : ``(**options) → BatchSolver``
     """
 
     build: Callable[..., Solver]
     complete: bool
     summary: str
-    batch: Callable[..., BatchSolver] | None = None
+    batch: Callable[..., BatchSolver]
 
     def options(self) -> tuple[str, ...]:
         """Names of the options ``build`` and ``batch`` take."""
         import inspect
 
-        parameters: Any = inspect.signature(self.batch or self.build).parameters.values()
+        parameters: Any = inspect.signature(self.batch).parameters.values()
         return tuple(p.name for p in parameters if p.kind is p.KEYWORD_ONLY)
 
 
-def vectorized(batch: Callable[..., BatchSolver], *, complete: bool, summary: str) -> Method:
-    """The method of a batch solver; one wrench is then a batch of one."""
+def vectorized(batch: Callable[..., BatchSolver], *, complete: bool, summary: str, judged: bool = True) -> Method:
+    """The method of a batch solver; one wrench is then a batch of one.
+
+    judged : whether breaking a limit is a reason not to use the answer, in a control loop too
+    """
 
     def build(n: int, tension_min: Array, tension_max: Array, **options: Any) -> Solver:
         solve_batch, low, high = batch(**options), tension_min[None], tension_max[None]
 
-        lows, highs = tension_min.tolist(), tension_max.tolist()
-        slack = -LIMIT_TOLERANCE * max(highs)
-
         def solve(W: Array, w_e: Array) -> Solution:
             tensions, reasons = solve_batch(W[None], w_e[None], low, high)
-            tau = tensions[0]
-            taus = tau.tolist()
-            if not isfinite(sum(taus)):
-                return tau, reasons[0] or NOT_FINITE
-            if min(map(sub, taus, lows)) < slack or min(map(sub, highs, taus)) < slack:
-                return tau, reasons[0] or broken_limit(tau, tension_min, tension_max)
-            return tau, reasons[0]
+            tau, reason = tensions[0], reasons[0]
+            if not reason and not isfinite(tau.sum()):
+                reason = NOT_FINITE
+            elif not reason and judged:
+                reason = broken_limit(tau, tension_min, tension_max)
+            return tau, reason
 
         return solve
 
     return Method(build, complete, summary, batch)
+
+
+def one_by_one(build: Callable[[Array, Array], Solver], W: Array, w_e: Array, low: Array, high: Array) -> Answers:
+    """A batch, wrench by wrench, by ``(tension_min, tension_max) → Solver``."""
+    tensions, reasons = np.empty((W.shape[0], W.shape[2])), no_reasons(W.shape[0])
+    for k in range(W.shape[0]):
+        if k < low.shape[0]:   # limits of its own, or the first of all
+            solve = build(low[k], high[k])
+        tensions[k], reasons[k] = solve(W[k], w_e[k])
+    return tensions, reasons
 
 
 def no_reasons(count: int) -> Texts:
@@ -88,12 +95,23 @@ def no_reasons(count: int) -> Texts:
     return np.full(count, "", dtype=object)
 
 
+def limit_margin(tensions: Array, low: Array, high: Array) -> Any:
+    """(…) distance to the nearest limit, negative outside; NaN tensions have none [N]."""
+    room = np.minimum(tensions - low, high - tensions)
+    # The last axis is short, and numpy several times faster along a long one.
+    return np.ascontiguousarray(room.T).min(axis=0).T
+
+
+def limits_kept(margin: Any, high: Array) -> Any:
+    """(…) whether a `limit_margin` is none or no more than rounding outside."""
+    return margin >= -LIMIT_TOLERANCE * high.max(axis=-1)
+
+
 def broken_limit(tau: Array, low: Array, high: Array) -> str:
     """The cable that leaves its limits by most, in words; '' if all keep them."""
-    excess = np.maximum(low - tau, tau - high)
-    worst = int(excess.argmax())
-    if excess[worst] <= LIMIT_TOLERANCE * high.max():
+    if limits_kept(limit_margin(tau, low, high), high):
         return ""
+    worst = int(np.minimum(tau - low, high - tau).argmin())
     return f"cable {worst + 1} would need {tau[worst]:.4g} N, allowed {low[worst]:g} to {high[worst]:g} N"
 
 
@@ -104,11 +122,9 @@ def sharpened(W: Array, w_e: Array, low: Array, high: Array, tau: Array) -> Arra
     held = at_low | at_high
     sharp = np.where(at_low, low, np.where(at_high, high, tau))
     sharp[~held] = np.linalg.lstsq(W[:, ~held], -w_e - W[:, held] @ sharp[held], rcond=None)[0]
-    slack = LIMIT_TOLERANCE * high.max()
-    inside = (sharp >= low - slack).all() and (sharp <= high + slack).all()
     clipped = np.clip(tau, low, high)
     better = np.abs(W @ sharp + w_e).max() <= np.abs(W @ clipped + w_e).max()
-    return sharp if inside and better else tau
+    return sharp if better and limits_kept(limit_margin(sharp, low, high), high) else tau
 
 
 def fixed_cables(low: Array, high: Array) -> NDArray[np.bool_]:
@@ -121,17 +137,16 @@ def around_fixed(build: Callable[[Array, Array], Solver], low: Array, high: Arra
 
     build : ``(tension_min, tension_max) → Solver`` for any number of cables
     """
-    highs = high.tolist()
-    if min(map(sub, highs, low.tolist())) > 1e-9 * max(highs):   # the usual case, at a tenth of numpy's cost
+    fixed = fixed_cables(low, high)
+    if not fixed.any():
         return build(low, high)
-    free = ~fixed_cables(low, high)
+    free, held = ~fixed, (low + high) / 2
     inner = build(low[free], high[free]) if free.any() else None
-    held = (low + high) / 2
 
     def solve(W: Array, w_e: Array) -> Solution:
         tau, reason = held.copy(), ""
         if inner is not None:
-            tau[free], reason = inner(W[:, free], w_e + W[:, ~free] @ held[~free])
+            tau[free], reason = inner(W[:, free], w_e + W[:, fixed] @ held[fixed])
         return tau, reason
 
     return solve

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from math import isfinite
-
 import numpy as np
 
 from ..arrays import Array
-from .method import NOT_FINITE, Answers, BatchSolver, Method, Solution, Solver, no_reasons
+from .method import Answers, BatchSolver, no_reasons, vectorized
 
 
 def batch() -> BatchSolver:
-    """τ = −W⁺ w_e; the limits only judge it afterwards.
+    """τ = −W⁺ w_e; the limits only judge it afterwards. In a control loop its log tells where they were broken.
 
     Source: Okoli 2016, eq. (6.26).
     """
@@ -22,15 +20,5 @@ def batch() -> BatchSolver:
     return solve
 
 
-def build(n: int, tension_min: Array, tension_max: Array) -> Solver:
-    """One wrench at a time. In a control loop too the limits play no part: its log tells where they were broken."""
-    solve_batch = batch()
-
-    def solve(W: Array, w_e: Array) -> Solution:
-        tau = solve_batch(W[None], w_e[None], tension_min, tension_max)[0][0]
-        return tau, "" if isfinite(sum(tau.tolist())) else NOT_FINITE
-
-    return solve
-
-
-METHOD = Method(build, False, "τ = −W⁺ w_e: least norm, limits ignored (tensions may be negative)", batch)
+METHOD = vectorized(batch, complete=False, judged=False,
+                    summary="τ = −W⁺ w_e: least norm, limits ignored (tensions may be negative)")

@@ -2,79 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
+from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array, frozen
+from ..arrays import Array
 from ..errors import InvalidInput
+from ..mechanics.optimization import least_quadratic
+from .feasible_polygon import least_norm_points
 from .method import (
     INFEASIBLE,
     LIMIT_TOLERANCE,
     NOT_FINITE,
     RESIDUAL_TOLERANCE,
+    UNREACHABLE,
+    Answers,
+    BatchSolver,
     Method,
     Solution,
     Solver,
     around_fixed,
+    limit_margin,
+    one_by_one,
     sharpened,
 )
 
 
-def build(n: int, tension_min: Array, tension_max: Array, *, solver: str = "quadprog") -> Solver:
-    """min ‖τ‖² subject to W τ + w_e = 0 and the limits.
+class LeastNorm:
+    """min ‖τ‖² with W τ + w_e = 0 and τ_min ≤ τ ≤ τ_max: made for its limits, called wrench by wrench."""
 
-    solver : "quadprog", called directly, or any other that qpsolvers has installed
-    Source: Okoli 2016, eq. (6.25); Goldfarb and Idnani 1983 (quadprog's dual active-set method).
-    """
-    if solver == "quadprog":
-        return around_fixed(lambda low, high: _quadprog(n, low, high), tension_min, tension_max)
-    return around_fixed(lambda low, high: _other_solver(low, high, solver), tension_min, tension_max)
+    def __init__(self, n: int, low: Array, high: Array):
+        self.n, self.low, self.high = n, low, high
 
+    def __call__(self, W: Array, w_e: Array) -> Solution:
+        """Tensions and '' or the reason why there are none."""
+        tau = self.with_no_limit_active(W, w_e)
+        if tau is None:
+            tau = self.program(W, w_e)
+        if tau is None:
+            return self.by_independent_rows(W, w_e)
+        return tau, ""
 
-def _quadprog(n: int, tension_min: Array, tension_max: Array) -> Solver:
-    import quadprog
+    def with_no_limit_active(self, W: Array, w_e: Array) -> Array | None:
+        """τ = −Wᵀ (W Wᵀ)⁻¹ w_e where it keeps the limits, at half the program's cost."""
+        from scipy.linalg.lapack import dposv
 
-    m = tension_min.shape[0]
-    quadprog_solve = quadprog.solve_qp
-    least_norm = _least_norm(tension_min, tension_max)
-    program: list[Array] = []
-
-    def solve(W: Array, w_e: Array) -> Solution:
-        tau = least_norm(W, w_e)
-        if tau is not None:
-            return tau, ""
-        if not np.isfinite(w_e).all():   # quadprog answers NaN with numbers
-            return np.full(m, np.nan), NOT_FINITE
-        if not program:   # all but W and w_e is written once
-            program.extend(part.copy() for part in _template(n, m))   # quadprog takes no read-only arrays
-            program.append(np.concatenate([np.zeros(n), tension_min, -tension_max]))
-        identity, zero, constraints, bounds = program
-        constraints[:, :n] = W.T
-        np.negative(w_e, out=bounds[:n])
-        try:
-            return quadprog_solve(identity, zero, constraints, bounds, n, True)[0], ""
-        except ValueError:
-            return _without_dependent_rows(W, w_e, tension_min, tension_max)
-
-    return solve
-
-
-@cache
-def _template(n: int, m: int) -> tuple[Array, Array, Array]:
-    """‖τ‖², no linear cost, and the rows [0, I, −I] of Cᵀ x ≥ b as quadprog wants them, equalities first."""
-    one = np.eye(m)
-    return frozen(one), frozen(np.zeros(m)), frozen(np.concatenate([np.zeros((m, n)), one, -one], axis=1))
-
-
-def _least_norm(low: Array, high: Array) -> Callable[[Array, Array], Array | None]:
-    """τ = −Wᵀ (W Wᵀ)⁻¹ w_e where it keeps the limits: the program's solution with no limit active, at half its cost."""
-    from scipy.linalg.lapack import dposv
-
-    lows, highs = low.tolist(), high.tolist()
-
-    def solve(W: Array, w_e: Array) -> Array | None:
         factor, y, failed = dposv(W.dot(W.T), w_e)
         # W Wᵀ has W's condition squared, of which the factor's diagonal is an estimate: 1e-3 leaves residuals of
         # about 1e6 ε = 1e-10, and what is worse conditioned goes to the program.
@@ -82,26 +54,49 @@ def _least_norm(low: Array, high: Array) -> Callable[[Array, Array], Array | Non
         if failed or min(diagonal) < 1e-3 * max(diagonal):
             return None
         tau = -y.dot(W)
-        for smallest, tension, largest in zip(lows, tau.tolist(), highs):
-            if not smallest <= tension <= largest:
-                return None
-        return tau
+        return tau if limit_margin(tau, self.low, self.high) >= 0 else None
 
-    return solve
+    def program(self, W: Array, w_e: Array, rows: Array | None = None, offset: Array | None = None,
+                toward: Array | None = None) -> Array | None:
+        """min ‖τ − τ_0‖², with G τ + g ≤ 0 besides if there are such rows; None if nothing keeps them."""
+        C, b = self.constraints
+        C[:, :self.n] = W.T
+        np.negative(w_e, out=b[:self.n])
+        if rows is not None and offset is not None:
+            C, b = np.concatenate([C, -rows.T], axis=1), np.concatenate([b, offset])
+        if not np.isfinite(b).all():   # quadprog answers NaN with numbers
+            return None
+        goal = np.zeros(self.low.size) if toward is None else toward
+        return least_quadratic(self.identity, goal, C, b, self.n, factored=True)
 
+    @cached_property
+    def identity(self) -> Array:
+        """‖τ‖²."""
+        return np.eye(self.low.size)
 
-def min_norm(rows: Array, values: Array, low: Array, high: Array) -> Array | None:
-    """min ‖τ‖² with rows τ = values and low ≤ τ ≤ high, rows independent; None if there is none."""
-    import quadprog
+    @cached_property
+    def constraints(self) -> tuple[Array, Array]:
+        """C and b of Cᵀ τ ≥ b, equalities first: all but W and w_e is written once."""
+        one, nothing = self.identity, np.zeros((self.low.size, self.n))
+        return np.concatenate([nothing, one, -one], axis=1), np.concatenate([nothing[0], self.low, -self.high])
 
-    m = low.shape[0]
-    identity = np.eye(m)
-    constraints = np.concatenate([rows.T, identity, -identity], axis=1)
-    bounds = np.concatenate([values, low, -high])
-    try:
-        return quadprog.solve_qp(identity, np.zeros(m), constraints, bounds, rows.shape[0], True)[0]
-    except ValueError:
-        return None
+    def by_independent_rows(self, W: Array, w_e: Array) -> Solution:
+        """What is left when the program fails: dependent rows of W, a single point, or truly no solution."""
+        nothing = np.full(W.shape[1], np.nan)
+        if not np.isfinite(w_e).all():
+            return nothing, NOT_FINITE
+        rows, values, outside = independent_rows(W, -w_e)
+        if outside > RESIDUAL_TOLERANCE * (1 + np.abs(w_e).max()):
+            return nothing, (f"the cables cannot exert this wrench at any tension: W has rank {len(rows)} of "
+                             f"{len(W)}, and {outside:.3g} N or N m lies outside its range")
+        found = LeastNorm(len(rows), self.low, self.high).program(rows, -values)
+        if found is None:   # one last tension on the very border is lost to rounding: half of what the check forgives
+            slack = LIMIT_TOLERANCE / 2 * self.high.max()
+            found = LeastNorm(len(rows), self.low - slack, self.high + slack).program(rows, -values)
+            if found is None:
+                return nothing, INFEASIBLE
+            found = sharpened(W, w_e, self.low, self.high, found)
+        return found, ""
 
 
 def independent_rows(W: Array, values: Array) -> tuple[Array, Array, float]:
@@ -116,19 +111,34 @@ def independent_rows(W: Array, values: Array) -> tuple[Array, Array, float]:
     return vt[:rank], inside / s[:rank], outside
 
 
-def _without_dependent_rows(W: Array, w_e: Array, low: Array, high: Array) -> Solution:
-    """What is left when the direct call fails: dependent rows of W, a single point, or truly no solution."""
-    nothing = np.full(W.shape[1], np.nan)
-    rows, values, outside = independent_rows(W, -w_e)
-    if outside > RESIDUAL_TOLERANCE * (1 + np.abs(w_e).max()):
-        return nothing, (f"the cables cannot exert this wrench at any tension: W has rank {rows.shape[0]} of "
-                         f"{W.shape[0]}, and {outside:.3g} N or N m lies outside its range")
-    found = min_norm(rows, values, low, high)
-    if found is None:   # one last tension on the very border is lost to rounding: half of what the check forgives
-        slack = LIMIT_TOLERANCE / 2 * high.max()
-        found = min_norm(rows, values, low - slack, high + slack)
-        found = None if found is None else sharpened(W, w_e, low, high, found)
-    return (nothing, INFEASIBLE) if found is None else (found, "")
+def build(n: int, tension_min: Array, tension_max: Array, *, solver: str = "quadprog") -> Solver:
+    """min ‖τ‖² subject to W τ + w_e = 0 and the limits.
+
+    solver : "quadprog", called directly, or any other that qpsolvers has installed
+    Source: Okoli 2016, eq. (6.25).
+    """
+    if solver == "quadprog":
+        return around_fixed(lambda low, high: LeastNorm(n, low, high), tension_min, tension_max)
+    return around_fixed(lambda low, high: _other_solver(low, high, solver), tension_min, tension_max)
+
+
+def batch(*, solver: str = "quadprog") -> BatchSolver:
+    """The same for many wrenches: with up to two redundant cables the polygon's point nearest to 0, else one by one."""
+
+    def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
+        def one(low: Array, high: Array) -> Solver:
+            return build(W.shape[1], low, high, solver=solver)
+
+        if solver != "quadprog":
+            return one_by_one(one, W, w_e, low, high)
+        tensions, reasons, spare = least_norm_points(W, w_e, low, high)
+        left = (spare > 2) | (reasons == UNREACHABLE)   # of which the program says more
+        if left.any():
+            own = left if len(low) > 1 else slice(None)
+            tensions[left], reasons[left] = one_by_one(one, W[left], w_e[left], low[own], high[own])
+        return tensions, reasons
+
+    return solve
 
 
 def _other_solver(low: Array, high: Array, solver: str) -> Solver:
@@ -149,4 +159,4 @@ def _other_solver(low: Array, high: Array, solver: str) -> Solver:
     return solve
 
 
-METHOD = Method(build, complete=True, summary="min ‖τ‖² inside the limits: smooth, low tensions")
+METHOD = Method(build, complete=True, summary="min ‖τ‖² inside the limits: smooth, low tensions", batch=batch)

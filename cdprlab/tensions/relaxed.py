@@ -7,9 +7,21 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
+from ..mechanics.optimization import least_quadratic
 from . import quadratic_program
-from .method import INFEASIBLE, NOT_FINITE, RESIDUAL_TOLERANCE, Method, Solution, Solver, around_fixed
-from .quadratic_program import independent_rows, min_norm
+from .method import (
+    INFEASIBLE,
+    NOT_FINITE,
+    RESIDUAL_TOLERANCE,
+    Answers,
+    BatchSolver,
+    Method,
+    Solution,
+    Solver,
+    around_fixed,
+    one_by_one,
+)
+from .quadratic_program import LeastNorm, independent_rows
 
 # The first program's weight on ‖τ‖², relative to W's: small enough to find the right active limits,
 # large enough for a Cholesky factor in double precision. The second stage removes its bias.
@@ -27,6 +39,21 @@ def build(n: int, tension_min: Array, tension_max: Array, *, weights: ArrayLike 
         raise InvalidInput(f"weights must be positive, got {scale.tolist()}")
 
     return around_fixed(lambda low, high: _relaxed(scale, low, high), tension_min, tension_max)
+
+
+def batch(*, weights: ArrayLike | None = None) -> BatchSolver:
+    """The quadratic program where it has an answer; the others one by one."""
+    exact = quadratic_program.batch()
+
+    def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
+        tensions, reasons = exact(W, w_e, low, high)
+        left = reasons != ""
+        own = left if len(low) > 1 else slice(None)
+        tensions[left], reasons[left] = one_by_one(lambda low, high: build(W.shape[1], low, high, weights=weights),
+                                                   W[left], w_e[left], low[own], high[own])
+        return tensions, reasons
+
+    return solve
 
 
 def _relaxed(scale: Array, low: Array, high: Array) -> Solver:
@@ -47,14 +74,13 @@ def _relaxed(scale: Array, low: Array, high: Array) -> Solver:
 
 def _least_error(rows: Array, goal: Array, low: Array, high: Array) -> Array:
     """min ‖rows τ − goal‖² + ridge ‖τ‖² inside the limits."""
-    import quadprog
-
     m = low.shape[0]
     gram = rows.T @ rows
     gram[np.diag_indices(m)] += _RIDGE * max(np.trace(gram), np.finfo(float).tiny)
     identity = np.eye(m)
     limits = np.concatenate([identity, -identity], axis=1)
-    found = quadprog.solve_qp(gram, rows.T @ goal, limits, np.concatenate([low, -high]))[0]
+    found = least_quadratic(gram, rows.T @ goal, limits, np.concatenate([low, -high]))
+    assert found is not None, "limits are in order"
     return np.clip(found, low, high)
 
 
@@ -70,8 +96,8 @@ def _least_tension(rows: Array, goal: Array, first: Array, low: Array, high: Arr
         tau = first
     # All tensions that give this wrench: the least of them, where rounding leaves that set non-empty.
     equal, values, _ = independent_rows(rows, rows @ tau)
-    least = min_norm(equal, values, low, high)
+    least = LeastNorm(len(equal), low, high).program(equal, -values)
     return tau if least is None else least
 
 
-METHOD = Method(build, complete=True, summary="least wrench error inside the limits, then least norm")
+METHOD = Method(build, complete=True, summary="least wrench error inside the limits, then least norm", batch=batch)

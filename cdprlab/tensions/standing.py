@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from .method import INFEASIBLE, NOT_FINITE, Solution
+from .quadratic_program import LeastNorm
 
 
 def standing_tensions(W: Array, w_e: Array, low: Array, high: Array, rows: Array, offset: Array, *,
@@ -23,16 +24,11 @@ def standing_tensions(W: Array, w_e: Array, low: Array, high: Array, rows: Array
     >>> standing_tensions(W, np.zeros(1), np.ones(2), np.full(2, 9.0), none, np.zeros(0))[0]
     array([1., 1.])
     """
-    import quadprog
-
-    m = low.shape[0]
-    if not (np.isfinite(w_e).all() and np.isfinite(offset).all()):   # quadprog answers NaN with numbers
-        return np.full(m, np.nan), NOT_FINITE
-    identity = np.eye(m)
-    constraints = np.concatenate([W.T, identity, -identity, -rows.T], axis=1)
-    bounds = np.concatenate([-w_e, low, -high, offset])
-    try:
-        found = quadprog.solve_qp(identity, np.full(m, toward, dtype=float), constraints, bounds, W.shape[0], True)[0]
-    except ValueError:
-        return np.full(m, np.nan), f"{INFEASIBLE} and keep every base standing" if rows.size else INFEASIBLE
-    return np.clip(found, low, high), ""
+    goal = np.full(low.size, toward, dtype=float)
+    found = LeastNorm(len(w_e), low, high).program(W, w_e, rows, offset, goal)
+    if found is not None:
+        return np.clip(found, low, high), ""
+    reason = f"{INFEASIBLE} and keep every base standing" if rows.size else INFEASIBLE
+    if not (np.isfinite(w_e).all() and np.isfinite(offset).all()):
+        reason = NOT_FINITE
+    return np.full(low.size, np.nan), reason

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, plain
+from ..compiled import FOUND, NOTHING, OUT_OF_RANGE, TOO_REDUNDANT, UNSETTLED
 from ..mechanics.optimization import largest_last
 from ..robot import Robot
 from ..sets.zonotope import hyperplane_shifting
@@ -33,24 +34,24 @@ def tension_margins(W: Array, w_e: Array, low: Array, high: Array, *, at_high: b
 
 def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> tuple[Array, Array]:
     """`tension_margins` and tensions (N, m) that have them, NaN where nothing balances w_e."""
-    from ..compiled import margins as kernel
+    from ..compiled.margins import margins
 
     n, m = W.shape[-2:]
-    s, tau, found = kernel.margins(plain(W), plain(w_e), plain(low), plain(high), 1.0, 1.0 if at_high else 0.0)
-    s[found == kernel.UNREACHABLE] = -np.inf
+    s, tau, found = margins(*map(plain, (W, w_e, low, high)), 1.0, float(at_high))
+    s[found == OUT_OF_RANGE] = -np.inf
     rows = np.block([[-np.eye(m), np.ones((m, 1))], [np.eye(m), np.full((m, 1), float(at_high))]])
-    for k in np.flatnonzero((found == kernel.TOO_REDUNDANT) | (found == kernel.UNSETTLED)):
+    for k in np.flatnonzero((found == TOO_REDUNDANT) | (found == UNSETTLED)):
         s[k], tau[k] = largest_last(rows, np.append(-low, high), np.column_stack([W[k], np.zeros(n)]), -w_e[k])
     return s, tau
 
 
 def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
     """Whether tensions within the limits balance each wrench: the sign of `tension_margins`, found quicker."""
-    from ..compiled import verdicts as kernel
+    from ..compiled.polygon import polygons
 
-    found = kernel.verdicts(plain(W), plain(w_e), plain(low[None]), plain(high[None]))
-    inside = np.asarray(found == kernel.INSIDE)
-    many = found == kernel.TOO_REDUNDANT
+    _, found, _ = polygons(*map(plain, (W, w_e, low[None], high[None])), NOTHING)
+    inside = np.asarray(found == FOUND)
+    many = found == TOO_REDUNDANT
     if many.any():
         inside[many] = tension_margins(W[many], w_e[many], low, high) >= -ROUNDING * high.max()
     return inside
@@ -86,16 +87,15 @@ def capacity_margins(W: Array, w_e: Array, loads: Array, half: Array, low: Array
     >>> capacity_margins(W, np.zeros((1, 2)), load, half, np.zeros(2), 4 * np.ones(2))[0]
     array([1.])
     """
-    from ..compiled import facets as kernel
+    from ..compiled.facets import capacity
 
     n = W.shape[1]
     carried = np.concatenate([W, np.broadcast_to(np.eye(n), (len(W), n, n))], axis=2)
-    s, normals, found = kernel.capacity(plain(carried), plain(w_e), plain(loads), plain(half), plain(low), plain(high),
-                                        exact)
-    s[found == kernel.UNREACHABLE] = -np.inf
-    for k in np.flatnonzero(found == kernel.TOO_REDUNDANT):
+    s, normals, found = capacity(*map(plain, (carried, w_e, loads, half, low, high)), exact)
+    s[found == OUT_OF_RANGE] = -np.inf
+    for k in np.flatnonzero(found == TOO_REDUNDANT):
         s[k], normals[k] = _one_by_one(W[k], w_e[k], loads, half, low, high)
-    normals[found == kernel.UNREACHABLE] = np.nan
+    normals[found == OUT_OF_RANGE] = np.nan
     return s, normals
 
 

@@ -1,0 +1,75 @@
+"""The compiled closed forms: the tensions nearest to a wish, with cables fixed at the limits that they leave."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from . import FOUND, OUT_OF_RANGE, SPENT
+from .jit import compiled
+from .linear_algebra import FREE, HELD, eliminate, nearest, solutions
+
+# Cables with limits closer than this have no choice; a limit is broken beyond rounding from this on.
+FIXED, BROKEN = 1e-9, 1e-12
+
+
+@compiled
+def worst_cable(tau: Array, low: Array, high: Array, row: int, held: Any, slack: float) -> int:
+    """The cable that is not held and leaves its limits by most, by more than ``slack``; −1 if all keep them."""
+    worst, excess = -1, slack
+    for j in range(tau.shape[0]):
+        over = max(low[row, j] - tau[j], tau[j] - high[row, j])
+        if not held[j] and over > excess:
+            worst, excess = j, over
+    return worst
+
+
+@compiled
+def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds: int) -> tuple[Array, Any]:
+    """The tensions nearest to low + share (high − low) among all that balance the wrench; equal limits hold a cable.
+
+    rounds : how often the cable that leaves its limits by most may be fixed there, and the others solved anew
+    W (k, n, m); w_e (k, n); low, high both (k, m) or both (1, m)
+    Returns tensions (k, m); FOUND, OUT_OF_RANGE or, where rounds or redundancy ran out, SPENT (k,).
+    """
+    count, n, m = W.shape
+    tensions, found = np.empty((count, m)), np.empty(count, np.int64)
+    rows, line, owner, wish = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64), np.empty(m)
+    c, D, gram, lam, tau = np.empty(m), np.empty((m, m)), np.empty((m, m)), np.empty(m), np.empty(m)
+    held = np.empty(m, np.bool_)
+    for k in range(count):
+        row = k if low.shape[0] > 1 else 0
+        largest = 0.0
+        for j in range(m):
+            largest = max(largest, high[row, j])
+        for j in range(m):
+            wish[j] = low[row, j] + share * (high[row, j] - low[row, j])
+            held[j] = high[row, j] - low[row, j] <= FIXED * largest
+        left = rounds
+        while True:
+            for j in range(m):
+                owner[j] = HELD if held[j] else FREE
+            _, reachable = eliminate(W, w_e, k, wish, rows, line, owner)
+            free = solutions(rows, owner, wish, c, D)
+            nearest(c, D, free, wish, gram, lam)
+            for i in range(m):
+                tau[i] = c[i]
+                for a in range(free):
+                    tau[i] += D[i, a] * lam[a]
+            worst = worst_cable(tau, low, high, row, held, BROKEN * largest)
+            found[k] = FOUND
+            if not reachable:
+                found[k] = OUT_OF_RANGE if left == rounds else SPENT
+            if worst < 0 or rounds == 0 or not reachable:
+                break
+            if left == 0 or free == 0:
+                found[k] = SPENT
+                break
+            wish[worst] = low[row, worst] if tau[worst] < low[row, worst] else high[row, worst]
+            held[worst] = True
+            left -= 1
+        for j in range(m):
+            tensions[k, j] = tau[j]
+    return tensions, found

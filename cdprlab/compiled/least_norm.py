@@ -1,0 +1,87 @@
+"""The compiled least-norm tensions, for up to two redundant cables: the point nearest to 0 of the feasible polygon."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from . import EMPTY, FOUND, OUT_OF_RANGE, TOO_REDUNDANT
+from .jit import compiled
+from .linear_algebra import FREE, eliminate, nearest, solutions
+from .polygon import BORDER, ROUNDING, polygon
+
+
+@compiled
+def inside(c: Array, D: Array, point: Array, low: Array, high: Array, row: int) -> bool:
+    """Whether c + D λ keeps the limits."""
+    for i in range(c.shape[0]):
+        tau = c[i] + D[i, 0] * point[0] + D[i, 1] * point[1]
+        if tau < low[row, i] or tau > high[row, i]:
+            return False
+    return True
+
+
+@compiled
+def border_point(c: Array, D: Array, corners: Array, first: int, count: int, point: Array) -> None:
+    """The point of least ‖c + D λ‖ on the border: on each edge p + s (q − p) the best s, kept from 0 to 1."""
+    least = np.inf
+    before = first + count - 1
+    for k in range(first, first + count):
+        x, y = corners[k, 0] - corners[before, 0], corners[k, 1] - corners[before, 1]
+        square, along, steepness = 0.0, 0.0, 0.0
+        for i in range(c.shape[0]):
+            start = c[i] + D[i, 0] * corners[before, 0] + D[i, 1] * corners[before, 1]
+            step = D[i, 0] * x + D[i, 1] * y
+            square += start * start
+            along -= start * step
+            steepness += step * step
+        s = 0.0
+        if along > 0.0:
+            s = min(along / steepness, 1.0)
+        square += s * (s * steepness - 2.0 * along)
+        if square < least:
+            least = square
+            point[0], point[1] = corners[before, 0] + s * x, corners[before, 1] + s * y
+        before = k
+
+
+@compiled
+def least_norms(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, Any, Any]:
+    """min ‖τ‖² with W τ + w_e = 0 and the limits: exact, as the program's only active sets are none, an edge, a corner.
+
+    W (k, n, m); w_e (k, n); low, high both (k, m) or both (1, m)
+    Returns tensions (k, m), NaN without an answer; FOUND or why not (k,); redundancy r = m − rank (k,).
+    """
+    count, n, m = W.shape
+    tensions, found, spare = np.empty((count, m)), np.empty(count, np.int64), np.empty(count, np.int64)
+    rows, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
+    c, D, corners, point = np.empty(m), np.empty((m, max(m, 2))), np.zeros((4 * m + 16, 3)), np.empty(2)
+    zero, gram = np.zeros(m), np.empty((2, 2))
+    for k in range(count):
+        row = k if low.shape[0] > 1 else 0
+        largest = 0.0
+        for j in range(m):
+            owner[j] = FREE
+            largest = max(largest, high[row, j])
+            D[j, 0] = D[j, 1] = point[0] = point[1] = 0.0
+            tensions[k, j] = np.nan
+        rank, reachable = eliminate(W, w_e, k, c, rows, line, owner)
+        spare[k] = m - rank
+        found[k] = OUT_OF_RANGE if not reachable else TOO_REDUNDANT if spare[k] > 2 else EMPTY
+        if found[k] != EMPTY:
+            continue
+        free = solutions(rows, owner, c, c, D)
+        nearest(c, D, free, zero, gram, point)
+        if not inside(c, D, point, low, high, row):
+            first, sides = polygon(c, D, owner, low, high, row, 0.0, ROUNDING * largest, corners)
+            if sides == 0:   # one last point on the very border is lost to rounding
+                first, sides = polygon(c, D, owner, low, high, row, BORDER * largest, 0.0, corners)
+            if sides == 0:
+                continue
+            border_point(c, D, corners, first, sides, point)
+        found[k] = FOUND
+        for i in range(m):
+            tensions[k, i] = c[i] + D[i, 0] * point[0] + D[i, 1] * point[1]
+    return tensions, found, spare

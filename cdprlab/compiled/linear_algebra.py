@@ -1,0 +1,104 @@
+"""All tensions τ = c + D λ that balance a wrench, by Gauss–Jordan elimination, and the nearest of them to a wish.
+
+Elimination makes D the identity in the free cables, so that λ are these cables' own tensions. Nothing chosen from
+them in this room (the nearest tensions, the centroid, a vertex) depends on which basis of W's null space that is.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from .jit import compiled
+
+FREE, HELD, CARRIED = -1, -2, -3
+"""Before elimination: a column that may solve a row, one held at a value, one that only comes along."""
+
+# A row this much smaller than it was depends on those before it: elimination leaves about 1e-15 of it.
+DEPENDENT = 1e-12
+OFF_RANGE = 1e-8
+
+
+@compiled
+def eliminate(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: Array, owner: Any) -> tuple[int, bool]:
+    """Gauss–Jordan on [W | −w_e − W_held τ_held] of pose k: ``owner[j]`` becomes the row that column j solves.
+
+    W (…, n, m); w_e (…, n); rows (n, m + 1) and line (m + 1,) are overwritten
+    Returns the rank, and whether the rows that depend on others agree with them.
+    """
+    n, m = rows.shape[0], rows.shape[1] - 1
+    size = 1.0
+    for i in range(n):
+        rows[i, m] = -w_e[k, i]
+        size = max(size, 1.0 + abs(w_e[k, i]))
+        for j in range(m):
+            rows[i, j] = W[k, i, j]
+            if owner[j] == HELD:
+                rows[i, m] -= W[k, i, j] * held_at[j]
+                rows[i, j] = 0.0
+    rank, agree = 0, True
+    for i in range(n):
+        pivot, largest, before = -1, 0.0, 0.0
+        for j in range(m):
+            before = max(before, abs(W[k, i, j]))
+            if owner[j] == FREE and abs(rows[i, j]) > largest:
+                pivot, largest = j, abs(rows[i, j])
+        if largest <= DEPENDENT * before:
+            agree = agree and abs(rows[i, m]) <= OFF_RANGE * size
+            continue
+        owner[pivot] = i
+        rank += 1
+        scale = 1.0 / rows[i, pivot]
+        for j in range(m + 1):   # in an array of its own the loop below runs on vectors
+            line[j] = rows[i, j] * scale
+        for q in range(n):
+            factor = rows[q, pivot]
+            for j in range(m + 1):
+                rows[q, j] -= factor * line[j]
+        for j in range(m + 1):
+            rows[i, j] = line[j]
+    return rank, agree
+
+
+@compiled
+def solutions(rows: Array, owner: Any, held_at: Array, c: Array, D: Array) -> int:
+    """c and D of τ = c + D λ from the eliminated rows; returns how many λ there are, one per free cable."""
+    m = c.shape[0]
+    free = 0
+    for j in range(m):
+        c[j] = held_at[j] if owner[j] == HELD else 0.0
+        if owner[j] >= 0:
+            c[j] = rows[owner[j], m]
+        elif owner[j] == FREE:
+            for i in range(m):
+                D[i, free] = -rows[owner[i], j] if owner[i] >= 0 else 0.0
+            D[j, free] = 1.0
+            free += 1
+    return free
+
+
+@compiled
+def nearest(c: Array, D: Array, free: int, wish: Array, gram: Array, lam: Array) -> None:
+    """λ of min ‖c + D λ − wish‖² by Cholesky of Dᵀ D, which is at least the identity."""
+    m = c.shape[0]
+    for a in range(free):
+        total = 0.0
+        for i in range(m):
+            total += D[i, a] * (wish[i] - c[i])
+        lam[a] = total
+        for b in range(a + 1):
+            total = 0.0
+            for i in range(m):
+                total += D[i, a] * D[i, b]
+            for k in range(b):
+                total -= gram[a, k] * gram[b, k]
+            gram[a, b] = np.sqrt(total) if a == b else total / gram[b, b]
+        for b in range(a):
+            lam[a] -= gram[a, b] * lam[b]
+        lam[a] /= gram[a, a]
+    for a in range(free - 1, -1, -1):
+        for b in range(a + 1, free):
+            lam[a] -= gram[b, a] * lam[b]
+        lam[a] /= gram[a, a]
