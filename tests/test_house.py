@@ -15,7 +15,6 @@ ROOMS = (
 )
 """From the ground up: a room imports from those before it."""
 UPWARDS = {
-    ("compiled", "tensions"): "until the compiled polygon has its letters from itself",
     ("mechanics", "simulate"): "until one computed torque is left",
 }
 """Imports against the order that are still there; they must be inside a function, where they close no circle."""

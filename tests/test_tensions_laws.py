@@ -187,7 +187,7 @@ def test_numba_stays_in_its_room_and_does_without_a_cache(monkeypatch):
     from cdprlab.compiled import jit
     asked_for = []
 
-    def njit(**options):
+    def njit(signature, **options):
         asked_for.append(options.get("cache", False))
         if options.get("cache"):
             raise RuntimeError("cannot cache function: no locator available")
