@@ -20,6 +20,7 @@ from cdprlab.view.outlines import box_corners
 from cdprlab.view.picture import Picture
 from cdprlab.view.screen import robot_axes, sized_figure
 from cdprlab.view.style import (
+    BOX,
     LOAD,
     SHADOW,
     SLACK_COLOR,
@@ -396,6 +397,9 @@ def test_an_engines_state_can_be_drawn():
         engine.step(np.full(4, 20.0))
         picture = view.draw(engine.state(), 320, 240)
     assert picture.shape == (240, 320, 3) and near(picture, SLACK_COLOR) > 20
+    with cl.open_simulator(cl.load_world("marionet"), "length") as engine:
+        picture = view.draw(engine.state())
+    assert near(picture, [int(0.9 * int(BOX[i:i + 2], 16)) for i in (1, 3, 5)]) > 100    # its scene is drawn too
 
 
 # --- films --------------------------------------------------------------------------------------------------

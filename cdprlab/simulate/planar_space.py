@@ -19,7 +19,6 @@ from ..robot.pose import Pose
 from ..world import World
 from .planar_bases import PlanarBases
 
-_CORNERS = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 _FRICTION = 0.5
 _MOST_ITERATIONS = 1000
 _MOST_ORDERED = 6

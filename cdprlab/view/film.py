@@ -47,8 +47,8 @@ def draw(state: State, width: int = 640, height: int = 480) -> Frame:
     figure = sized_figure(width, height)
     with house_style():
         axes = robot_axes(figure, state.robot.dimension)
-        drawing = RobotDrawing(axes, state.robot, getattr(state, "scene", None), state.pose, solid=True)
-        drawing.move(state.pose, state.tensions, getattr(state, "rope_lengths", None), getattr(state, "boxes", ()))
+        drawing = RobotDrawing(axes, state.robot, state.scene, state.pose, solid=True)
+        drawing.move(state.pose, state.tensions, state.rope_lengths, state.boxes)
         return Picture(figure).pixels()
 
 
