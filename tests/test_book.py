@@ -76,7 +76,7 @@ def test_every_public_name_is_documented_once(site: Path):
 
 
 def test_a_docstring_keeps_its_formulas_shapes_and_units(site: Path):
-    words = " ".join(_Words(site / "api" / "statics.html").text.split())
+    words = " ".join(_Words(site / "api" / "mechanics.html").text.split())
     for said in ("so that equilibrium reads W τ + w_e = 0.", "axial_stiffness : EA, a number or (m,) [N]",
                  ">>> stiffness(robot, pose, np.full(8, 400.0), 1e5).shape (6, 6)"):
         assert said in words

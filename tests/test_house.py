@@ -1,6 +1,8 @@
 """The house rules of docs and design: who may import whom, and that what is public is documented."""
 
 import ast
+import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -101,3 +103,16 @@ def _rooms_of(path: Path, node: ast.Import | ast.ImportFrom) -> list[str]:
     else:
         names = [name.split(".")[1] for name in _absolute(node) if name.startswith("cdprlab.")]
     return names
+
+
+NOTEBOOKS = sorted((PACKAGE.parent / "lessons").rglob("*.ipynb"))
+DOORS = {"cdprlab", "cdprlab.course", "cdprlab.fastkit"}
+"""What a lesson may import of this package; what is behind them is nobody's business."""
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.relative_to(PACKAGE.parent).as_posix())
+def test_lessons_use_the_doors(path: Path):
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    code = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
+    taken = re.findall(r"^\s*(?:from|import) (cdprlab[\w.]*)", code, re.MULTILINE)
+    assert taken and set(taken) <= DOORS

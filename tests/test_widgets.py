@@ -122,7 +122,7 @@ def test_a_move_changes_picture_text_and_description():
     spring.set(x=-0.25)
     assert (pixels(spring) != before).any()
     assert spring.text == "force [N]  -25.0\nkind       steel"
-    assert "extension [m] -0.25" in spring.alt_text and f'alt="{spring.alt_text}"' in spring._image.value
+    assert "extension [m] -0.25" in spring.alt_text and f'alt="{spring.alt_text}"' in spring.image.value
     spring.set(x=0.5)
     np.testing.assert_array_equal(pixels(spring), before)  # nothing of the way there is left behind
 
@@ -171,9 +171,9 @@ def test_a_mistake_is_raised_and_shown_and_forgotten(move):
     with pytest.raises(ZeroDivisionError, match="no negative extension"):
         move(spring)
     assert spring.text == "ZeroDivisionError: no negative extension"
-    assert "ZeroDivisionError: no negative extension" in spring._mistake.value and spring.picture == picture
+    assert "ZeroDivisionError: no negative extension" in spring.mistake.value and spring.picture == picture
     spring.set(x=0.3)
-    assert spring._mistake.value == "" and "30.0" in spring.text and spring.picture != picture
+    assert spring.mistake.value == "" and "30.0" in spring.text and spring.picture != picture
 
 
 def test_mistakes_in_numbers_and_callbacks_come_through():
@@ -201,7 +201,7 @@ def test_a_mistakes_text_is_no_html():
     spring.force = student
     with pytest.raises(ValueError, match="bold"):
         spring.set(x=0.1)
-    assert "&lt;b&gt;" in spring._mistake.value
+    assert "&lt;b&gt;" in spring.mistake.value
 
 
 @pytest.mark.parametrize(("values", "words"), [

@@ -119,7 +119,7 @@ def test_a_closed_polygon_stays_when_let_go_and_an_open_one_moves_along_what_is_
     # A tenth of a second is short: the cables have turned by a degree.
     assert moved @ state.left_over > 0.99 * np.linalg.norm(moved) * np.linalg.norm(state.left_over)
     np.testing.assert_allclose(motion.acceleration * MASS, state.left_over, atol=ROUNDING * 1e3)  # speed / 1 ms
-    assert "OPEN" in explorer._axes[1].get_title(loc="left")
+    assert "OPEN" in explorer.axes[1].get_title(loc="left")
     explorer.close()
 
 
@@ -129,7 +129,7 @@ def test_a_cable_told_to_push_carries_nothing():
     explorer = course.equilibrium_explorer(3)
     explorer.set(y=1.5, internal=-100, time=0.2)
     assert "pymunk     a = (0.000, -9.810)" in explorer.text
-    assert explorer._axes[1].get_title(loc="left") == "Force polygon: slack!"
+    assert explorer.axes[1].get_title(loc="left") == "Force polygon: slack!"
     explorer.close()
 
 

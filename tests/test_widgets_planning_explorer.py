@@ -50,9 +50,9 @@ def test_no_way_is_said_in_picture_and_words(explorer):
     explorer.set(gap=0.8, margin=0.3)
     assert "way" in explorer.text and "none: there is no way of 1.89 m width" in explorer.text
     assert "no way" in explorer.alt_text
-    assert explorer._says.get_text() == "no way"
+    assert explorer.says.get_text() == "no way"
     explorer.set(gap=2.2, margin=0.1)
-    assert explorer._says.get_text() == "" and "through the lower gap" in explorer.alt_text
+    assert explorer.says.get_text() == "" and "through the lower gap" in explorer.alt_text
 
 
 def test_the_time_is_no_shorter_than_the_slower_base_needs(explorer):

@@ -125,7 +125,7 @@ def test_every_control_answers_at_both_ends_of_its_range(subject):
         for end in ends:
             explorer.set(**{**start, name: end})
             assert explorer.picture.startswith(b"\x89PNG") and "feasible set" in explorer.text
-    assert "role=\"alert\"" not in explorer._mistake.value
+    assert "role=\"alert\"" not in explorer.mistake.value
     explorer.close()
 
 

@@ -34,7 +34,7 @@ def test_every_control_answers_at_both_ends_of_its_range(name):
                 explorer.set(**{**start, "criterion": criterion, control.name: end})
                 assert explorer.picture.startswith(b"\x89PNG") and "inside" in explorer.text
                 assert criterion.replace("_", " ") in explorer.alt_text or control.name == "criterion"
-    assert 'role="alert"' not in explorer._mistake.value
+    assert 'role="alert"' not in explorer.mistake.value
     explorer.close()
 
 
@@ -95,7 +95,7 @@ def test_closure_of_a_point_is_the_polygon_of_its_exits():
 def test_borders_lie_between_cells_that_differ():
     explorer = course.workspace_explorer(cl.load_world("planar_rigid"))
     state, grid = explorer.state(explorer.values), explorer.grid
-    segments = np.array(explorer._border.get_segments())
+    segments = np.array(explorer.border.get_segments())
     middles, along = segments.mean(axis=1), np.diff(segments, axis=1)[:, 0]
     aside = np.stack([-along[:, 1], along[:, 0]], axis=1) / 2
 

@@ -9,26 +9,27 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from textwrap import indent
 from typing import Any
 
 import docstrings
 
 import cdprlab
-from cdprlab import course
+from cdprlab import course, fastkit
 
 GROUPS = {
-    "Worlds and robots": ("world", "robot", "pose", "errors"),
-    "Geometry": ("geometry",),
-    "Kinematics": ("kinematics", "redundancy"),
-    "Statics": ("statics",),
+    "Worlds and robots": ("world", "robot", "errors"),
+    "Mechanics": ("mechanics",),
     "Tensions": ("tensions",),
     "Sets": ("sets",),
-    "Workspace": ("workspace", "base_placement"),
+    "Workspaces": ("workspace",),
     "Configurations": ("configurations",),
-    "Control and simulation": ("trajectory", "state", "control", "simulate", "run", "compare", "picking"),
+    "Simulation and runs": ("simulate", "run"),
     "View": ("view",),
+    "FASTKIT": ("fastkit",),
+    "Course": ("course",),
 }
-"""A world becomes a robot, a robot geometry, geometry kinematics and statics, …: page → rooms, in the house's order."""
+"""A world becomes a robot, a robot mechanics, mechanics tensions, …; then the wings: page → rooms."""
 
 _WIDE = 100  # [characters] of a command's help
 
@@ -45,11 +46,13 @@ def write(folder: Path) -> None:
 def members(room: str) -> list[str]:
     """Full names of what a room shows: functions after the things they return."""
     if room == "errors":
-        found = [f"cdprlab.errors.{name}" for name, thing in vars(cdprlab.errors).items()
-                 if inspect.isclass(thing) and thing.__module__ == "cdprlab.errors"]
-    else:
-        found = [f"cdprlab.{name}" for name in cdprlab.__all__ if _room(name) == room]
-    return found + [f"cdprlab.course.explorers.{name}" for name in course.__all__ if room == "view"]
+        return [f"cdprlab.errors.{name}" for name, thing in vars(cdprlab.errors).items()
+                if inspect.isclass(thing) and thing.__module__ == "cdprlab.errors"]
+    if room in ("fastkit", "course"):
+        door = {"fastkit": fastkit, "course": course}[room]
+        return [f"cdprlab.{room}.{name}" for name in door.__all__
+                if getattr(getattr(door, name), "__module__", "").startswith(f"cdprlab.{room}.")]
+    return [f"cdprlab.{name}" for name in cdprlab.__all__ if _room(name) == room]
 
 
 def homeless() -> list[str]:
@@ -66,7 +69,7 @@ def full_name(word: str, inside: str = "") -> str | None:
     shown = {name for group in GROUPS.values() for room in group for name in members(room)}
     owners = [owner for owner in shown if inside == owner or inside.startswith(f"{owner}.")]
     word = word.removeprefix("cl.").removesuffix("()")
-    for candidate in (f"cdprlab.{word}", f"cdprlab.errors.{word}", f"cdprlab.course.explorers.{word}"):
+    for candidate in (f"cdprlab{door}.{word}" for door in ("", ".errors", ".fastkit", ".course")):
         if candidate in shown:
             return candidate
     return next((f"{owner}.{word}" for owner in owners if inspect.isclass(_thing(owner))
@@ -111,18 +114,30 @@ def _page(group: str) -> str:
     return text
 
 
-def _order(name: str) -> tuple[bool, bool]:
-    """Things before functions, the widgets at the end; the rest in their own order."""
-    return name.startswith("cdprlab.course.explorers"), not inspect.isclass(_thing(name))
+def _order(name: str) -> bool:
+    """Things before functions; the rest in their own order."""
+    return not _is_class(name)
+
+
+def _is_class(name: str) -> bool:
+    """Whether it is one by name too: an explorer is found under the name of a function that makes it."""
+    thing = _thing(name)
+    return inspect.isclass(thing) and thing.__name__ == name.split(".")[-1]
 
 
 def _entry(name: str) -> str:
     thing = _thing(name)
     if inspect.ismodule(thing):
         return ""
-    kind = "exception" if inspect.isclass(thing) and issubclass(thing, Exception) else \
-        "class" if inspect.isclass(thing) else "function"
-    return f".. auto{kind}:: {name}\n\n"
+    if _is_class(name):
+        return f".. auto{'exception' if issubclass(thing, Exception) else 'class'}:: {name}\n\n"
+    if not inspect.isclass(thing):
+        return f".. autofunction:: {name}\n\n"
+    arguments = [str(argument.replace(annotation=argument.empty)) for argument in
+                 inspect.signature(thing).parameters.values()]
+    said = docstrings.as_rst(inspect.getdoc(thing) or "", lambda word: full_name(word, name))
+    short = name.removeprefix("cdprlab.")  # the page's module
+    return f".. py:function:: {short}({', '.join(arguments)})\n\n" + indent("\n".join(said), "   ") + "\n\n"
 
 
 def _index() -> str:
@@ -134,7 +149,7 @@ def _index() -> str:
         text += _title(group, "-") + ".. list-table::\n   :widths: auto\n\n"
         for name in (name for room in rooms for name in sorted(members(room), key=_order)):
             if not inspect.ismodule(_thing(name)):
-                short = name.removeprefix("cdprlab.view.").removeprefix("cdprlab.")
+                short = name.removeprefix("cdprlab.")
                 text += f"   * - :py:obj:`{short} <{name}>`\n     - {_first_line(_thing(name))}\n"
         text += "\n"
     return text + _title("Command line", "-") + "``python -m cdprlab``, see :doc:`command_line`.\n"

@@ -14,7 +14,7 @@ import nbformat
 HERE = Path(__file__).resolve().parent
 CHECKOUT = HERE.parents[1]
 FILES = ("README.md", "NOTICE.md", "LICENSE", "CITATION.cff", "Dockerfile", "requirements.txt", ".binder/*",
-         "docs/*.md", "docs/**/*.png", "worlds/*.yaml")
+         "cdprlab/**/*.py", "docs/*.md", "docs/**/*.png", "worlds/*.yaml")
 NOT_NEEDED = ("a11y", "localization", "SVG", "MathML", "*.py", "__pycache__")
 """Of MathJax: other outputs than the one used, other languages, speech rules."""
 

@@ -64,23 +64,23 @@ class EquilibriumExplorer(Explorer):
                       values["time"])
 
     def build(self, figure: Figure) -> None:
-        self._axes = panels(figure, stacked=True)
+        self.axes = panels(figure, stacked=True)
         # Something to lay out: the axes keep the room that this takes.
-        draw_panels(self._axes, self._robots[3], [0, 1], [0, 0], equilibrium(self._robots[3], [0, 1], internal=100.0))
+        draw_panels(self.axes, self._robots[3], [0, 1], [0, 0], equilibrium(self._robots[3], [0, 1], internal=100.0))
 
     def draw(self, values: Values) -> None:
         still = self._still()
         with house_style():
-            draw_panels(self._axes, self._robots[values["cables"]], *_load(values), self.state(values),
+            draw_panels(self.axes, self._robots[values["cables"]], *_load(values), self.state(values),
                         self.motion(values))
-            for artist in (artist for axes in self._axes for artist in drawn(axes)):
+            for artist in (artist for axes in self.axes for artist in drawn(axes)):
                 artist.set_animated(True)
         if self._still() == still:  # axes call themselves stale for any new artist, though this one is drawn anyway
-            self._axes[0].figure.stale = False
+            self.axes[0].figure.stale = False
 
     def _still(self) -> list[Any]:
         """What an artist that moves does not change: limits and titles."""
-        return [(axes.get_xlim(), axes.get_ylim(), axes.get_title(loc="left")) for axes in self._axes]
+        return [(axes.get_xlim(), axes.get_ylim(), axes.get_title(loc="left")) for axes in self.axes]
 
     def numbers(self, values: Values) -> dict[str, Any]:
         state, motion = self.state(values), self.motion(values)

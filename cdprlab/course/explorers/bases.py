@@ -15,7 +15,7 @@ from ...mechanics.kinematics import base_jacobian, jacobian
 from ...robot import Base, Robot
 from ...robot.pose import Pose
 from ...view.drawing import RobotDrawing
-from ...view.style import INK, cable_style, house_style
+from ...view.style import INK, cable_style
 from ...view.text_table import cable_names, cable_table, fixed
 from ...world import World
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
@@ -121,14 +121,13 @@ class BaseExplorer(Explorer):
 
     def draw(self, values: Values) -> None:
         motion, drawing = self.motion(values), self._drawing
-        with house_style():
-            drawing.turn(values.get("azimuth", EYE.start))
-            drawing.drive(motion.robot)
-            drawing.move(motion.pose)
-            for arrow, (tail, speed) in zip(self._arrows, _velocities(motion)):
-                arrow.move(tail, _SECONDS * speed)
-            for bar, rate in zip(self._bars, np.nan_to_num(motion.rates)):
-                bar.set_height(float(rate))
+        drawing.turn(values.get("azimuth", EYE.start))
+        drawing.drive(motion.robot)
+        drawing.move(motion.pose)
+        for arrow, (tail, speed) in zip(self._arrows, _velocities(motion)):
+            arrow.move(tail, _SECONDS * speed)
+        for bar, rate in zip(self._bars, np.nan_to_num(motion.rates)):
+            bar.set_height(float(rate))
 
     def numbers(self, values: Values) -> str:
         """Lengths and rates, cable by cable."""

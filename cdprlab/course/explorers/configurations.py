@@ -111,7 +111,7 @@ class ConfigurationExplorer(Explorer):
             self._draw_all(self._classes, self.chosen(values), self.place(values), _boxes(values), values)
         for panel in self._panels:
             panel.stale = False
-        self._picture.figure.stale = False
+        self._plan.figure.stale = False
 
     def numbers(self, values: Values) -> dict[str, Any]:
         self._replan(values)
@@ -181,7 +181,7 @@ class ConfigurationExplorer(Explorer):
         try:
             self.fly()
         except Exception as error:
-            self._show_mistake(error)
+            self.show_mistake(error)
         finally:
             self.button.disabled, self.button.description = False, "Play in the engine"
 
@@ -189,7 +189,7 @@ class ConfigurationExplorer(Explorer):
         if self._player is not None:
             self._player.close()
         self._player = player
-        self.stage.children = (self._image,) if player is None else (self._image, player.widget)
+        self.stage.children = (self.image,) if player is None else (self.image, player.widget)
 
 
 configuration_explorer = ConfigurationExplorer

@@ -253,11 +253,11 @@ class Explorer(Shown):
     # --- inside ---------------------------------------------------------------------------------------
     def _make_widgets(self) -> None:
         self.sliders = {name: control.widget() for name, control in self.controls.items()}
-        self._image, self._numbers, self._mistake = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
+        self.image, self._numbers, self.mistake = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
         title = ipywidgets.HTML(f"<b>{html.escape(self.title)}</b>")
         self.panel = ipywidgets.VBox(list(self.sliders.values()), layout={"width": "34em", "max_width": "100%"})
-        self.stage = ipywidgets.VBox([self._image])
-        beside = ipywidgets.VBox([self.panel, self._mistake, self._numbers],
+        self.stage = ipywidgets.VBox([self.image])
+        beside = ipywidgets.VBox([self.panel, self.mistake, self._numbers],
                                  layout={"flex": "1 1 25em", "min_width": "0"})
         wrapping = {"flex_flow": "row wrap", "align_items": "flex-start"}
         self.widget = ipywidgets.VBox([title, ipywidgets.HBox([self.stage, beside], layout=wrapping)])
@@ -275,23 +275,23 @@ class Explorer(Shown):
             self.draw(values)
             picture, alt_text = self._picture.png(), str(self.describe(values))
         except Exception as error:
-            self._show_mistake(error)
+            self.show_mistake(error)
         self.text = text
         self._numbers.value = f'<pre style="{_NUMBERS_STYLE}">{html.escape(text)}</pre>'
         self._png, self.alt_text = picture, alt_text
-        self._image.value = picture_tag(picture, tuple(self._picture.figure.get_size_inches()), alt_text)
-        self._mistake.value = ""
+        self.image.value = picture_tag(picture, tuple(self._picture.figure.get_size_inches()), alt_text)
+        self.mistake.value = ""
         for callback in tuple(self._callbacks):
             try:
                 callback(values)
             except Exception as error:
-                self._show_mistake(error)
+                self.show_mistake(error)
 
-    def _show_mistake(self, error: Exception) -> NoReturn:
+    def show_mistake(self, error: Exception) -> NoReturn:
         """Readable in the widget, where a notebook would hide it in its log, and raised again for whoever called."""
         kind = "" if isinstance(error, CdprError) else f"{type(error).__name__}: "
         self.text = f"{kind}{error}"
-        self._mistake.value = (f'<div role="alert" style="color: #A32A00; font-weight: bold; white-space: pre-wrap">'
+        self.mistake.value = (f'<div role="alert" style="color: #A32A00; font-weight: bold; white-space: pre-wrap">'
                                f"{html.escape(self.text)}\n"
                                '<span style="font-weight: normal">The picture is the one before this move; '
                                "mend the function it calls, or move on.</span></div>")

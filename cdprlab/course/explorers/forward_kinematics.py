@@ -77,7 +77,7 @@ class ForwardKinematicsExplorer(Explorer):
                                     for i in range(robot.n_cables)]
         self._cables = [movable(panel, color=GREY, linewidth=0.9) for _ in range(robot.n_cables)]
         self._true, = panel.fill([0], [0], color=GREY, alpha=0.35, linewidth=0, **moving)
-        self._hung, = panel.fill([0], [0], facecolor=to_rgba(SKY, 0.5), edgecolor=BLUE, linewidth=1.2, **moving)
+        self.hung, = panel.fill([0], [0], facecolor=to_rgba(SKY, 0.5), edgecolor=BLUE, linewidth=1.2, **moving)
         self._ropes = [movable(panel, color=SKY, linewidth=2.2) for _ in range(robot.n_cables)]
         self._iterates = [movable(panel, color=INK, linewidth=1.0, linestyle=(0, (2, 2))) for _ in range(_SHOWN)]
         self._trail = movable(panel, color=INK, marker="o", markersize=3, linewidth=0.8)
@@ -146,11 +146,11 @@ class ForwardKinematicsExplorer(Explorer):
         """The platform at rest on its ropes; what is slack hangs through."""
         settled = self._settled
         shown = settled is not None and settled.fits
-        for i, artist in enumerate((*self._ropes, self._hung)):
-            artist.set_visible(shown and (artist is self._hung or i < self._robot.n_cables))
+        for i, artist in enumerate((*self._ropes, self.hung)):
+            artist.set_visible(shown and (artist is self.hung or i < self._robot.n_cables))
         if settled is not None and shown:
             anchors = settled.pose.position + anchor_offsets(self._robot, settled.pose)
-            self._hung.set_xy(outline(self._robot, settled.pose))
+            self.hung.set_xy(outline(self._robot, settled.pose))
             for rope, *ends in zip(self._ropes, anchors, self._robot.exit_points, self._lengths):
                 rope.set_data(*hanging(*ends).T)
 

@@ -20,7 +20,7 @@ _GONE = 1e6
 """An error so many times the first is off every picture."""
 
 
-class Verdict(NamedTuple):
+class Stability(NamedTuple):
     """How a sampled loop behaves.
 
     poles : (2,) complex, eigenvalues of the step matrix
@@ -47,7 +47,7 @@ def step_matrix(kp: float, kd: float, dt: float) -> Array:
     return np.array([[1 - kp * dt**2, dt * (1 - kd * dt)], [-kp * dt, 1 - kd * dt]])
 
 
-def judge(kp: float, kd: float, dt: float) -> Verdict:
+def judge(kp: float, kd: float, dt: float) -> Stability:
     """Poles of z² − (2 − K_d Δt − K_p Δt²) z + (1 − K_d Δt), inside the circle if K_p > 0 < K_d < 2/Δt − K_p Δt/2.
 
     kp, kd : [1/s²], [1/s]
@@ -58,7 +58,7 @@ def judge(kp: float, kd: float, dt: float) -> Verdict:
     """
     poles = np.linalg.eigvals(step_matrix(kp, kd, dt)).astype(complex)
     largest = 2 / dt - kp * dt / 2
-    return Verdict(poles, bool(kp > 0 and 0 < kd < largest), largest)
+    return Stability(poles, bool(kp > 0 and 0 < kd < largest), largest)
 
 
 def sampled_error(kp: float, kd: float, dt: float, count: int) -> Array:
@@ -205,7 +205,7 @@ def _count(values: Values) -> int:
     return int(values["span"] / (1e-3 * values["dt"])) + 1
 
 
-def _words(kp: float, kd: float, verdict: Verdict) -> str:
+def _words(kp: float, kd: float, verdict: Stability) -> str:
     if kp == 0:
         return "NOT STABLE: without K_p nothing pulls the error back"
     if kd == 0:

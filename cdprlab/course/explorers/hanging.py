@@ -15,6 +15,7 @@ from ...view.drawing import RobotDrawing
 from ...view.style import INK, cable_style
 from ...view.text_table import in_brackets
 from ...world import World
+from .cable_bars import CableBars
 from .explorer import Explorer, Slider, Values, once_a_move
 
 _AXES = ("x", "y", "z")
@@ -57,25 +58,19 @@ class HangingExplorer(Explorer):
         # Three times what the start needs: a pull that grows is seen to grow, and beyond it the number tells.
         start = self.tensions(self.values).tensions
         self._largest = _round_up(3.0 * float(np.nanmax(start, initial=1.0)))
-        cables = range(1, self.robot.n_cables + 1)
-        styles = [cable_style(cable - 1) for cable in cables]
-        self._bars = right.barh(cables, [0.0] * len(cables), color=[style.color for style in styles],
-                                edgecolor=INK, height=0.62, animated=True)
-        for bar, style in zip(self._bars, styles):
-            bar.set_linestyle(style.linestyle)
-        self._labels = [right.text(0, cable, "", va="center", fontsize=10, color=INK, animated=True)
-                        for cable in cables]
-        right.set(xlim=(0, 1.25 * self._largest), ylim=(cables[-1] + 0.6, 0.4), yticks=cables, xlabel="tension [N]",
-                  ylabel="cable")
+        self.bars = CableBars(right, self.robot.n_cables, 1.25 * self._largest, 0.02 * self._largest)
+        for k, bar in enumerate(self.bars.bars):
+            look = cable_style(k)
+            bar.set(facecolor=look.color, edgecolor=INK, linestyle=look.linestyle)
 
     def draw(self, values: Values) -> None:
         self._drawing.move(self.pose(values))
         held = self.tensions(values)
-        for bar, label, tension in zip(self._bars, self._labels, held.tensions):
-            shown = min(float(tension), self._largest) if held.feasible else 0.0
-            bar.set_width(shown)
-            label.set_x(shown + 0.02 * self._largest)
-            label.set_text(f"{tension:.0f}" + (" →" if tension > self._largest else "") if held.feasible else "?")
+        if held.feasible:
+            words = [f"{tension:.0f}" + (" →" if tension > self._largest else "") for tension in held.tensions]
+            self.bars.move(np.minimum(held.tensions, self._largest), words)
+        else:
+            self.bars.move(np.zeros(self.robot.n_cables), ["?"] * self.robot.n_cables)
 
     def numbers(self, values: Values) -> dict[str, Any]:
         held, robot = self.tensions(values), self.robot

@@ -14,7 +14,7 @@ from ...errors import InvalidInput
 from ...fastkit import Hall, OccupancyGrid, Plan, Vehicle, carried, inflated_width, plan_path
 from ...fastkit.navigation.planner import between
 from ...fastkit.plane import step_between
-from ...view.style import BLUE, GREY, INK, VERMILION, house_style
+from ...view.style import BLUE, GREY, INK, VERMILION
 from .explorer import Explorer, Slider, Values, movable, once_a_move
 
 _SIZE = (8.4, 5.6)                       # m
@@ -83,7 +83,7 @@ class PlanningExplorer(Explorer):
         for collection in (self._racks, self._pairs, self._noses, self._wanted):
             axes.add_collection(collection)
         self._way = movable(axes, color=BLUE, linewidth=2, zorder=5, label="way of the middle")
-        self._says = axes.text(_SIZE[0] / 2, 2.6, "", color=VERMILION, weight="bold", ha="center", zorder=6,
+        self.says = axes.text(_SIZE[0] / 2, 2.6, "", color=VERMILION, weight="bold", ha="center", zorder=6,
                                bbox={"facecolor": "white", "edgecolor": VERMILION}, **still)
         for color, words in ((_NEVER, "the middle may never be here"), (_TURNED, "only at some headings")):
             axes.plot([], [], "s", color=color, markeredgecolor=GREY, markersize=9, label=words)
@@ -115,16 +115,15 @@ class PlanningExplorer(Explorer):
     def draw(self, values: Values) -> None:
         pair, clearance, margin, plan = self.vehicle, self.grid(values).clearance, values["margin"], self.plan(values)
         never, turned = clearance < pair.width / 2 + margin, clearance < np.hypot(pair.length, pair.width) / 2 + margin
-        with house_style():
-            self._shade.set_data((never.astype(int) + turned).T)
-            self._racks.set_verts(list(self.hall(values).outlines))
-            self._wanted.set_verts([pair.outline(self.goal(values))])
-            shown = _stations(plan.poses) if plan.found else _START[None]
-            self._pairs.set_verts([pair.outline(pose) for pose in shown])
-            front = pair.length / 2 * np.array([1, 1]), pair.width / 2 * np.array([-1, 1])
-            self._noses.set_segments([carried(pose, np.stack(front, axis=-1)) for pose in shown])
-            self._way.set_data(*(plan.poses[:, :2].T if plan.found else ([], [])))
-            self._says.set_text("" if plan.found else "no way")
+        self._shade.set_data((never.astype(int) + turned).T)
+        self._racks.set_verts(list(self.hall(values).outlines))
+        self._wanted.set_verts([pair.outline(self.goal(values))])
+        shown = _stations(plan.poses) if plan.found else _START[None]
+        self._pairs.set_verts([pair.outline(pose) for pose in shown])
+        front = pair.length / 2 * np.array([1, 1]), pair.width / 2 * np.array([-1, 1])
+        self._noses.set_segments([carried(pose, np.stack(front, axis=-1)) for pose in shown])
+        self._way.set_data(*(plan.poses[:, :2].T if plan.found else ([], [])))
+        self.says.set_text("" if plan.found else "no way")
 
     def describe(self, values: Values) -> str:
         plan = self.plan(values)

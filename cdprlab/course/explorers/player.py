@@ -17,7 +17,8 @@ from ...run import Run
 from ...view.drawing import RobotDrawing
 from ...view.style import GREY, INK, tension_colors
 from ...view.text_table import fixed, tension_text, text_table
-from .explorer import Explorer, Slider, Values
+from .cable_bars import CableBars
+from .explorer import Explorer, Slider, Values, movable
 
 _FRAME = 0.1
 """Seconds between two pictures of the playing run: a slow notebook connection keeps up."""
@@ -80,7 +81,7 @@ class RunPlayer(Explorer):
             if "azimuth" in values:
                 self.drawing.turn(values["azimuth"])
             self.drawing.move(pose, tau)
-        self.bars.move(tau, self.run.commanded_tensions[k])
+        self.bars.show(tau, self.run.commanded_tensions[k])
 
     def numbers(self, values: Values) -> str:
         """Time, error, and every cable's tension between its limits."""
@@ -130,38 +131,24 @@ class RunPlayer(Explorer):
 run_player = RunPlayer
 
 
-class _TensionBars:
+class _TensionBars(CableBars):
     """A bar for each cable from 0 to its tension, in the cable's color of the robot's picture, with both limits."""
 
     def __init__(self, axes: Axes, run: Run, limits: tuple[float, float]) -> None:
-        m, robot = run.world.robot.n_cables, run.world.robot
+        robot, top = run.world.robot, limits[1]
         self.limits = limits
-        top = limits[1]
-        axes.set(xlim=(0.0, 1.18 * top), ylim=(m + 0.5, 0.5), xlabel="tension [N]", ylabel="cable",
-                 yticks=np.arange(1, m + 1))
+        super().__init__(axes, robot.n_cables, 1.18 * top, 0.02 * top)
         axes.grid(visible=False, axis="y")
         axes.tick_params(axis="y", labelsize=9)
-        self.bars = axes.barh(np.arange(1, m + 1), np.zeros(m), height=0.62, animated=True, zorder=2)
-        for bar in self.bars:
-            bar.set_animated(True)
-        self.wanted, = axes.plot(np.zeros(m), np.arange(1, m + 1), "|", color=INK, markersize=11, markeredgewidth=2,
-                                 zorder=4, animated=True)
-        self.words = [axes.text(0, k + 1, "", va="center", fontsize=9, color=INK, zorder=5, animated=True)
-                      for k in range(m)]
+        self.wanted = movable(axes, "|", color=INK, markersize=11, markeredgewidth=2, zorder=4)
         _draw_limits(axes, robot.tension_min, robot.tension_max, 1.18 * top)
-        self.pad = 0.02 * top
 
-    def move(self, measured: Array, commanded: Array) -> None:
+    def show(self, measured: Array, commanded: Array) -> None:
         shown = np.nan_to_num(np.maximum(measured, 0.0))
-        colors = tension_colors(measured, self.limits) / 255
-        for bar, width, color, word, tau in zip(self.bars, shown, colors, self.words, measured):
-            bar.set_width(width)
+        self.move(shown, [tension_text(tau) for tau in measured], np.maximum(shown, commanded))
+        for bar, color in zip(self.bars, tension_colors(measured, self.limits) / 255):
             bar.set_facecolor(tuple(color))
-            word.set_text(tension_text(tau))
-        ends = np.maximum(shown, commanded)
-        for k, (word, end) in enumerate(zip(self.words, ends)):
-            word.set_position((end + self.pad, k + 1))
-        self.wanted.set_xdata(commanded)
+        self.wanted.set_data(commanded, np.arange(1, len(commanded) + 1))
 
 
 def _checked_view(run: Any, view: str) -> str:

@@ -18,7 +18,7 @@ from ...robot import Robot
 from ...robot.pose import Pose
 from ...sets import Polytope, available_twist_set
 from ...view.sets import axis_names
-from ...view.style import GREEN, INK, VERMILION, house_style
+from ...view.style import GREEN, INK, VERMILION
 from ...view.text_table import fixed, in_brackets, text_table
 from ...world import World
 from ..props.changed_cables import every_cable
@@ -112,12 +112,11 @@ class TwistSetExplorer(Explorer):
 
     def draw(self, values: Values) -> None:
         found, wanted = self.reach(values), np.array([values[name] for name in self._names])
-        with house_style():
-            self._drawing.move(found.pose)
-            self._arrow.move(found.pose.position, _SECONDS * velocity(found.robot, found.twist))
-            for patch, polytope in zip(self._patches, self._outlines(found)):
-                patch.set_xy(polytope.vertices)
-            self._draw_twist(found, wanted)
+        self._drawing.move(found.pose)
+        self._arrow.move(found.pose.position, _SECONDS * velocity(found.robot, found.twist))
+        for patch, polytope in zip(self._patches, self._outlines(found)):
+            patch.set_xy(polytope.vertices)
+        self._draw_twist(found, wanted)
 
     def numbers(self, values: Values) -> str:
         """Inside or outside, largest scales, and one way to share the twist."""

@@ -67,7 +67,7 @@ class TwoCirclesExplorer(Explorer):
         self._ropes = [movable(panel, color=SKY, linewidth=6.0, alpha=0.8) for _ in EXIT_POINTS]
         self._cables = [movable(panel, color=color, linestyle=dashes, linewidth=2.4)
                         for color, dashes in looks]
-        self._load = movable(panel, marker="s", markersize=18, linestyle="none", color=SKY)
+        self.load = movable(panel, marker="s", markersize=18, linestyle="none", color=SKY)
         self._other = movable(panel, marker="o", markersize=10, linestyle="none", color=INK,
                                   markerfacecolor="white")
         self._point = movable(panel, marker="o", markersize=10, linestyle="none", color=INK)
@@ -95,11 +95,11 @@ class TwoCirclesExplorer(Explorer):
         self._point.set_data(*found[:, None])
         self._other.set_data(*self._crossings[1][:, None])
         shown = self._settled is not None and self._settled.fits
-        for artist in (*self._ropes, self._load):
+        for artist in (*self._ropes, self.load):
             artist.set_visible(shown)
         if self._settled is not None and shown:
             load = self._settled.pose.position
-            self._load.set_data(*load[:, None])
+            self.load.set_data(*load[:, None])
             for rope, exit_point, length in zip(self._ropes, EXIT_POINTS, self._lengths):
                 rope.set_data(*hanging(load, exit_point, length).T)
 

@@ -20,7 +20,7 @@ from ...robot import Robot
 from ...robot.pose import Pose
 from ...view.drawing import RobotDrawing
 from ...view.outlines import floor_height
-from ...view.style import GREY, INK, house_style
+from ...view.style import GREY, INK
 from ...view.text_table import cable_table, fixed
 from ...workspace.capacity import best_tensions
 from ...workspace.criterion import Criterion, Flags
@@ -138,8 +138,8 @@ class WorkspaceExplorer(Explorer):
                                      Pose(np.array([[left, bottom], [right, top]])))
         self._map = _map(axes, self.grid)
         self._crosses = movable(axes, "x", color=GREY, markersize=3.5, markeredgewidth=0.7, zorder=0.6)
-        self._border = LineCollection([], colors=INK, linewidths=1.8, zorder=0.7, animated=True)
-        axes.add_collection(self._border, autolim=False)
+        self.border = LineCollection([], colors=INK, linewidths=1.8, zorder=0.7, animated=True)
+        axes.add_collection(self.border, autolim=False)
         axes.grid(visible=False)
         bar = figure.colorbar(self._map, ax=axes, shrink=0.75, pad=0.02)
         bar.set_label("margin, as a share of the largest [–]")
@@ -148,11 +148,10 @@ class WorkspaceExplorer(Explorer):
     def draw(self, values: Values) -> None:
         state, grid = self.state(values), self.grid
         share = state.margin / state.largest if state.largest > 0 else np.where(state.inside, 1.0, 0.0)
-        with house_style():
-            self._map.set_data(np.ma.masked_where(~state.inside, share))
-            self._crosses.set_data(*grid.positions[~state.inside.ravel()].T)
-            self._border.set_segments(_border(state.inside, grid))
-            self._drawing.move(self._posing.pose(values))
+        self._map.set_data(np.ma.masked_where(~state.inside, share))
+        self._crosses.set_data(*grid.positions[~state.inside.ravel()].T)
+        self.border.set_segments(_border(state.inside, grid))
+        self._drawing.move(self._posing.pose(values))
 
     # --- text -----------------------------------------------------------------------------------------
     def numbers(self, values: Values) -> str:

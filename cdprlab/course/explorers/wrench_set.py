@@ -16,7 +16,7 @@ from ...robot import Base, Robot
 from ...robot.pose import Pose
 from ...sets import Polytope, available_wrench_set
 from ...view.sets import axis_names
-from ...view.style import GREEN, INK, VERMILION, house_style
+from ...view.style import GREEN, INK, VERMILION
 from ...view.text_table import fixed, text_table
 from ...world import World
 from ..props.changed_cables import every_cable
@@ -132,17 +132,16 @@ class WrenchSetExplorer(Explorer):
 
     def draw(self, values: Values) -> None:
         found = self.capability(values)
-        with house_style():
-            self._drawing.move(found.pose)
-            for marks, wanted in ((self._stands, False), (self._tips, True)):
-                places = [edge.place for edge in found.edges if (edge.moment > 0) is wanted]
-                marks.set_data(*(self._drawing.view.flat(np.array(places)).T if places else ([], [])))
-            for patch, polytope in zip(self._patches, (found.limits, found.standing)):
-                corners = polytope.vertices
-                patch.set_visible(len(corners) > 2)
-                patch.set_xy(corners if len(corners) > 2 else np.zeros((3, 2)))
-            self._facets.set_segments(list(found.facets))
-            self._draw_hold(found)
+        self._drawing.move(found.pose)
+        for marks, wanted in ((self._stands, False), (self._tips, True)):
+            places = [edge.place for edge in found.edges if (edge.moment > 0) is wanted]
+            marks.set_data(*(self._drawing.view.flat(np.array(places)).T if places else ([], [])))
+        for patch, polytope in zip(self._patches, (found.limits, found.standing)):
+            corners = polytope.vertices
+            patch.set_visible(len(corners) > 2)
+            patch.set_xy(corners if len(corners) > 2 else np.zeros((3, 2)))
+        self._facets.set_segments(list(found.facets))
+        self._draw_hold(found)
 
     def numbers(self, values: Values) -> str:
         """Corners, area, what can be added along the axes, payload; largest moment and toll of each edge."""
