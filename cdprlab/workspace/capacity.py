@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, plain
 from ..compiled import FOUND, NOTHING, OUT_OF_RANGE, TOO_REDUNDANT, UNSETTLED
+from ..errors import InvalidInput
 from ..mechanics.optimization import largest_last
 from ..robot import Robot
 from ..sets.zonotope import hyperplane_shifting
@@ -117,6 +118,14 @@ def external_wrenches(wrenches: ArrayLike | None, n: int) -> Array:
     if wrenches is None:
         return np.zeros((1, n))
     return np.atleast_2d(as_array(wrenches, "wrenches", (n,), "N, N m", batch=True))
+
+
+def box_half_widths(value: ArrayLike | None, n: int, unit: str) -> Array:
+    """(n,), not negative; 0 from None."""
+    half = as_array(np.zeros(n) if value is None else value, "half_widths", (n,), unit)
+    if (half < 0).any():
+        raise InvalidInput(f"half_widths must not be negative, got {half.tolist()}")
+    return half
 
 
 def box_loads(loads: Array, half: Array) -> Array:

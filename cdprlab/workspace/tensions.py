@@ -15,6 +15,7 @@ from ..robot import Robot
 from ..robot.pose import Pose
 from .capacity import (
     ROUNDING,
+    box_half_widths,
     box_loads,
     capacity_margins,
     external_wrenches,
@@ -64,19 +65,14 @@ class WrenchFeasible(Criterion):
     unit = "N"
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
-        W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
+        W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
         low, high = robot.tension_min, robot.tension_max
-        loads, half = external_wrenches(self.wrenches, robot.n_dof), self._half(robot.n_dof)
+        loads = external_wrenches(self.wrenches, robot.n_dof)
+        half = box_half_widths(self.half_widths, robot.n_dof, "N, N m")
         if self._by_facets():
             found = _kept(capacity_margins(W, weight, loads, half, low, high, exact=margin)[0], high)
             return found if margin else unknown(found.inside)
         return _balanced(robot, W, [weight + load for load in box_loads(loads, half)], margin)
-
-    def _half(self, n: int) -> Array:
-        half = np.zeros(n) if self.half_widths is None else as_array(self.half_widths, "half_widths", (n,), "N, N m")
-        if (half < 0).any():
-            raise InvalidInput(f"half_widths must not be negative, got {half.tolist()}")
-        return half
 
     def _by_facets(self) -> bool:
         if self.by not in (None, "tensions", "facets"):
@@ -95,7 +91,7 @@ class StaticEquilibrium(Criterion):
     unit = "N"
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
-        W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
+        W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
         most = np.full(robot.n_cables, 100 * robot.mass * max(robot.gravity, 1.0))
         return _kept(tension_margins(W, weight, np.zeros(robot.n_cables), most, at_high=False), most)
 
@@ -114,7 +110,7 @@ class DynamicEquilibrium(Criterion):
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         half = as_array(self.accelerations, "accelerations", (robot.n_dof,), "m/s², rad/s²")
-        W, weight, M = wrench_matrix(robot, poses), _weights(robot, poses), mass_matrix(robot, poses)
+        W, weight, M = wrench_matrix(robot, poses), gravity_wrench(robot, poses), mass_matrix(robot, poses)
         # Wrenches are convex in the acceleration: the corners decide, and directions that are held make none.
         corners = box_loads(np.zeros((1, half.size)), half)
         return _balanced(robot, W, [weight - M @ corner for corner in corners], margin)
@@ -137,7 +133,7 @@ class TippingSafe(Criterion):
             raise InvalidInput("tipping needs bases with a footprint; this robot has none")
         A = np.concatenate([edge.matrix for edge in rows.values()], axis=-2)
         b = -np.concatenate([edge.offset for edge in rows.values()], axis=-1)
-        W, weight = wrench_matrix(robot, poses), _weights(robot, poses)
+        W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
         s = np.array([standing_margin(robot, *pose) for pose in zip(W, weight, A, b)])
         return Judgement(s >= 0, s)
 
@@ -153,11 +149,3 @@ def _balanced(robot: Robot, W: Array, wanted: list[Array], margin: bool) -> Judg
 def _kept(margins: Array, high: Array) -> Judgement:
     """Inside where margins are not negative but by rounding."""
     return Judgement(margins >= -ROUNDING * high.max(), margins)
-
-
-def _weights(robot: Robot, poses: Pose) -> Array:
-    """(N, n); with the center of mass at P the weight makes no moment, and is the same at all poses."""
-    if not robot.platform.is_off_center and poses.batch_shape and len(poses):
-        poses, shape = poses[:1], poses.batch_shape
-        return np.broadcast_to(gravity_wrench(robot, poses), (*shape, robot.n_dof))
-    return np.broadcast_to(gravity_wrench(robot, poses), (*poses.batch_shape, robot.n_dof))

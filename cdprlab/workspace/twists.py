@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,9 +15,8 @@ from ..mechanics.optimization import largest_last
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..sets.twist import base_speeds, moving_columns
+from .capacity import ROUNDING, box_half_widths, box_loads
 from .criterion import Criterion, Judgement
-
-_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,43 +40,22 @@ class TwistFeasible(Criterion):
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         if (self.twists is None) == (self.half_widths is None):
             raise InvalidInput("TwistFeasible takes twists or half_widths, one of the two")
-        columns = moving_columns(robot, self.moving)
-        bases = base_speeds(robot)[columns]
+        columns, n = moving_columns(robot, self.moving), robot.n_dof
+        J, bases = jacobian(robot, poses), base_speeds(robot)[columns]
+        if self.twists is not None:
+            wanted = np.atleast_2d(as_array(self.twists, "twists", (n,), "m/s, rad/s", batch=True))
+        else:   # the twist set is convex and symmetric: a box is in it where half of its corners are
+            corners = box_loads(np.zeros((1, n)), box_half_widths(self.half_widths, n, "m/s, rad/s"))
+            wanted = corners[:(len(corners) + 1) // 2]
+        rates = J @ wanted.T
         if bases.any():
-            spare = self._with_bases(robot, poses, columns, bases)
+            B = np.broadcast_to(base_jacobian(robot, poses, self.pivot)[..., columns], (*J.shape[:-1], len(columns)))
+            spare = np.array([min(speed_margin(each, b, robot.speed_max, bases) for each in pose.T)
+                              for pose, b in zip(rates, B)])
         else:
-            spare = (robot.speed_max - self._fastest(robot, jacobian(robot, poses))).min(axis=-1)
+            spare = (robot.speed_max - np.abs(rates).max(axis=-1)).min(axis=-1)
         limited = robot.speed_max[np.isfinite(robot.speed_max)]
-        return Judgement(spare >= -_ROUNDING * limited.max(initial=1.0), spare)
-
-    def _fastest(self, robot: Robot, J: Array) -> Array:
-        """(N, m) the largest |l̇| over the wanted twists."""
-        if self.half_widths is not None:
-            return np.asarray(np.abs(J) @ self._box(robot))
-        return np.asarray(np.abs(J @ self._wanted(robot).T).max(axis=-1))
-
-    def _with_bases(self, robot: Robot, poses: Pose, columns: list[int], bases: Array) -> Array:
-        """The twist set is convex and symmetric: a box is in it where half of its corners are."""
-        if self.half_widths is not None:
-            signs = np.array([(1, *rest) for rest in product((1, -1), repeat=robot.n_dof - 1)])
-            wanted = np.unique(signs * self._box(robot), axis=0)
-        else:
-            wanted = self._wanted(robot)
-        J, B = jacobian(robot, poses), base_jacobian(robot, poses, self.pivot)
-        B = np.broadcast_to(B, (*J.shape[:-1], B.shape[-1]))[..., columns]
-        return np.array([min(speed_margin(rates, b, robot.speed_max, bases) for rates in wanted @ j.T)
-                         for j, b in zip(J, B)])
-
-    def _wanted(self, robot: Robot) -> Array:
-        assert self.twists is not None
-        return np.atleast_2d(as_array(self.twists, "twists", (robot.n_dof,), "m/s, rad/s", batch=True))
-
-    def _box(self, robot: Robot) -> Array:
-        assert self.half_widths is not None
-        half = as_array(self.half_widths, "half_widths", (robot.n_dof,), "m/s, rad/s")
-        if (half < 0).any():
-            raise InvalidInput(f"half_widths must not be negative, got {half.tolist()}")
-        return half
+        return Judgement(spare >= -ROUNDING * limited.max(initial=1.0), spare)
 
 
 def speed_margin(rates: Array, B: Array, cables: Array, bases: Array) -> float:
