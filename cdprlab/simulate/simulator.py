@@ -156,8 +156,8 @@ class Simulator(ABC):
 
     def state(self) -> State:
         """The present state."""
-        return State(self.time, self.robot, self.position, self.rotation, self.twist, self.tensions, self.world.scene,
-                     self.rope_lengths, frozenset(self.cut_cables), tuple(self.loose_boxes()))
+        return State(self.steps * self.dt, self.robot, self.position, self.rotation, self.twist, self.tensions,
+                     self.world.scene, self.rope_lengths, tuple(self.loose_boxes()))
 
     def sample(self) -> Sequence[float]:
         """Position, rotation (row by row), twist, lengths and tensions as one row of a log."""

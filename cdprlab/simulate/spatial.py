@@ -7,8 +7,9 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, frozen, plain
-from ..compiled.columns import cables as compiled_cables
+from ..arrays import Array, frozen
+from ..compiled.columns import cables
+from ..compiled.rigid_body import platform_and_cables
 from ..errors import InvalidInput
 from ..mechanics.cables import Cables
 from ..mechanics.statics import gravity_wrench
@@ -123,6 +124,8 @@ class SpatialSimulator(Simulator):
                               wound, self.pushed), 1)
 
     def sever(self, cable: int) -> None:
+        self.tensions = np.array(self.tensions)
+        self.tensions[cable] = 0.0
         if self._legs is not None:
             self._legs.cut(cable)
 
@@ -132,6 +135,10 @@ class SpatialSimulator(Simulator):
 
     def loose_boxes(self) -> Iterable[tuple[Pose, Array]]:
         return self.boxes
+
+    def sample(self) -> list[float]:
+        row: list[float] = np.concatenate((self._state, self.lengths, self.tensions)).tolist()
+        return row
 
     def close(self) -> None:
         if self.bullet.client >= 0:
@@ -149,7 +156,9 @@ class SpatialSimulator(Simulator):
 
     def cables_at(self, pose: Pose) -> Cables:
         """Directions, lengths and wrench matrix if the platform were at a pose, the bases where they are."""
-        return self._cables(plain(pose.position), plain(pose.rotation))
+        robot = self.world.robot
+        lengths, W = cables(self._exits, robot.anchor_points, pose.position[None], pose.rotation[None])
+        return Cables(W[0, :3].T, lengths[0], robot.pattern.project(W[0], pose.rotation))
 
     # --- mobile bases -----------------------------------------------------------------------------
     @property
@@ -207,17 +216,12 @@ class SpatialSimulator(Simulator):
             self.bases.look()
             self._exits = self.bases.exits
         # One array for all that was read: each conversion costs more than cutting it up.
-        values = frozen(np.array(place + b.getMatrixFromQuaternion(quaternion) + linear + angular))
-        self.position, self.rotation, self.twist = values[:3], values[3:12].reshape(3, 3), values[12:]
-        if not self._frame.is_platform_frame:
-            self.position, self.rotation, self.twist = self._frame.to_platform(self.position, self.rotation, self.twist)
-        self.directions, self.lengths, self.wrench_matrix = self._cables(self.position, self.rotation)
-
-    def _cables(self, position: Array, rotation: Array) -> Cables:
-        """`cables_at`, the exit points where they are now."""
-        robot = self.world.robot
-        lengths, W = compiled_cables(self._exits, robot.anchor_points, position[None], rotation[None])
-        return Cables(W[0, :3].T, lengths[0], robot.pattern.project(W[0], rotation))
+        robot, read = self.world.robot, np.array(place + quaternion + linear + angular)
+        state, self.lengths, W = platform_and_cables(read, self._frame.axes, self._frame.center, self._exits,
+                                                     robot.anchor_points)
+        self._state = frozen(state)
+        self.position, self.rotation, self.twist = state[:3], state[3:12].reshape(3, 3), state[12:]
+        self.directions, self.wrench_matrix = W[:3].T, robot.pattern.project(W, self.rotation)
 
     def _set(self, **parameters: float) -> None:
         self.bullet.engine.setPhysicsEngineParameter(**parameters, physicsClientId=self.bullet.client)
@@ -276,7 +280,6 @@ class _BodyFrame:
         else:
             self.principal, self.axes = np.diag(platform.inertia).copy(), np.eye(3)
         self.center = platform.center_of_mass
-        self.is_platform_frame = not self.center.any() and np.array_equal(self.axes, np.eye(3))
 
     def to_body(self, point: Array) -> Array:
         """A point of the platform frame in the body frame [m]."""
@@ -286,10 +289,3 @@ class _BodyFrame:
         """Position and quaternion of the body where the platform is at a pose."""
         position = pose.position + pose.rotation @ self.center
         return position.tolist(), quaternion_of(pose.rotation @ self.axes)
-
-    def to_platform(self, place: Array, rotation: Array, twist: Array) -> tuple[Array, Array, Array]:
-        """Position of P, platform rotation and twist of P from the body's."""
-        turned = frozen(rotation @ self.axes.T)
-        arm = turned @ self.center
-        velocity = twist[:3] - np.cross(twist[3:], arm)
-        return frozen(place - arm), turned, frozen(np.concatenate([velocity, twist[3:]]))

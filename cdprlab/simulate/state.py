@@ -21,7 +21,6 @@ class State(NamedTuple):
     tensions : (m,) measured over the last step, zero before the first [N]
     scene : what stands around the robot
     rope_lengths : (m,) let out by winches, None where tensions are commanded [m]
-    cut : indices of the cables that are cut
     boxes : pose and (3,) size [m] of each loose box
     """
 
@@ -33,7 +32,6 @@ class State(NamedTuple):
     tensions: Array
     scene: Scene | None = None
     rope_lengths: Array | None = None
-    cut: frozenset[int] = frozenset()
     boxes: tuple[tuple[Pose, Array], ...] = ()
 
     @property
