@@ -38,7 +38,7 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, te
         raise InvalidInput(f"wrench matrix W needs at least one row and one cable, got shape {W.shape}")
     w_e = _gate(w_e, "external wrench w_e", (n,), "N, N m")
     low, high = _limits(tension_min, "tension_min", m), _limits(tension_max, "tension_max", m)
-    if (low < 0).any():
+    if low.min() < 0:
         raise InvalidInput(f"tension_min must not be negative [N] (cables only pull), got {float(low.min()):g}")
     batch = _batch_shape(W, w_e, low, high)
     _check_order(low, high)

@@ -74,11 +74,12 @@ def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions
     Arrays as in `distribute_tensions`; tensions (…, m) with the whole batch shape; reasons : str or (…) of str
     """
     margin = limit_margin(tensions, low, high)
-    inside = limits_kept(margin, high)
-    near = inside & (margin < 0)
-    if near.any():   # first clipped, then weighed: what is returned is what was judged
+    inside = margin >= 0
+    if not inside.all():   # first clipped, then weighed: what is returned is what was judged
+        near = limits_kept(margin, high) & ~inside
         tensions = np.where(near[..., None], np.clip(tensions, low, high), tensions)
         margin = np.where(near, 0.0, margin)
+        inside = inside | near
     residual = np.einsum("...ij,...j->...i", W, tensions) + w_e
     feasible = inside & (_largest(residual) <= RESIDUAL_TOLERANCE * (1 + _largest(w_e)))
     problem = None if feasible.all() else _selected(Problem(W, w_e, low, high), ~feasible)

@@ -16,6 +16,9 @@ from ..arrays import Array
 RESIDUAL_TOLERANCE = 1e-8
 LIMIT_TOLERANCE = 1e-8
 
+# Limits closer than a tenth of what the result's check forgives are one number.
+FIXED = LIMIT_TOLERANCE / 10
+
 INFEASIBLE = "no tensions within the limits balance the wrench"
 UNREACHABLE = "the cables cannot exert this wrench at any tension: it lies outside the range of W"
 NOT_FINITE = "the wrench is not finite"
@@ -128,8 +131,8 @@ def sharpened(W: Array, w_e: Array, low: Array, high: Array, tau: Array) -> Arra
 
 
 def fixed_cables(low: Array, high: Array) -> NDArray[np.bool_]:
-    """Which cables have no choice: limits closer than a tenth of what the result's check forgives are one number."""
-    return high - low <= 1e-9 * high.max(axis=-1, keepdims=True)
+    """Which cables have no choice."""
+    return high - low <= FIXED * high.max(axis=-1, keepdims=True)
 
 
 def around_fixed(build: Callable[[Array, Array], Solver], low: Array, high: Array) -> Solver:
@@ -137,10 +140,10 @@ def around_fixed(build: Callable[[Array, Array], Solver], low: Array, high: Arra
 
     build : ``(tension_min, tension_max) → Solver`` for any number of cables
     """
-    fixed = fixed_cables(low, high)
-    if not fixed.any():
+    if (high - low).min() > FIXED * high.max():
         return build(low, high)
-    free, held = ~fixed, (low + high) / 2
+    fixed, held = fixed_cables(low, high), (low + high) / 2
+    free = ~fixed
     inner = build(low[free], high[free]) if free.any() else None
 
     def solve(W: Array, w_e: Array) -> Solution:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array, as_array
 from ..errors import InvalidInput
@@ -19,9 +19,11 @@ from .method import (
     Solution,
     Solver,
     around_fixed,
+    limit_margin,
+    limits_kept,
     one_by_one,
 )
-from .quadratic_program import LeastNorm, independent_rows
+from .quadratic_program import LeastNorm
 
 # The first program's weight on ‖τ‖², relative to W's: small enough to find the right active limits,
 # large enough for a Cholesky factor in double precision. The second stage removes its bias.
@@ -57,14 +59,22 @@ def batch(*, weights: ArrayLike | None = None) -> BatchSolver:
 
 
 def _relaxed(scale: Array, low: Array, high: Array) -> Solver:
-    exact = quadratic_program.build(scale.shape[0], low, high)
+    exact = LeastNorm(scale.size, low, high)
 
     def solve(W: Array, w_e: Array) -> Solution:
-        least_norm, reason = exact(W, w_e)
-        if not reason or reason == NOT_FINITE:
-            return least_norm, reason
-        rows, goal = W * scale[:, None], -w_e * scale
-        tau = _least_tension(rows, goal, _least_error(rows, goal, low, high), low, high)
+        tau = exact.with_no_limit_active(W, w_e)
+        if tau is None:
+            tau = exact.program(W, w_e)
+        if tau is not None:
+            return tau, ""
+        if not np.isfinite(w_e).all():
+            return np.full(low.size, np.nan), NOT_FINITE
+        tau, movable = _least_error(W * scale[:, None], -w_e * scale, low, high)
+        if movable.any():   # of all tensions that give this wrench the least
+            columns = W[:, movable]
+            least, lost = LeastNorm(scale.size, low[movable], high[movable])(columns, -(columns @ tau[movable]))
+            if not lost:   # to rounding
+                tau[movable] = least
         left = float(np.abs(W @ tau + w_e).max())
         balanced = left <= RESIDUAL_TOLERANCE * (1 + float(np.abs(w_e).max()))
         return tau, "" if balanced else f"{INFEASIBLE}; {left:.3g} N or N m is left"
@@ -72,32 +82,28 @@ def _relaxed(scale: Array, low: Array, high: Array) -> Solver:
     return solve
 
 
-def _least_error(rows: Array, goal: Array, low: Array, high: Array) -> Array:
-    """min ‖rows τ − goal‖² + ridge ‖τ‖² inside the limits."""
-    m = low.shape[0]
+def _least_error(rows: Array, goal: Array, low: Array, high: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """min ‖rows τ − goal‖ inside the limits, and which cables the error leaves a choice; none if it is the only point.
+
+    The program finds the cables at a limit, the free ones are then solved anew without its ridge.
+    """
+    identity = np.eye(low.size)
     gram = rows.T @ rows
-    gram[np.diag_indices(m)] += _RIDGE * max(np.trace(gram), np.finfo(float).tiny)
-    identity = np.eye(m)
+    gram += _RIDGE * (np.trace(gram) or 1.0) * identity
     limits = np.concatenate([identity, -identity], axis=1)
     found = least_quadratic(gram, rows.T @ goal, limits, np.concatenate([low, -high]))
     assert found is not None, "limits are in order"
-    return np.clip(found, low, high)
-
-
-def _least_tension(rows: Array, goal: Array, first: Array, low: Array, high: Array) -> Array:
-    """The exact lexicographic answer: cables held at a limit stay there, the free ones solve anew."""
     at_limit = 1e-7 * (1 + high - low)
-    free = (first > low + at_limit) & (first < high - at_limit)
-    held = np.where(first <= low + at_limit, low, high)
-    tau = np.where(free, first, held)
-    if free.any():
-        tau[free] = np.linalg.lstsq(rows[:, free], goal - rows[:, ~free] @ tau[~free], rcond=None)[0]
-    if ((tau < low) | (tau > high)).any():
-        tau = first
-    # All tensions that give this wrench: the least of them, where rounding leaves that set non-empty.
-    equal, values, _ = independent_rows(rows, rows @ tau)
-    least = LeastNorm(len(equal), low, high).program(equal, -values)
-    return tau if least is None else least
+    at_low, at_high = found <= low + at_limit, found >= high - at_limit
+    free = ~(at_low | at_high)
+    tau = np.where(at_low, low, np.where(at_high, high, found))
+    tau[free], _, rank, _ = np.linalg.lstsq(rows[:, free], goal - rows[:, ~free] @ tau[~free], rcond=None)
+    sharp = limits_kept(limit_margin(tau, low, high), high)
+    tau = np.clip(tau if sharp else found, low, high)
+    # A cable that the error pulls against its limit stays there, whatever the others do.
+    pull = np.abs(rows.T @ (rows @ tau - goal))
+    movable = free | (pull <= 1e-9 * np.abs(rows).max() * np.abs(goal).max())
+    return tau, movable & (not sharp or rank < movable.sum())
 
 
 METHOD = Method(build, complete=True, summary="least wrench error inside the limits, then least norm", batch=batch)
