@@ -89,7 +89,7 @@ def _joined(a: ConfigurationSequence, b: ConfigurationSequence) -> Configuration
     same = a.steps[-1][1] == b.steps[0][1]
     steps, places = a.steps + b.steps[same:], a.location_scores + b.location_scores[same:]
     changes = a.transition_scores + (() if same else (0,)) + b.transition_scores
-    return ConfigurationSequence(steps, places, changes, sum(places) + sum(changes), a.safe and b.safe)
+    return ConfigurationSequence(steps, places, changes, a.safe and b.safe)
 
 
 def _with_ends(core: ConfigurationSequence, S: Array, G: Array, robot: Robot) -> ConfigurationSequence:
@@ -104,5 +104,4 @@ def _with_ends(core: ConfigurationSequence, S: Array, G: Array, robot: Robot) ->
             places.insert(at, location_score(robot.exit_points[end[1].indices], position))
             loose += 1
     changes = core.transition_scores + (UNSAFE_CHANGE,) * loose
-    return ConfigurationSequence(tuple(steps), tuple(places), changes, sum(places) + sum(changes),
-                                 core.safe and not loose)
+    return ConfigurationSequence(tuple(steps), tuple(places), changes, core.safe and not loose)

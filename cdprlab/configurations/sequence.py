@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from itertools import combinations, pairwise
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,9 +42,15 @@ class ConfigurationSequence:
     steps: tuple[Step, ...]
     location_scores: tuple[float, ...]
     transition_scores: tuple[float, ...]
-    score: float
     safe: bool
     method: str = "stability"
+
+    @property
+    def score(self) -> float:
+        """Of the whole sequence."""
+        if self.method == "accuracy":
+            return max(self.location_scores)
+        return sum(self.location_scores) + sum(self.transition_scores)
 
     @property
     def configurations(self) -> tuple[Configuration, ...]:
@@ -59,25 +66,26 @@ class ConfigurationSequence:
 class _Way:
     """The straight way from S to G, and where on it each triplet holds."""
 
-    exits: Array
+    robot: Robot
     start: Array
     end: Array
     position_uncertainty: float
     exit_uncertainty: float
-    nominal: dict[Configuration, tuple[float, float]] = field(init=False)
-    certain: dict[Configuration, tuple[float, float]] = field(init=False)
 
-    def __post_init__(self) -> None:
-        nominal, certain = {}, {}
-        for chosen in (Configuration(c) for c in combinations(range(1, len(self.exits) + 1), 3)):
-            a = self.exits[chosen.indices]
-            if (window := region(a).window(self.start, self.end, _EDGE)) is not None:
-                nominal[chosen] = window
-                sure = region(a, self.exit_uncertainty, self.position_uncertainty).window(self.start, self.end)
-                if sure is not None:
-                    certain[chosen] = sure
-        object.__setattr__(self, "nominal", nominal)
-        object.__setattr__(self, "certain", certain)
+    @cached_property
+    def nominal(self) -> dict[Configuration, tuple[float, float]]:
+        """Configuration → the share of the way where it holds, if nothing is uncertain."""
+        return self._windows(0.0, 0.0, _EDGE)
+
+    @cached_property
+    def certain(self) -> dict[Configuration, tuple[float, float]]:
+        """Configuration → the share of the way where it certainly holds."""
+        return self._windows(self.exit_uncertainty, self.position_uncertainty, 0.0)
+
+    def _windows(self, exits: float, position: float, slack: float) -> dict[Configuration, tuple[float, float]]:
+        windows = {chosen: region(self.robot.exit_points[chosen.indices], exits, position)
+                   .window(self.start, self.end, slack) for chosen in triplets(self.robot)}
+        return {chosen: window for chosen, window in windows.items() if window is not None}
 
     def at(self, share: float | Array) -> Array:
         share = np.asarray(share)[..., None]
@@ -103,7 +111,7 @@ class _Way:
         common = sorted(set(old) & set(new))
         if len(common) != 2:
             return None
-        a, b = self.exits[np.array(common) - 1, :2]
+        a, b = self.robot.exit_points[np.array(common) - 1, :2]
         d, edge = (self.end - self.start)[:2], b - a
         turn = d[0] * edge[1] - d[1] * edge[0]
         if abs(turn) < _EDGE:
@@ -137,8 +145,7 @@ def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike, method:
     """
     if method not in METHODS:
         raise InvalidInput(f"method must be one of {', '.join(METHODS)}, got {method!r}")
-    triplets(robot)
-    way = _Way(robot.exit_points, as_position(start), as_position(goal), position_uncertainty, exit_uncertainty)
+    way = _Way(robot, as_position(start), as_position(goal), position_uncertainty, exit_uncertainty)
     for name, end in (("start", 0), ("goal", 1)):
         if not way.ends(way.nominal, end):
             place = (way.start, way.end)[end].tolist()
@@ -199,11 +206,10 @@ def _sequence(way: _Way, chain: tuple[Configuration, ...], method: str) -> Itera
     certain = chain[0] in way.ends(way.certain, 0) and chain[-1] in way.ends(way.certain, 1)
     if method == "stability":
         locations = tuple(_from_ratio(ratio) for ratio in scores)
-        yield ConfigurationSequence(steps, locations, changes, sum(locations) + sum(changes),
-                                    certain and not any(changes), method)
+        yield ConfigurationSequence(steps, locations, changes, certain and not any(changes), method)
     else:
         values = tuple(-float(score) for score in scores)
-        yield ConfigurationSequence(steps, values, changes, max(values), certain, method)
+        yield ConfigurationSequence(steps, values, changes, certain, method)
 
 
 def location_score(exits: Array, position: Array) -> int:
@@ -239,7 +245,7 @@ def _switch(way: _Way, old: Configuration, new: Configuration, first: float, las
 
 
 def _distance_ratio(way: _Way, chosen: Configuration, shares: Array) -> Array:
-    return _plan_ratio(way.exits[chosen.indices], way.at(shares))
+    return _plan_ratio(way.robot.exit_points[chosen.indices], way.at(shares))
 
 
 def _plan_ratio(exits: Array, positions: Array) -> Array:
@@ -250,5 +256,5 @@ def _plan_ratio(exits: Array, positions: Array) -> Array:
 
 def _sensitivity(way: _Way, chosen: Configuration, shares: Array) -> Array:
     """Minus the position sensitivity: larger is better, as with the ratio."""
-    return -position_sensitivity(way.exits[chosen.indices], way.at(shares), way.position_uncertainty,
+    return -position_sensitivity(way.robot.exit_points[chosen.indices], way.at(shares), way.position_uncertainty,
                                  way.exit_uncertainty)

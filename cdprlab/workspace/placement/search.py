@@ -81,7 +81,7 @@ class Search:
 def _starts(robot: Robot, poses: Pose, directions: list[_Direction]) -> list[Array]:
     """Where searches begin: the layout over the middle of the poses, narrower, wider, or to every side of them."""
     places = np.array([base.position for base in robot.bases])
-    floor = 2 if robot.dimension == 3 else 1
+    floor = robot.dimension - 1
     middle = (poses.position[:, :floor].min(axis=0) + poses.position[:, :floor].max(axis=0)) / 2
     center = places.mean(axis=0)
     over, aside = np.zeros(2), np.zeros((floor, 2))
@@ -99,14 +99,14 @@ def _starts(robot: Robot, poses: Pose, directions: list[_Direction]) -> list[Arr
 
 def _span(robot: Robot, poses: Pose) -> float:
     """How far apart things are on the floor [m]."""
-    floor = 2 if robot.dimension == 3 else 1
+    floor = robot.dimension - 1
     places = np.concatenate([np.array([base.position[:floor] for base in robot.bases]), poses.position[:, :floor]])
     return max(float(np.ptp(places, axis=0).max()), 0.5)
 
 
 def overlap(robot: Robot, poses: Pose) -> float:
     """How far bases stand in each other, or masts in the platform, as circles seen from above [m]."""
-    floor = 2 if robot.dimension == 3 else 1
+    floor = robot.dimension - 1
     centers = np.array([base.position[:floor] for base in robot.bases])
     radii = np.array([np.linalg.norm(base.footprint, axis=1).max(initial=0.05) for base in robot.bases])
     apart = np.linalg.norm(centers[:, None] - centers, axis=-1) - radii[:, None] - radii
