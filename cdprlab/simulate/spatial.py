@@ -8,8 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, frozen
-from ..compiled.columns import cables
-from ..compiled.rigid_body import platform_and_cables
 from ..errors import InvalidInput
 from ..mechanics.cables import Cables
 from ..mechanics.statics import gravity_wrench
@@ -156,6 +154,8 @@ class SpatialSimulator(Simulator):
 
     def cables_at(self, pose: Pose) -> Cables:
         """Directions, lengths and wrench matrix if the platform were at a pose, the bases where they are."""
+        from ..compiled.columns import cables
+
         robot = self.world.robot
         lengths, W = cables(self._exits, robot.anchor_points, pose.position[None], pose.rotation[None])
         return Cables(W[0, :3].T, lengths[0], robot.pattern.project(W[0], pose.rotation))
@@ -205,6 +205,8 @@ class SpatialSimulator(Simulator):
             b.applyExternalTorque(self.platform, -1, wrench[3:].tolist(), b.WORLD_FRAME, physicsClientId=client)
 
     def _read(self) -> None:
+        from ..compiled.rigid_body import platform_and_cables
+
         b, client = self.bullet
         place, quaternion = b.getBasePositionAndOrientation(self.platform, client)
         linear, angular = b.getBaseVelocity(self.platform, client)
