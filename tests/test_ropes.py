@@ -44,14 +44,14 @@ def test_tensions_and_gaps_are_complementary(name, seed):
     """T ≥ 0, no rope longer than wound, and no pull from one that is shorter: for random speeds and lengths."""
     world, rng = cl.load_world(name), np.random.default_rng(seed)
     with cl.open_simulator(world, "length") as simulator:
-        law, W = simulator.ropes, simulator.wrench_matrix
+        law, W, whole = simulator.ropes, simulator.wrench_matrix, simulator.whole_wrenches
         mass, _ = mass_and_bias(world.robot, simulator.rotation, np.zeros(6))
         S = world.robot.pattern.basis(simulator.rotation)
         mobility = S.T @ np.linalg.inv(mass) @ S
         for _ in range(50):
             twist, extra = rng.normal(size=6) * 0.1, rng.uniform(-2e-5, 2e-5, world.robot.n_cables)
             wound = simulator.lengths + extra
-            T = law(W, simulator.rotation, twist, simulator.lengths, simulator.lengths, wound, None)
+            T = law(whole, simulator.rotation, twist, simulator.lengths, simulator.lengths, wound, np.zeros(6))
             rest = inverse_dynamics(world.robot, simulator.rotation, twist, np.zeros(6))
             moving = twist[:W.shape[0]] + 1e-3 * mobility @ (W @ T - rest)
             gap = wound - (simulator.lengths - 1e-3 * W.T @ moving)
@@ -147,12 +147,12 @@ def test_elastic_ropes_start_at_rest_and_stretch_by_tension_over_stiffness(mario
 def test_stiff_elastic_ropes_are_ropes_of_given_length(marionet):
     """The compliance goes to zero as the stiffness grows: the same tensions in the limit."""
     from cdprlab.robot import Elasticity
-    from cdprlab.simulate.ropes import rope_law
+    from cdprlab.simulate.ropes import RopeLaw
 
     with cl.open_simulator(marionet, "length") as simulator:
-        stiff = rope_law(marionet.robot, 1e-3, Elasticity(1e12, 0.0))
-        arguments = (simulator.wrench_matrix, simulator.rotation, simulator.twist, simulator.lengths,
-                     simulator.lengths, simulator.lengths + [0, 0, 0.1, 0], None)
+        stiff = RopeLaw(marionet.robot, 1e-3, Elasticity(1e12, 0.0))
+        arguments = (simulator.whole_wrenches, simulator.rotation, simulator.twist, simulator.lengths,
+                     simulator.lengths, simulator.lengths + [0, 0, 0.1, 0], np.zeros(6))
         # Ropes of given length yield too, 1e-6 of A's trace, of which A's smallest eigenvalue is a few thousandths.
         np.testing.assert_allclose(stiff(*arguments), simulator.ropes(*arguments), rtol=1e-3, atol=1e-3)
 
@@ -186,3 +186,22 @@ def test_a_hanging_rope_has_its_length(length):
     drawn = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
     assert drawn == pytest.approx(max(length, np.linalg.norm(end - start)), abs=1e-6)
     assert np.allclose(points[[0, -1]], [start, end])
+
+
+def test_the_complementarity_problem_is_solved_whatever_was_tried_first():
+    """Redundant ropes or not, from any set of taut ropes: one answer, that of the quadratic program."""
+    from quadprog import solve_qp
+
+    from cdprlab.compiled.complementarity import complementary
+
+    rng = np.random.default_rng(4)
+    for m in (1, 3, 4, 8):
+        for _ in range(50):
+            J = rng.normal(size=(m, 6 if m > 4 else 3))
+            A, b = J @ J.T + 1e-6 * np.eye(m), rng.normal(size=m)
+            T = complementary(A, b, np.ones(m))
+            program, near = solve_qp(A, b, np.eye(m), np.zeros(m))[0], 1e-8 * (1 + T.max())
+            np.testing.assert_allclose(T, program, rtol=1e-6, atol=near)
+            assert (T >= 0).all() and (A @ T - b >= -1e-9 * (1 + T.max())).all()
+            again = complementary(A, b, rng.integers(0, 2, m).astype(float))
+            np.testing.assert_allclose(again, T, rtol=1e-6, atol=near)

@@ -18,10 +18,11 @@ from ..world import World
 from .boxes import Boxes
 from .bullet import Bullet, quaternion_of
 from .legs import Legs, fixed_leg
-from .ropes import RopeLaw, rope_law
+from .ropes import RopeLaw
 from .simulator import Simulator
 from .spatial_bases import SpatialBases
 
+_NOTHING = np.zeros(6)
 _AMPLE = 1.0  # m: a cut rope does not become taut in any one step
 
 
@@ -44,8 +45,10 @@ class SpatialSimulator(Simulator):
 
     def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *, bodies: bool = False,
                  tip_mass: float = 1e-4, solver_iterations: int | None = None) -> None:
+        from ..compiled.rigid_body import platform_and_cables
+
         super().__init__(world, cables, dt)
-        robot = world.robot
+        self._platform_and_cables, robot = platform_and_cables, world.robot
         if bodies and (cables == "force" or not robot.bases):
             raise InvalidInput("bases that stand and tip need a world with bases and cables that are bodies too: "
                                "\"tension\", \"length\" or \"elastic\"")
@@ -118,8 +121,8 @@ class SpatialSimulator(Simulator):
             wound[cut] = self.lengths[cut] + _AMPLE
         if self._bodies:   # a base that drives away in the step needs that much more rope
             wound = wound - (self.directions * self.bases.exit_steps).sum(axis=1)
-        self.pull(self.ropes(self.wrench_matrix, self.rotation, self.twist, self.lengths, np.array(self.paid_out),
-                              wound, self.pushed), 1)
+        self.pull(self.ropes(self.whole_wrenches, self.rotation, self.twist, self.lengths, np.array(self.paid_out),
+                              wound, _NOTHING if self.pushed is None else self.pushed), 1)
 
     def sever(self, cable: int) -> None:
         self.tensions = np.array(self.tensions)
@@ -150,7 +153,7 @@ class SpatialSimulator(Simulator):
         """
         self.carrying = robot
         if self.is_wound:   # anew: which ropes were taut is the last flight's memory
-            self.ropes: RopeLaw = rope_law(robot, self.dt, robot.elasticity if self.cables == "elastic" else None)
+            self.ropes = RopeLaw(robot, self.dt, robot.elasticity if self.cables == "elastic" else None)
 
     def cables_at(self, pose: Pose) -> Cables:
         """Directions, lengths and wrench matrix if the platform were at a pose, the bases where they are."""
@@ -219,11 +222,11 @@ class SpatialSimulator(Simulator):
             self._exits = self.bases.exits
         # One array for all that was read: each conversion costs more than cutting it up.
         robot, read = self.world.robot, np.array(place + quaternion + linear + angular)
-        state, self.lengths, W = platform_and_cables(read, self._frame.axes, self._frame.center, self._exits,
-                                                     robot.anchor_points)
+        state, self.lengths, W = self._platform_and_cables(read, self._frame.axes, self._frame.center, self._exits,
+                                                           robot.anchor_points)
         self._state = frozen(state)
         self.position, self.rotation, self.twist = state[:3], state[3:12].reshape(3, 3), state[12:]
-        self.directions, self.wrench_matrix = W[:3].T, robot.pattern.project(W, self.rotation)
+        self.whole_wrenches, self.directions, self.wrench_matrix = W, W[:3].T, robot.pattern.project(W, self.rotation)
 
     def _set(self, **parameters: float) -> None:
         self.bullet.engine.setPhysicsEngineParameter(**parameters, physicsClientId=self.bullet.client)
