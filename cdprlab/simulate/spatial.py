@@ -208,8 +208,6 @@ class SpatialSimulator(Simulator):
             b.applyExternalTorque(self.platform, -1, wrench[3:].tolist(), b.WORLD_FRAME, physicsClientId=client)
 
     def _read(self) -> None:
-        from ..compiled.rigid_body import platform_and_cables
-
         b, client = self.bullet
         place, quaternion = b.getBasePositionAndOrientation(self.platform, client)
         linear, angular = b.getBaseVelocity(self.platform, client)
