@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from .errors import InvalidInput, Location
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.intp]
 
 
 def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: str = "", *,

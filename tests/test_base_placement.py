@@ -11,7 +11,7 @@ from cdprlab.errors import InvalidInput, NoPlacement
 from cdprlab.mechanics.statics import tipping_rows
 from cdprlab.robot import Base
 from cdprlab.workspace.placement import place_bases
-from cdprlab.workspace.placement.program import Task, worst_margin
+from cdprlab.workspace.placement.program import Duty, worst_margin
 from cdprlab.workspace.placement.proof import largest_share, standing_rows
 from robots import BASED, build, case
 
@@ -175,7 +175,7 @@ def test_the_margin_is_the_worst_of_all_poses_and_wrenches(name, places):
         return linprog(-np.eye(m + 1)[-1], A_ub=np.concatenate(rows), b_ub=np.concatenate(sides), A_eq=balance,
                        b_eq=-wrench, bounds=[(None, None)] * m + [(None, 1.0)], method="highs").x[-1]
 
-    found, tensions = worst_margin(robot, Task(poses, np.broadcast_to(wrenches, (len(poses), *wrenches.shape)), True))
+    found, tensions = worst_margin(robot, Duty(poses, np.broadcast_to(wrenches, (len(poses), *wrenches.shape)), True))
     assert found == pytest.approx(min(margin(pose, wrench) for pose in poses for wrench in wrenches), abs=1e-7)
     assert tensions.shape == (len(poses), 3, m)
 

@@ -6,13 +6,11 @@ from collections.abc import Iterable, Iterator
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array, Indices, as_array
 from ..errors import InvalidInput
 from ..robot import Robot
-
-Indices = NDArray[np.intp]
 
 
 class Configuration(tuple[int, ...]):

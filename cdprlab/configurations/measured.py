@@ -7,12 +7,12 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number
+from ..arrays import Array, Indices, as_array, as_number
 from ..errors import InvalidInput
 from ..robot import Robot
 from .accuracy import position_sensitivity
 from .classify import certainty
-from .configuration import Configuration, Indices, as_position, few_cables, triplets
+from .configuration import Configuration, as_position, few_cables, triplets
 
 _GROWTH = 1.1
 _SLACKS = tuple(1e-3 * _GROWTH**k for k in range(88))

@@ -10,9 +10,8 @@ from collections.abc import Callable
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Flags
 from ..errors import InvalidInput
 from ..mechanics.intervals import Intervals, exact, stack
 
@@ -77,7 +76,7 @@ def _pull_in(a: Intervals, b: Intervals, m: Intervals, low: float, high: float) 
     return float(low)
 
 
-def _out_of_reach(a: Intervals, b: Intervals, m: Intervals, strips: Intervals) -> NDArray[np.bool_]:
+def _out_of_reach(a: Intervals, b: Intervals, m: Intervals, strips: Intervals) -> Flags:
     """(k,) for each strip: narrow the boxes to what it allows until one of them is empty.
 
     The side is of second degree: side(c + h) = side(c) + g · h with its gradient g at c + h / 2.

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array, as_number
+from ..arrays import Array, Flags, as_number
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
 from ..mechanics.trajectory import PEAK_SPEED, quintic, rest_to_rest
@@ -16,8 +15,6 @@ from ..robot import Robot
 from ..robot.pose import Pose
 from .configuration import Configuration
 from .sequence import ConfigurationSequence
-
-Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)

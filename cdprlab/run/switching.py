@@ -6,9 +6,9 @@ import dataclasses
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, frozen
+from ..arrays import Array, Flags, as_array, as_number, frozen
 from ..configurations.measured import hanging_position
 from ..configurations.sequence import ConfigurationSequence
 from ..configurations.winding import Winding, winding_plan
@@ -20,8 +20,6 @@ from ..simulate import open_simulator
 from ..world import World
 from .loop import LengthCommand, Progress, counted, fly
 from .record import Run
-
-Flags = NDArray[np.bool_]
 
 TAUT = 1.0
 """[N] a cable that carries less counts as slack."""

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Indices
 from ..errors import NotListable
 from .frame import Frame
-from .simplex import Indices, maximize
+from .simplex import maximize
 from .zonotope import PARALLEL, first_of_each
 
 SAME = 1e-8

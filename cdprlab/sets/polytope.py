@@ -13,9 +13,9 @@ from functools import cached_property
 from math import comb
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, frozen
+from ..arrays import Array, Flags, as_array, frozen
 from ..errors import InvalidInput, NotListable
 from .elimination import can_eliminate, eliminate
 from .frame import Frame, affine_hull
@@ -105,7 +105,7 @@ class Polytope(ABC):
         d = self._points(direction, "direction")
         return np.asarray(self._program.maximize(d @ self.map).points @ self.map.T + self.shift)
 
-    def contains(self, x: ArrayLike) -> NDArray[np.bool_]:
+    def contains(self, x: ArrayLike) -> Flags:
         """Whether some q gives x, to 1e-9 of the largest limit.
 
         x : (…, n)

@@ -12,10 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
-
-Mask = NDArray[np.bool_]
-Indices = NDArray[np.intp]
+from ..arrays import Array, Flags, Indices
 
 TOLERANCE = 1e-9
 """How far a row may be overstepped, as a share of the largest limit; rounding is about 1e-12 of it."""
@@ -101,7 +98,7 @@ class Program:
         values = np.where(bounded, (inner * y).sum(axis=1) * scale, np.inf)
         return values, np.where(bounded[:, None], points, np.nan)
 
-    def _vertices(self, limits: Array) -> tuple[Mask, Indices]:
+    def _vertices(self, limits: Array) -> tuple[Flags, Indices]:
         """(B,) whether there is any point, and (B, k) active rows of one vertex each."""
         b, k = self._limits, self._rows.shape[1]
         feasible = np.asarray((limits[:, self._empty] >= -TOLERANCE * self._scale[:, None]).all(axis=1))
@@ -121,7 +118,7 @@ class Program:
         scale = np.where(scale > 0, scale, 1.0)
         return b / scale[:, None], scale
 
-    def _first_vertices(self, b: Array, active: Indices, excess: Array) -> tuple[Mask, Indices]:
+    def _first_vertices(self, b: Array, active: Indices, excess: Array) -> tuple[Flags, Indices]:
         """Let the broken rows give way by s, and make s as small as it will be."""
         count, (r, k) = len(b), self._rows.shape
         broken = excess > _TIE
@@ -143,7 +140,7 @@ class Program:
         return feasible, active
 
 
-def _walk(rows: Array, b: Array, c: Array, active: Indices, prefer: int = -1) -> tuple[Mask, Indices, Array]:
+def _walk(rows: Array, b: Array, c: Array, active: Indices, prefer: int = -1) -> tuple[Flags, Indices, Array]:
     """Steps along improving edges until none is left: whether bounded, the last active rows, the last vertices."""
     count, r, k = rows.shape
     bounded, active, points = np.ones(count, dtype=bool), active.copy(), np.zeros((count, k))
@@ -171,7 +168,7 @@ def _walk(rows: Array, b: Array, c: Array, active: Indices, prefer: int = -1) ->
     raise AssertionError("a linear program did not end: Bland's rule visits no vertex twice")
 
 
-def _leaving(multipliers: Array, active: Indices, bland: bool) -> tuple[Indices, Mask]:
+def _leaving(multipliers: Array, active: Indices, bland: bool) -> tuple[Indices, Flags]:
     """Slot of the row to leave, and whether leaving one improves."""
     negative = multipliers < -_SLOPE
     improving = np.asarray(negative.any(axis=1))

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Flags
 
 RANK = 1e-10
 """Singular values below this share of the largest are zero."""
@@ -23,7 +22,7 @@ def null_space(matrix: Array) -> Array:
     return vt[int((s > RANK * s.max(initial=0.0)).sum()):].T
 
 
-def solve(matrix: Array, x: Array) -> tuple[Array, NDArray[np.bool_]]:
+def solve(matrix: Array, x: Array) -> tuple[Array, Flags]:
     """The smallest q with matrix q = x for each row of x, and whether there is one."""
     if not matrix.shape[0]:
         return np.zeros((*x.shape[:-1], matrix.shape[1])), np.ones(x.shape[:-1], dtype=bool)

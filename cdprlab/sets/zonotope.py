@@ -7,9 +7,8 @@ from itertools import combinations, product
 from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Indices
 from ..errors import NotListable
 
 PARALLEL = 1e-9
@@ -89,11 +88,11 @@ def n_choices(n: int, k: int) -> int:
 
 
 @lru_cache(maxsize=16)
-def _choices(k: int, size: int) -> NDArray[np.intp]:
+def _choices(k: int, size: int) -> Indices:
     return np.array(list(combinations(range(k), size)), dtype=np.intp).reshape(-1, size)
 
 
-def first_of_each(rows: Array, tolerance: float = 1e-8) -> NDArray[np.intp]:
+def first_of_each(rows: Array, tolerance: float = 1e-8) -> Indices:
     """Indices of rows that equal no earlier one up to ``tolerance``.
 
     >>> first_of_each(np.array([[0.0, 1.0], [1.0, 0.0], [0.0, 1.0 + 1e-12]]))

@@ -7,13 +7,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, plain
+from ..arrays import Array, Flags, as_array, plain
 from ..compiled import FOUND, NOTHING, OUT_OF_RANGE, TOO_REDUNDANT, UNSETTLED
 from ..errors import InvalidInput
 from ..mechanics.optimization import largest_last
 from ..robot import Robot
 from ..sets.zonotope import hyperplane_shifting
-from .criterion import Flags
 
 ROUNDING = 1e-9
 """Of the largest limit: margins this far below zero are rounding."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number
+from ..arrays import Array, Flags, as_array, as_number
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
 from ..mechanics.intervals import Intervals
@@ -15,7 +15,6 @@ from ..mechanics.statics import gravity_wrench, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
 from .capacity import best_tensions, capacity_margins, external_wrenches
-from .criterion import Flags
 from .interval_statics import PoseBoxes, centers, certainly_inside, certainly_outside
 from .sweep import Progress
 

@@ -7,13 +7,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Flags
 from ..robot import Robot
 from ..robot.pose import Pose
-
-Flags = NDArray[np.bool_]
 
 
 class Judgement(NamedTuple):

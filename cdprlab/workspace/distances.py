@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Indices
 
 _FLAT = 1e-14
 
@@ -78,5 +77,5 @@ def _ratio(a: Array, b: Array, least: Array | float) -> Array:
     return np.where(usable, a / np.where(usable, b, 1.0), 0.0)
 
 
-def _take(values: Array, index: NDArray[np.intp]) -> Array:
+def _take(values: Array, index: Indices) -> Array:
     return np.take_along_axis(values, index[..., None], axis=-1)[..., 0]

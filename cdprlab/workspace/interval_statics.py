@@ -11,11 +11,10 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Flags
 from ..mechanics.intervals import Intervals, exact, stack
 from ..robot import Robot
 from ..robot.pose import Pose
-from .criterion import Flags
 
 _TINY = 1e-12
 

@@ -7,10 +7,10 @@ from itertools import product
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Flags
 from ..errors import InvalidInput
 from ..robot import Robot
-from .criterion import Criterion, Flags
+from .criterion import Criterion
 from .grids import PoseGrid
 from .sweep import Progress, workspace
 

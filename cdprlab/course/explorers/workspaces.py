@@ -13,7 +13,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
-from ...arrays import Array
+from ...arrays import Array, Flags
 from ...errors import InvalidInput
 from ...mechanics.statics import gravity_wrench, wrench_matrix
 from ...robot import Robot
@@ -23,7 +23,7 @@ from ...view.outlines import floor_height
 from ...view.style import GREY, INK
 from ...view.text_table import cable_table, fixed
 from ...workspace.capacity import best_tensions
-from ...workspace.criterion import Criterion, Flags
+from ...workspace.criterion import Criterion
 from ...workspace.tensions import DynamicEquilibrium, StaticEquilibrium, WrenchClosure, WrenchFeasible
 from ...world import World
 from ..props.changed_cables import every_cable

@@ -9,7 +9,7 @@ from ...arrays import Array, as_array
 from ...errors import InvalidInput, NoPlacement
 from ...robot import Robot
 from ...robot.pose import Pose
-from .program import Task
+from .program import Duty
 from .proof import why_impossible
 from .reason import why_not_found
 from .search import Search
@@ -54,23 +54,23 @@ def place_bases(robot: Robot, poses: Pose, wrenches: ArrayLike, *, tipping: bool
         raise InvalidInput(f"margin must be between 0 and 1, got {margin!r}")
     if isinstance(evaluations, bool) or not isinstance(evaluations, int) or evaluations < 1:
         raise InvalidInput(f"evaluations must be a whole number of at least 1, got {evaluations!r}")
-    task = _checked(robot, poses, wrenches, tipping)
-    search = Search(robot, task, evaluations)
+    duty = _checked(robot, poses, wrenches, tipping)
+    search = Search(robot, duty, evaluations)
     value, x = search.value(search.here), search.here
     if value >= margin:
         return robot
-    proven = why_impossible(robot, task)
+    proven = why_impossible(robot, duty)
     if proven:
         raise NoPlacement(f"no base poses can serve every pose: {proven}", robot)
     value, x = search.best(margin)
     placed = search.moved(x)
     if value < margin:
         raise NoPlacement(f"no base poses were found that serve every pose, none among {search.tried} placements tried "
-                          f"(a search, no proof): {why_not_found(placed, task, value, margin)}", placed)
+                          f"(a search, no proof): {why_not_found(placed, duty, value, margin)}", placed)
     return placed
 
 
-def _checked(robot: Robot, poses: Pose, wrenches: ArrayLike, tipping: bool) -> Task:
+def _checked(robot: Robot, poses: Pose, wrenches: ArrayLike, tipping: bool) -> Duty:
     if not any(base.speed_max.any() for base in robot.bases):
         raise InvalidInput("this robot has no base that can drive: every speed limit is 0" if robot.bases
                            else "this robot has no bases")
@@ -79,7 +79,7 @@ def _checked(robot: Robot, poses: Pose, wrenches: ArrayLike, tipping: bool) -> T
                            f"the poses have {poses.dimension}")
     d = robot.dimension
     many = Pose.of(poses.position.reshape(-1, d), poses.rotation.reshape(-1, d, d))
-    return Task(many, _loads(robot, len(many), wrenches), tipping)
+    return Duty(many, _loads(robot, len(many), wrenches), tipping)
 
 
 def _loads(robot: Robot, count: int, wrenches: ArrayLike) -> Array:

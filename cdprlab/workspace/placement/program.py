@@ -17,7 +17,7 @@ UNREACHABLE = -1e3
 """Margin where the cables cannot exert a wrench at all, whatever their tensions."""
 
 
-class Task(NamedTuple):
+class Duty(NamedTuple):
     """What a placement is to serve.
 
     poses : (N,); loads : (N, k, n) external wrenches [N, N m]; tipping : whether bases must stand
@@ -27,35 +27,35 @@ class Task(NamedTuple):
     loads: Array
     tipping: bool
 
-    def one(self, i: int, j: int) -> Task:
+    def one(self, i: int, j: int) -> Duty:
         """Its pose i under its wrench j alone."""
         return self._replace(poses=self.poses[i:i + 1], loads=self.loads[i:i + 1, j:j + 1])
 
-    def each(self) -> Iterator[Task]:
+    def each(self) -> Iterator[Duty]:
         """One pose under one wrench after the other, wrenches running faster."""
         return (self.one(i, j) for i in range(self.loads.shape[0]) for j in range(self.loads.shape[1]))
 
 
-def worst_margin(robot: Robot, task: Task) -> tuple[float, Array]:
+def worst_margin(robot: Robot, duty: Duty) -> tuple[float, Array]:
     """The s of `place_bases` over all poses and wrenches at once, and tensions (N, k, m) that have it."""
-    (N, k), m = task.loads.shape[:2], robot.n_cables
-    rows, sides = _limits(robot, task)
+    (N, k), m = duty.loads.shape[:2], robot.n_cables
+    rows, sides = _limits(robot, duty)
     balance = np.zeros((N * k, robot.n_dof, m + 1))
-    balance[..., :m] = np.repeat(wrench_matrix(robot, task.poses), k, axis=0)
+    balance[..., :m] = np.repeat(wrench_matrix(robot, duty.poses), k, axis=0)
     count = N * k * m + 1
-    s, tensions = largest_last(_blocks(rows), sides.ravel(), _blocks(balance), -task.loads.ravel(),
+    s, tensions = largest_last(_blocks(rows), sides.ravel(), _blocks(balance), -duty.loads.ravel(),
                                [(None, None)] * (count - 1) + [(None, 1.0)])
     return s if np.isfinite(s) else UNREACHABLE, tensions.reshape(N, k, m)
 
 
-def _limits(robot: Robot, task: Task) -> tuple[Array, Array]:
+def _limits(robot: Robot, duty: Duty) -> tuple[Array, Array]:
     """Rows (N k, f, m + 1) and sides (N k, f): tension limits, then footprint edges; the last column is that of s."""
-    k, m = task.loads.shape[1], robot.n_cables
+    k, m = duty.loads.shape[1], robot.n_cables
     half = (robot.tension_max - robot.tension_min) / 2
     eye = np.eye(m)
-    rows = [np.broadcast_to(np.column_stack([sign * eye, half]), (len(task.poses), m, m + 1)) for sign in (-1.0, 1.0)]
-    sides = [np.broadcast_to(side, (len(task.poses), m)) for side in (-robot.tension_min, robot.tension_max)]
-    for edges in tipping_rows(robot, task.poses).values() if task.tipping else ():
+    rows = [np.broadcast_to(np.column_stack([sign * eye, half]), (len(duty.poses), m, m + 1)) for sign in (-1.0, 1.0)]
+    sides = [np.broadcast_to(side, (len(duty.poses), m)) for side in (-robot.tension_min, robot.tension_max)]
+    for edges in tipping_rows(robot, duty.poses).values() if duty.tipping else ():
         holds = np.abs(edges.offset).mean(axis=-1, keepdims=True)
         rows.append(np.concatenate([edges.matrix, np.broadcast_to(holds, edges.offset.shape)[..., None]], axis=-1))
         sides.append(-edges.offset)

@@ -15,13 +15,13 @@ from ...mechanics.optimization import largest_last
 from ...mechanics.statics import footings
 from ...robot import Robot
 from ...robot.pose import Pose
-from .program import Task
+from .program import Duty
 
 _ROUNDING = 1e-6
 """Shares of a wrench closer to 1 than this are no proof."""
 
 
-def why_impossible(robot: Robot, task: Task) -> str:
+def why_impossible(robot: Robot, duty: Duty) -> str:
     """The first pose and wrench that no placement can serve, and what is short there; '' where none is proven.
 
     For every cable the force f_i = τ_i u_i lies, wherever its base stands, in a convex set: a cable on a base that
@@ -29,18 +29,18 @@ def why_impossible(robot: Robot, task: Task) -> str:
     Standing is a linear bound on the f_i too. The largest share λ ≤ 1 of w_e that Σ [f_i; (R b_i) × f_i] = −λ w_e
     allows is a linear program; below 1, no placement balances w_e.
     """
-    for i, pose in enumerate(task.poses):
-        for load in task.loads[i]:
-            share = largest_share(robot, pose, load, task.tipping)
+    for i, pose in enumerate(duty.poses):
+        for load in duty.loads[i]:
+            share = largest_share(robot, pose, load, duty.tipping)
             if share < 1 - _ROUNDING:
-                return _told(robot, task, i, load, share)
+                return _told(robot, duty, i, load, share)
     return ""
 
 
-def _told(robot: Robot, task: Task, i: int, load: Array, share: float) -> str:
+def _told(robot: Robot, duty: Duty, i: int, load: Array, share: float) -> str:
     """What is short: height, limits with every base free, directions that are held, or standing."""
-    pose = task.poses[i]
-    where = f"pose {i + 1} of {len(task.poses)} (at {np.round(pose.position, 3).tolist()} m)"
+    pose = duty.poses[i]
+    where = f"pose {i + 1} of {len(duty.poses)} (at {np.round(pose.position, 3).tolist()} m)"
     wrench = f"{where} under the wrench {np.round(load, 3).tolist()}"
     lift = _lift(robot, pose, load)
     if lift:

@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import Array
 from ...robot import Robot
 from ...robot.pose import Pose
-from .program import UNREACHABLE, Task, worst_margin
+from .program import UNREACHABLE, Duty, worst_margin
 
 _SMALLEST_STEP = 0.02
 """[m, rad] Finer than a mobile base is driven."""
@@ -28,8 +28,8 @@ class Search:
     evaluations : placements tried at most, roughly: a round begun is ended
     """
 
-    def __init__(self, robot: Robot, task: Task, evaluations: int) -> None:
-        self.robot, self.task, self.evaluations, self.tried = robot, task, evaluations, 0
+    def __init__(self, robot: Robot, duty: Duty, evaluations: int) -> None:
+        self.robot, self.duty, self.evaluations, self.tried = robot, duty, evaluations, 0
         self.directions = [_Direction(k, axis) for k, base in enumerate(robot.bases) for axis in range(3)
                            if base.speed_max[axis] > 0]
         self.here = np.zeros(len(self.directions))
@@ -38,14 +38,14 @@ class Search:
         """The worst margin at a placement; far below 0 where it is blocked."""
         self.tried += 1
         placed = self.moved(x)
-        blocked = overlap(placed, self.task.poses)
+        blocked = overlap(placed, self.duty.poses)
         if blocked > 0:
             return UNREACHABLE * (1 + blocked)
-        return worst_margin(placed, self.task)[0]
+        return worst_margin(placed, self.duty)[0]
 
     def best(self, demand: float) -> tuple[float, Array]:
         """The best placement found, from the most promising start first; ends at one that meets the demand."""
-        starts = _starts(self.robot, self.task.poses, self.directions)
+        starts = _starts(self.robot, self.duty.poses, self.directions)
         values = [self.value(start) for start in starts]
         found = (-np.inf, starts[0])
         for i in np.argsort(values)[::-1]:
@@ -56,7 +56,7 @@ class Search:
     def climb(self, start: Array, value: float, demand: float) -> tuple[float, Array]:
         """Pattern search uphill: one coordinate at a time, the step halved where none helps."""
         x, best = start, value
-        step = 0.25 * _span(self.robot, self.task.poses)
+        step = 0.25 * _span(self.robot, self.duty.poses)
         while step > _SMALLEST_STEP and best < demand and self.tried < self.evaluations:
             here = best
             for move in step * np.eye(len(x)):
