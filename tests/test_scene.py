@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_widgets import planar_world
+from test_explorers import planar_world
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InvalidInput
+from ..run.log import write_csv
 from ..view import save_figure
 from ..workspace import (
     Criterion,
@@ -157,10 +158,7 @@ def _save(folder: Path, grid: PoseGrid, found: Judgement, table: dict[str, str])
     axes: dict[str, Any] = {f"axis_{name}": places for name, places in grid.axes.items()}
     np.savez(folder / "workspace.npz", **axes, position=poses.position, rotation=grid.origin.rotation,
              inside=found.inside, margin=found.margin)
-    with (folder / "workspace.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow([*(f"{name} [m]" for name in axis_names(poses.dimension)), "inside", "margin"])
-        writer.writerows([*(f"{x:.9g}" for x in place), int(inside), f"{margin:.9g}"]
-                         for place, inside, margin in zip(poses.position, *found))
+    columns = {name: (places, "m") for name, places in zip(axis_names(poses.dimension), poses.position.T)}
+    write_csv(folder / "workspace.csv", {**columns, "inside": (found.inside, ""), "margin": (found.margin, "")})
     with (folder / "table.csv").open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows(table.items())

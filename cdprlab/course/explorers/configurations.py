@@ -19,11 +19,13 @@ from ...errors import InvalidInput
 from ...run import Run
 from ...run.switching import follow_sequence
 from ...view.style import GREY, INK, house_style
+from ...view.text_table import in_brackets
 from ...world import World
 from ..pictures.configuration_plan import WIDE_MARGIN, draw_room, fill_sequence, fill_triplet, in_words
 from ..pictures.panels import drawn
-from .explorer import Choice, Explorer, Slider, Values
+from .explorer import Choice, Explorer, Slider, Values, once_a_move
 from .player import RunPlayer
+from .posing import checked_world
 
 _LISTED = 6
 """Sequences to choose from."""
@@ -49,11 +51,9 @@ class ConfigurationExplorer(Explorer):
     """
 
     def __init__(self, world: World, uncertain: bool = True) -> None:
-        if not isinstance(world, World):
-            raise InvalidInput(f"a configuration explorer takes a World, got {world!r}")
-        self.world, self.robot, self.uncertain = world, world.robot, uncertain
+        checked_world(world, "configuration")
+        self.world, self.robot = world, world.robot
         self.names = triplets(self.robot)
-        self.sequences: list[ConfigurationSequence] = []
         self.run: Run | None = None
         self._player: RunPlayer | None = None
         super().__init__(_controls(world, uncertain), f"{world.title}: configurations from S to G",
@@ -61,15 +61,33 @@ class ConfigurationExplorer(Explorer):
         self._add_fly_button()
 
     # --- the plan ---------------------------------------------------------------------------------------
+    @property
+    def sequences(self) -> list[ConfigurationSequence]:
+        """From S to G, best first."""
+        return self.planned(self.values)[0]
+
+    @once_a_move
+    def planned(self, values: Values) -> tuple[list[ConfigurationSequence], str]:
+        """Sequences, and why there are none: S outside all triangles is no mistake of the reader's."""
+        position, exits = _boxes(values)
+        try:
+            return plan_configurations(self.robot, *_ends(values), values.get("method", "stability"),
+                                       position_uncertainty=position, exit_uncertainty=exits), \
+                "method accuracy finds no change where both configurations are certain"
+        except InvalidInput as reason:
+            return [], str(reason)
+
     def chosen(self, values: Values) -> ConfigurationSequence | None:
         """The sequence picked, the last there is if there are fewer; None if there is none."""
-        return self.sequences[min(values["pick"], len(self.sequences)) - 1] if self.sequences else None
+        sequences, _ = self.planned(values)
+        return sequences[min(values["pick"], len(sequences)) - 1] if sequences else None
 
     def place(self, values: Values) -> Array:
         """(3,) the point on the way that is looked at [m]."""
         start, goal = _ends(values)
         return np.asarray(start + values["share"] * (goal - start))
 
+    @once_a_move
     def classes(self, values: Values) -> dict[Any, str]:
         """Triplet → class at that point."""
         return dict(classify_configurations(self.robot, self.place(values), *_boxes(values),
@@ -82,7 +100,7 @@ class ConfigurationExplorer(Explorer):
         """
         sequence = self.chosen(self.values)
         if sequence is None:
-            raise InvalidInput(f"there is no sequence to fly: {self._reason}")
+            raise InvalidInput(f"there is no sequence to fly: {self.planned(self.values)[1]}")
         speed = 0.8 * float(self.robot.speed_max.min())
         run = follow_sequence(self.world, sequence, slack=self.values["slack"], speed=speed,
                               reeling=min(REELING, speed))
@@ -103,31 +121,30 @@ class ConfigurationExplorer(Explorer):
             panel.set(xlabel="", ylabel="", xticks=[], yticks=[])
         # What stands still; all else is made anew at every move, animated, so that this need not be drawn again.
         self._still = {id(artist) for panel in figure.axes for artist in drawn(panel)}
-        values = {name: control.start for name, control in self.controls.items()}
-        self._draw_all(dict.fromkeys(self.names, "uncertain"), None, self.place(values), (0.0, 0.0), values)
+        self._draw_all(self.values)
 
     def draw(self, values: Values) -> None:
         with house_style():
-            self._draw_all(self._classes, self.chosen(values), self.place(values), _boxes(values), values)
+            self._draw_all(values)
         for panel in self._panels:
             panel.stale = False
         self._plan.figure.stale = False
 
     def numbers(self, values: Values) -> dict[str, Any]:
-        self._replan(values)
-        self._classes = self.classes(values)
-        place = "({:.2f}, {:.2f}, {:.2f}) m".format(*self.place(values))
-        listed = "\n".join(f"{k}: {sequence}" for k, sequence in enumerate(self.sequences[:_LISTED], start=1))
-        found = {"sequences": listed or f"none: {self._reason}"}
+        sequences, reason = self.planned(values)
+        listed = "\n".join(f"{k}: {sequence}" for k, sequence in enumerate(sequences[:_LISTED], start=1))
+        found = {"sequences": listed or f"none: {reason}"}
         sequence = self.chosen(values)
         if sequence is not None:
             found["the chosen one: position, cables, score"] = _steps(sequence)
-        return {**found, f"at {place}": "\n".join(f"{chosen}: {verdict}" for chosen, verdict in self._classes.items())}
+        found[f"at {in_brackets(self.place(values), 2)} m"] = "\n".join(
+            f"{chosen}: {verdict}" for chosen, verdict in self.classes(values).items())
+        return found
 
     def describe(self, values: Values) -> str:
         chosen = self.chosen(values)
         return (f"Plan of the room with exit points, S and G; {chosen if chosen is not None else 'no sequence'}; "
-                f"at {values['share']:.0%} of the way {in_words(self._classes)}")
+                f"at {values['share']:.0%} of the way {in_words(self.classes(values))}")
 
     def close(self) -> None:
         """Let go of everything, the flight too."""
@@ -135,18 +152,8 @@ class ConfigurationExplorer(Explorer):
         super().close()
 
     # --- inside -------------------------------------------------------------------------------------------
-    def _replan(self, values: Values) -> None:
-        """New sequences, or the reason why there are none: S outside all triangles is no mistake of the reader's."""
-        position, exits = _boxes(values)
-        self._reason = "method accuracy finds no change where both configurations are certain"
-        try:
-            self.sequences = plan_configurations(self.robot, *_ends(values), values.get("method", "stability"),
-                                                 position_uncertainty=position, exit_uncertainty=exits)
-        except InvalidInput as reason:
-            self.sequences, self._reason = [], str(reason)
-
-    def _draw_all(self, classes: dict[Any, str], sequence: ConfigurationSequence | None, place: Array,
-                  boxes: tuple[float, float], values: Values) -> None:
+    def _draw_all(self, values: Values) -> None:
+        sequence, place = self.chosen(values), self.place(values)
         for artist in self._moving():
             artist.remove()
         if sequence is None:
@@ -158,8 +165,9 @@ class ConfigurationExplorer(Explorer):
         self._plan.plot(*place[:2], marker="x", markersize=9, markeredgewidth=2, color=INK, zorder=7)
         titles = [self._plan.set_title("no sequence" if sequence is None else str(sequence), fontsize=11)]
         for panel, chosen in zip(self._small, self.names):
-            fill_triplet(panel, self.robot, chosen, place, classes[chosen], *boxes)
-            titles.append(panel.set_title(f"{chosen}: {classes[chosen]}", fontsize=9))
+            verdict = self.classes(values)[chosen]
+            fill_triplet(panel, self.robot, chosen, place, verdict, *_boxes(values))
+            titles.append(panel.set_title(f"{chosen}: {verdict}", fontsize=9))
         for artist in [*self._moving(), *titles]:
             artist.set_animated(True)
 
@@ -225,7 +233,7 @@ def _boxes(values: Values) -> tuple[float, float]:
 
 
 def _steps(sequence: ConfigurationSequence) -> str:
-    rows = [f"({place[0]:.2f}, {place[1]:.2f}, {place[2]:.2f}) m  {chosen}  {score:.3g}"
+    rows = [f"{in_brackets(place, 2)} m  {chosen}  {score:.3g}"
             for (place, chosen), score in zip(sequence.steps, sequence.location_scores)]
     changes = ", ".join(map(str, sequence.transition_scores)) or "none"
     return "\n".join([*rows, f"changes: {changes}"])
