@@ -82,10 +82,9 @@ def test_peaks_and_troughs_at_the_ends_and_inside():
     assert (whole.cos().lower, whole.cos().upper, whole.sin().lower, whole.sin().upper) == (-1, 1, -1, 1)
 
 
-def test_a_divisor_that_may_be_zero_bounds_nothing_beyond():
+def test_a_divisor_that_may_be_zero_bounds_nothing():
     third = Intervals(np.array([1.0, -1.0, 0.0]), np.array([2.0, 2.0, 0.0])) / Intervals(np.zeros(3), np.full(3, 4.0))
-    assert third.lower[0] <= 0.25 and third.upper[0] == np.inf
-    assert (third.lower[1], third.upper[1]) == (-np.inf, np.inf)
+    assert (third.lower == -np.inf).all() and (third.upper == np.inf).all()
 
 
 def test_what_two_intervals_share():

@@ -91,21 +91,9 @@ def _out_of_reach(a: Intervals, b: Intervals, m: Intervals, strips: Intervals) -
             g = stack([z[:, j] - z[:, k] for j, k in ((3, 5), (4, 2), (5, 1), (0, 4), (1, 3), (2, 0))])
             wanted = strips - _natural(exact(c[:, :2]), exact(c[:, 2:4]), exact(c[:, 4:]))
             others = ((g * h)[:, None, :] * (1 - np.eye(6))).total()
-            box = box & _factor(h, wanted[:, None] - others, g) + c
+            box = box & (wanted[:, None] - others) / g + c
             empty |= (box.width < 0).any(axis=-1)
     return empty
-
-
-def _factor(x: Intervals, product: Intervals, other: Intervals) -> Intervals:
-    """What of x can make the product with the other factor; where that holds zero, to either side of it."""
-    parts = []
-    for sign in (1.0, -1.0):
-        divisor = other * sign & Intervals(0.0, np.inf)
-        part = x & (product * sign) / divisor
-        none = (part.width < 0) | (divisor.width < 0)
-        parts.append((np.where(none, np.inf, part.lower), np.where(none, -np.inf, part.upper)))
-    (low, high), (other_low, other_high) = parts
-    return Intervals(np.minimum(low, other_low), np.maximum(high, other_high))
 
 
 FORMS: dict[str, Side] = {"corners": _corner_range, "translated": _translated, "natural": _natural,

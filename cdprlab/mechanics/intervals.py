@@ -45,10 +45,12 @@ class Intervals:
         return _outward(np.minimum.reduce(products), np.maximum.reduce(products))
 
     def __truediv__(self, other: Intervals) -> Intervals:
-        """By intervals that are not negative."""
-        with np.errstate(divide="ignore", invalid="ignore"):   # x / 0 is infinite, 0 / 0 says nothing
-            quotients = [x / (y + 0.0) for x in (self.lower, self.upper) for y in (other.lower, other.upper)]
-        return _outward(np.fmin.reduce(quotients), np.fmax.reduce(quotients))
+        """Anything where the divisor holds zero."""
+        zero = (other.lower <= 0) & (other.upper >= 0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            quotients = [x / y for x in (self.lower, self.upper) for y in (other.lower, other.upper)]
+        return _outward(np.where(zero, -np.inf, np.minimum.reduce(quotients)),
+                        np.where(zero, np.inf, np.maximum.reduce(quotients)))
 
     def __and__(self, other: Intervals) -> Intervals:
         """What is in both; its ends are crossed where nothing is."""

@@ -10,6 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from math import comb
 
 import numpy as np
@@ -22,7 +23,7 @@ from .frame import Frame, affine_hull
 from .listing import Planes, asked_hull, candidates, hull, meetings, tips, without_superfluous
 from .simplex import TOLERANCE, Program, maximize
 from .subspace import null_space, solve
-from .zonotope import MOST_COMBINATIONS, box_corners, hyperplane_shifting, zonotope_volume
+from .zonotope import MOST_COMBINATIONS, hyperplane_shifting, zonotope_volume
 
 _MOST_SIGNS = 12
 """Generators up to which a zonotope's corners are sought among all 2ᵏ sign combinations."""
@@ -375,7 +376,7 @@ class Zonotope(Polytope):
         k = self.generators.shape[1]
         if k > _MOST_SIGNS:
             return super()._meetings(found)
-        signs = box_corners(-np.ones(k), np.ones(k))
+        signs = np.array(list(product((-1.0, 1.0), repeat=k)))
         return tips(self._frame.inside(self.center + signs @ self.generators.T), found.normals, found.offsets)
 
 

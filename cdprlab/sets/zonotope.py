@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from itertools import combinations, product
+from itertools import combinations
 from math import comb
 
 import numpy as np
@@ -71,15 +71,6 @@ def zonotope_volume(generators: Array) -> float:
     n, k = generators.shape
     chosen = generators.T[_choices(k, n)]
     return float(2.0 ** n * np.abs(np.linalg.det(chosen)).sum())
-
-
-def box_corners(lower: Array, upper: Array) -> Array:
-    """(2ᵏ, k) all corners of a box.
-
-    >>> box_corners(np.zeros(2), np.ones(2)).tolist()
-    [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]
-    """
-    return np.array(list(product(*zip(lower, upper))))
 
 
 def n_choices(n: int, k: int) -> int:
