@@ -300,8 +300,7 @@ def test_computed_torque_is_mass_and_bias_at_the_wanted_acceleration():
 # --- the state machine ------------------------------------------------------------------------------------
 def sensed(time, **seen):
     calm = {"error": 0.0, "turn_error": 0.0, "tensions": np.full(8, 9.0), "overloaded": 0.0, "missing": 0.0,
-            "wheels": {"active": np.full(4, 100.0)}, "base_error": 0.0, "gripped": False, "slipped": 0.0,
-            "pose": (np.zeros(3), np.eye(3)), "bases": np.zeros((1, 3))}
+            "wheels": {"active": np.full(4, 100.0)}, "base_error": 0.0, "gripped": False, "slipped": 0.0}
     return Sensors(time, **{**calm, **seen})
 
 

@@ -62,7 +62,7 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
     """
     job, robot, wound = world.task(task), world.robot, cables in WOUND
     distributor = Distributor(robot, method, infeasible)
-    substeps, period = _control_steps(dt, control_period)
+    substeps, period = control_steps(dt, control_period)
     length = job.duration + job.hold if duration is None else as_number(duration, "duration", "s", positive=True)
     times: Array = np.arange(max(1, round(length / period)), dtype=float) * period
     if wound and controller is not None:
@@ -117,7 +117,12 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
     return replace(run, feasible=distributor.feasible(W, -wanted, run.commanded_tensions, cuts))
 
 
-def _control_steps(dt: float, control_period: float | None) -> tuple[int, float]:
+def control_steps(dt: float, control_period: float | None) -> tuple[int, float]:
+    """Engine steps in a control step, and its length [s]; the second must be a multiple of the first.
+
+    >>> control_steps(1e-3, 4e-3)
+    (4, 0.004)
+    """
     step = as_number(dt, "dt", "s", positive=True)
     period = step if control_period is None else as_number(control_period, "control_period", "s", positive=True)
     substeps = round(period / step)

@@ -42,7 +42,7 @@ def _hall(axes: Any, mission: Mission) -> None:
     assert journey is not None
     draw_hall(axes, journey.hall, journey.vehicle)
     draw_way(axes, journey)
-    axes.plot(*carried(journey.estimates[-1], journey.points).T, ".", color=VERMILION, markersize=3, zorder=6)
+    axes.plot(*carried(journey.estimates[-1], journey.scans[-1]).T, ".", color=VERMILION, markersize=3, zorder=6)
     axes.set(title="It finds its way,")
 
 

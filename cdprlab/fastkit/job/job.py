@@ -16,6 +16,7 @@ from ...mechanics.trajectory import Reference, Trajectory, hold, quintic, rest_t
 from ...robot.pose import Pose
 from ...run import Log
 from ...run.loop import fly
+from ...run.start import control_steps
 from ...run.winches import WinchControl, winch_control
 from ...simulate.spatial import SpatialSimulator
 from ...world import World
@@ -57,19 +58,17 @@ def pick_and_place(world: World, task: str = "pick_and_place", control: str | Wi
     job = world.task(task)
     if not isinstance(job, PickAndPlace):
         raise InvalidInput(f"task {task!r} is of kind {job.kind}, not pick_and_place: use cl.run(world, ...)")
-    substeps = round(control_period / dt)
-    if substeps < 1 or abs(substeps * dt - control_period) > 1e-9:
-        raise InvalidInput(f"control_period must be a whole multiple of dt, got {control_period:g} s and {dt:g} s")
+    substeps, period = control_steps(dt, control_period)
     law = winch_control(control)
     begin = replace(world, robot=world.robot.with_bases(job.coupled), pose=job.start, tasks={task: job})
     machine = Machine(job_phases(world, job, speed, fold=fold), faults)
     with SpatialSimulator(begin, law.cables, dt, bodies=True, solver_iterations=20) as engine:
         engine.boxes.add(BOX, job.box_position, job.box_size, job.box_mass, friction=_ROLLERS)
-        work = _Work(engine, job, machine, law, control_period)
+        work = _Work(engine, job, machine, law, period)
         log, elapsed = fly(engine, law, work.wishes(progress), substeps)
-    settings = {"dt": dt, "control_period": control_period, "speed": speed}
+    settings = {"dt": dt, "control_period": period, "speed": speed}
     return work.record(log, elapsed, world=world, task=task, method=law.name, cables=law.cables, dt=dt,
-                       control_period=control_period, settings=settings)
+                       control_period=period, settings=settings)
 
 
 class _Work:
@@ -78,8 +77,7 @@ class _Work:
     def __init__(self, engine: SpatialSimulator, task: PickAndPlace, machine: Machine, law: WinchControl,
                  period: float) -> None:
         self.engine, self.task, self.machine, self.law, self.period = engine, task, machine, law, period
-        self.path: Trajectory = hold(task.start, 1.0)
-        self.sampled: list[Reference] | None = None
+        self._follow(hold(task.start, 1.0))
         self.bases = engine.base_poses.copy()
         self.driven = np.zeros(self.bases.size)
         self.stroke, self.offset = 1.0, np.zeros(3)
@@ -94,47 +92,44 @@ class _Work:
 
     def wishes(self, progress: Progress | None) -> Iterator[Reference]:
         """Where the platform should be, step after step, until the job is done or has been stopped for a while."""
-        machine, total = self.machine, sum(phase.duration for phase in self.machine.phases)
+        machine, total = self.machine, round(1e3 * sum(phase.duration for phase in self.machine.phases))
         self._begin(machine.phase)
         steps, ended, shown = 0, 0.0, 0.0
         while not ((machine.stopped or machine.done) and steps * self.period > ended + _AFTERMATH):
             now = steps * self.period
-            wish = self._wish(now)
+            wish = self.sampled[min(round((now - machine.began) / self.period), len(self.sampled) - 1)]
             self._drive(now)
             self._draw(now)
             sensors = self._look(now, wish)
-            yield wish
             self._note(wish, sensors)
+            yield wish
+            self._judge()
             steps += 1
             if machine.step(sensors._replace(time=steps * self.period)):
                 ended = steps * self.period
                 self._enter()
             if progress is not None and now - shown >= 0.5:
                 shown = now
-                progress(min(round(now * 1e3), round(total * 1e3)), round(total * 1e3))
-
-    def _wish(self, now: float) -> Reference:
-        """The reference, sampled once a phase: a single sample costs as much as a hundred."""
-        if self.sampled is None:
-            times = np.arange(round(self.path.duration / self.period) + 1) * self.period
-            self.sampled = list(map(Reference, *self.path(times)))
-        step = round((now - self.machine.began) / self.period) if not self.machine.stopped else 0
-        return self.sampled[min(step, len(self.sampled) - 1)]
+                progress(min(round(1e3 * now), total), total)
 
     # --- phases -----------------------------------------------------------------------------------
+    def _follow(self, path: Trajectory) -> None:
+        """Sampled at once: a single sample costs as much as a hundred."""
+        self.path = path
+        self.sampled = list(map(Reference, *path(np.arange(round(path.duration / self.period) + 1) * self.period)))
+
     def _enter(self) -> None:
-        self.sampled = None
         if self.machine.stopped:
-            self.path = hold(Pose.of(self.engine.position, self.engine.rotation), 1.0)
+            self._follow(hold(Pose.of(self.engine.position, self.engine.rotation), 1.0))
         elif self.machine.done:
-            self.path = hold(self.path.end, 1.0)
+            self._follow(hold(self.path.end, 1.0))
         else:
             self._begin(self.machine.phase)
 
     def _begin(self, phase: Phase) -> None:
         end = self.path.end
         phase.begin(self.engine)
-        self.path = hold(end, phase.duration) if phase.to is None else quintic(end, phase.to, phase.duration)
+        self._follow(hold(end, phase.duration) if phase.to is None else quintic(end, phase.to, phase.duration))
         if self.engine.boxes.is_gripped(BOX) and not self.offset.any():
             self.offset = self._held() - (self.stroke - 1) * self.task.stroke
         self.bases = self.engine.base_poses.copy()
@@ -178,23 +173,26 @@ class _Work:
         gripped = engine.boxes.is_gripped(BOX)
         place = self.offset + (self.stroke - 1) * self.task.stroke if gripped else self.task.seat + self.task.stroke
         slipped = float(np.linalg.norm(self._held() - place))
-        now_at = engine.base_poses
-        goals = [(k, phase.drives[base.name]) for k, base in enumerate(self.empty.bases) if base.name in phase.drives]
-        base_error = max((float(np.linalg.norm(now_at[k, :2] - goal[:2])) for k, goal in goals), default=0.0)
+        base_error = max((math.dist(stands[:2], phase.drives[base.name][:2])
+                          for base, stands in zip(self.empty.bases, engine.base_poses) if base.name in phase.drives),
+                         default=0.0)
         x, y, z, *turn = pose_error(Pose.of(engine.position, engine.rotation), wish.pose).tolist()
         return Sensors(now, math.hypot(x, y, z), math.hypot(*turn), engine.tensions, self.overloaded,
-                       self.missing, engine.wheel_loads(), base_error, gripped, slipped,
-                       (engine.position, engine.rotation), now_at)
+                       self.missing, engine.wheel_loads(), base_error, gripped, slipped)
 
     def _note(self, wish: Reference, sensors: Sensors) -> None:
-        engine, robot, box = self.engine, self.empty, self.engine.boxes.pose(BOX)
-        tau = engine.tensions
+        """A row: how all is as the step begins."""
+        engine, box = self.engine, self.engine.boxes.pose(BOX)
+        self.wished.append(wish)
+        self.log.keep(engine.base_poses, engine.tilts, *sensors.wheels.values(), box.position, box.rotation,
+                      self.stroke, self.carried[0], len(self.machine.history) - 1)
+
+    def _judge(self) -> None:
+        """For how long cables have been off their limits, and wrenches unbalanced, now that the step is over."""
+        tau, robot = self.engine.tensions, self.empty
         beyond = (tau < robot.tension_min - _SLACK).any() or (tau > robot.tension_max + _SLACK).any()
         self.overloaded = self.overloaded + self.period if beyond else 0.0
         self.missing = 0.0 if self.law.feasible else self.missing + self.period
-        self.wished.append(wish)
-        self.log.keep(sensors.bases, engine.tilts, *sensors.wheels.values(), box.position, box.rotation, self.stroke,
-                      self.carried[0], len(self.machine.history) - 1)
 
     def record(self, flown: Log, elapsed: float, **about: Any) -> Job:
         """The job from what `fly` kept of it and what was noted beside."""

@@ -28,7 +28,6 @@ class Sensors(NamedTuple):
     base_error : farthest of any base from where it should be [m]
     gripped : whether the gripper is closed
     slipped : distance of the box from where the gripper holds it, or would take it [m]
-    pose : position [m] and rotation of the platform; bases : (p, 3) x, y, heading [m, m, rad]
     """
 
     time: float
@@ -41,8 +40,6 @@ class Sensors(NamedTuple):
     base_error: float
     gripped: bool
     slipped: float
-    pose: tuple[Array, Array]
-    bases: Array
 
 
 Guard = Callable[[Sensors], str]

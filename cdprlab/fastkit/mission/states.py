@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import NamedTuple
 
 from numpy.typing import ArrayLike
@@ -23,7 +24,7 @@ from ..events import DONE, STOPPED, Event
 from ..navigation.driving import Walker
 from .guards import at_home, at_the_shelf, base_in_place, box_in_place, coupled_again, stands_still
 from .mission_record import Mission
-from .trip import Progress, Trip, Work, go_on, stand, work_there
+from .trip import Progress, Trip, Work, go_on, stand
 
 
 class Stage(NamedTuple):
@@ -94,7 +95,8 @@ def mission_states(trip: Trip, work: Work | None = None) -> tuple[Stage, ...]:
     return (
         Stage("navigation", "coupled, the pair drives to its berth; no cable moves", trip.drive_there, at_the_shelf),
         Stage("undeployed", "at the berth, still coupled", stand, stands_still),
-        Stage("deployed", "the link opens, the active base drives away", work_there(work, trip), base_in_place),
+        Stage("deployed", "the link opens, the active base drives away", partial(trip.work_there, work=work),
+              base_in_place),
         Stage("pick and place", "the box from its place to the other", go_on, box_in_place, "approach"),
         Stage("return", "the platform goes back, the bases fold, the link closes", go_on, coupled_again, "return"),
         Stage("home", "coupled, the pair leaves its berth and drives back", trip.drive_home, at_home),

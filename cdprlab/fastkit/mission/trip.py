@@ -112,15 +112,11 @@ class Trip:
         return replace(self.world, robot=self.world.robot.with_bases(deployed),
                        tasks={mission.task: replace(self.task, coupled=coupled)})
 
-
-def work_there(work: Work | None, trip: Trip) -> Callable[[Mission], None]:
-    """The act that does the work where the pair stands; None: `pick_and_place`, and fold."""
-    def act(mission: Mission) -> None:
-        there, tell = trip.arrived(mission), trip.told(mission)
+    def work_there(self, mission: Mission, work: Work | None = None) -> None:
+        """Do the work where the pair stands; None: `pick_and_place`, and fold."""
+        there, tell = self.arrived(mission), self.told(mission)
         if work is not None:
             mission.job = work(there, mission.task)
-            return
-        ticks = None if tell is None else lambda done, _: tell(1e-3 * done)
-        mission.job = pick_and_place(there, mission.task, fold=True, progress=ticks)
-
-    return act
+        else:
+            ticks = None if tell is None else lambda done, _: tell(1e-3 * done)
+            mission.job = pick_and_place(there, mission.task, fold=True, progress=ticks)

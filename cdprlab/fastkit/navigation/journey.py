@@ -64,11 +64,6 @@ class Journey:
     scans: tuple[Array, ...] = field(repr=False)
 
     @property
-    def points(self) -> Array:
-        """(h, 2) of the last scan, vehicle's frame [m]."""
-        return self.scans[-1]
-
-    @property
     def errors(self) -> Array:
         """(N, 3) estimate minus truth [m, m, rad]."""
         return difference(self.estimates, self.poses)
@@ -93,7 +88,7 @@ class Journey:
 def navigate(pair: Pair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
              berth: ArrayLike | None = None, leaving: ArrayLike | None = None,
              uncertainty: ArrayLike = (0.1, 0.1, 0.05), margin: float = MARGIN, period: float = 0.1,
-             longest: float = 600.0, truth: bool = False, odometry: Odometry | None = None,
+             longest: float = 600.0, odometry: Odometry | None = None,
              progress: Callable[[float], Any] | None = None) -> Journey:
     """Drive the pair to a goal on a known map; stop with the reason where that fails.
 
@@ -102,7 +97,6 @@ def navigate(pair: Pair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
     berth : (3,) driven to from the goal, straight and in a narrower place than plans allow [m, m, rad]
     leaving : (3,) driven to first, as straight and as narrow: the way out of a berth [m, m, rad]
     margin : kept from all that is on the map [m]; period : between two scans [s]; longest : time allowed [s]
-    truth : drive by the true pose instead of the believed one, for comparison
     progress : called with the simulated time
     Returns Journey.
     Source: Pedemonte et al. 2020, section 2.3.
@@ -112,7 +106,7 @@ def navigate(pair: Pair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
     where = Localization(hall, checked_pose(start, "start"), doubt, odometry, pair.vehicle.eyes)
     stops = [checked_pose(goal, "goal")] + ([] if berth is None else [checked_pose(berth, "berth")])
     out = None if leaving is None else checked_pose(leaving, "leaving")
-    return _Driver(pair, hall, stops, out, where, margin, period, truth).run(longest, progress)
+    return _Driver(pair, hall, stops, out, where, margin, period).run(longest, progress)
 
 
 def docking(hall: Hall, vehicle: Vehicle, plan: Plan, berth: Array, margin: float = DOCKING_MARGIN) -> Plan:
@@ -138,9 +132,9 @@ class _Driver:
     """A journey under way: what changes from period to period."""
 
     def __init__(self, pair: Pair, hall: Hall, stops: list[Array], leaving: Array | None, where: Localization,
-                 margin: float, period: float, truth: bool) -> None:
+                 margin: float, period: float) -> None:
         self.pair, self.hall, self.stops, self.leaving, self.where = pair, hall, stops, leaving, where
-        self.margin, self.period, self.truth = margin, period, truth
+        self.margin, self.period = margin, period
         self.grid = OccupancyGrid.of(hall)
         self.plans: list[tuple[float, Plan]] = []
         self.blocked = self.since_plan = 0.0
@@ -149,11 +143,6 @@ class _Driver:
                         "deviations": ((3,), "m, m, rad"), "clearance": ((), "m"), "waiting": ((), ""),
                         "backing": ((), ""), "people": (pair.people.shape, "m")})
         self.scans: list[Array] = []
-
-    @property
-    def _pose(self) -> Array:
-        """What it drives by."""
-        return self.pair.pose if self.truth else self.where.pose
 
     def run(self, longest: float, progress: Callable[[float], Any] | None) -> Journey:
         pair, where, now = self.pair, self.where, 0.0
@@ -164,7 +153,7 @@ class _Driver:
             self._note(now, points)
             if follower is None:
                 return self._journey(STOPPED, reason)
-            if follower.arrived(self._pose):
+            if follower.arrived(self.where.pose):
                 if not self.backing:
                     return self._journey(ARRIVED, "")
                 self.backing = False
@@ -172,7 +161,7 @@ class _Driver:
             reason = self._fault(now, longest)
             if reason:
                 return self._journey(STOPPED, reason)
-            command = follower.command(self._pose, where.unexpected(points), self.period)
+            command = follower.command(self.where.pose, where.unexpected(points), self.period)
             follower = self._patient(command.blocked, now, points, follower)
             where.drive(pair.drive(command.twist, self.period))
             points = pair.scan()
@@ -220,8 +209,8 @@ class _Driver:
 
     def _way_back(self) -> Array:
         """(n, 3) the last meter of the way so far, backwards."""
-        back, far = [self._pose], 0.0
-        for then in self.log["poses" if self.truth else "estimates"][self.came_from:][::-1]:
+        back, far = [self.where.pose], 0.0
+        for then in self.log["estimates"][self.came_from:][::-1]:
             step = self.pair.vehicle.way(then, back[-1])
             if step > 0.05 and far < _BACK * (1 + self.retreats):
                 back.append(back[-1] + difference(then, back[-1]))
@@ -230,7 +219,7 @@ class _Driver:
 
     def _plan(self, now: float, unexpected: Array) -> tuple[Plan, Array]:
         """A plan, and the points in the world that it goes around though no map shows them."""
-        pose, vehicle = self._pose, self.pair.vehicle
+        pose, vehicle = self.where.pose, self.pair.vehicle
         around, grid = carried(pose, unexpected), self.grid
         if len(unexpected):
             grid = OccupancyGrid.of(self.hall, grid.cell, around, _AROUND)
@@ -245,7 +234,7 @@ class _Driver:
 
     def _mind_the_berth(self) -> None:
         """Once out of the berth, plans begin where the pair is, and it does not back off into it."""
-        if self.leaving is not None and (np.abs(difference(self.leaving, self._pose)) < _OUT).all():
+        if self.leaving is not None and (np.abs(difference(self.leaving, self.where.pose)) < _OUT).all():
             self.leaving, self.came_from = None, len(self.log)
 
     def _note(self, now: float, points: Array) -> None:
