@@ -51,3 +51,10 @@ def test_what_is_saved(tmp_path):
     assert header[:5] == ["time [s]", "rotation_1", "rotation_2", "rotation_3", "rotation_4"]
     assert header[-1] == "feasible" and [row[0] for row in rows] == ["0", "0.3", "0.6"]
     assert json.loads((tmp_path / "out" / "settings.json").read_text()) == {"task": "default"}
+
+
+def test_a_column_may_be_of_nothing():
+    """As many people as walk about: none."""
+    log = Log({"time": ((), "s"), "people": ((0, 3), "m")})
+    log.keep(0.0, np.zeros((0, 3)))
+    assert log["people"].shape == (1, 0, 3) and log["time"].tolist() == [0.0]

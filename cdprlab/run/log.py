@@ -57,7 +57,7 @@ class Log:
     def __getitem__(self, name: str) -> Array:
         """(N, …) one column, read-only."""
         table = np.frombuffer(self._rows).reshape(-1, self.width)
-        return frozen(table[:, self._slices[name]].reshape(-1, *self._shapes[name]).copy())
+        return frozen(table[:, self._slices[name]].reshape(len(table), *self._shapes[name]).copy())
 
 
 def save_record(folder: str | Path, columns: Mapping[str, tuple[Any, str]], world: World,
