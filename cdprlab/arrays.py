@@ -50,6 +50,19 @@ def plain(array: Any) -> Any:
     return frozen(np.ascontiguousarray(array).view())
 
 
+def common_batch(name: str, batch: tuple[int, ...], other: str, other_batch: tuple[int, ...]) -> tuple[int, ...]:
+    """The shape both broadcast to; raises InvalidInput naming both where there is none.
+
+    >>> common_batch("positions", (4, 1), "rotations", (3,))
+    (4, 3)
+    """
+    try:
+        return np.broadcast_shapes(batch, other_batch)
+    except ValueError:
+        raise InvalidInput(f"{name} of batch shape {batch} and {other} of batch shape {other_batch} "
+                           "do not fit together") from None
+
+
 def as_number(value: Any, name: str, unit: str = "", *, minimum: float | None = None,
               positive: bool = False, location: Location = ()) -> float:
     """A finite float, optionally positive or at least ``minimum``.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
-from cdprlab.mechanics.kinematics import _moved, _twist_per_step
+from cdprlab.mechanics import kinematics
 from robots import BASED, ROBOTS, case, cases, differences, moved, random_pose, random_poses, robot_2r3t, robot_3r3t
 
 # Central differences of step h leave h²/6 of the third derivative (about 1 here) and rounding 1e-16/h.
@@ -105,9 +105,9 @@ def test_the_fit_knows_its_own_slope(name):
     """A wrong slope still converges from near, only slower: so it is looked at itself."""
     robot, start = case(name, 3)
     x = np.random.default_rng(3).uniform(-0.5, 0.5, robot.n_dof)
-    expected = differences(lambda dx: cl.cable_lengths(robot, _moved(robot, start, x + dx)), robot.n_dof, STEP)
-    slope = cl.jacobian(robot, _moved(robot, start, x)) @ _twist_per_step(robot, start, x)
-    np.testing.assert_allclose(slope, expected, atol=CLOSE)
+    expected = differences(lambda dx: cl.cable_lengths(robot, kinematics.moved(robot, start, x + dx)), robot.n_dof,
+                           STEP)
+    np.testing.assert_allclose(kinematics.moved_slope(robot, start, x), expected, atol=CLOSE)
 
 
 def test_forward_kinematics_of_a_batch():

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array, as_array, common_batch
 from ..errors import InvalidInput, NoConvergence
 from ..robot import Base, Robot
 from ..robot.pose import Pose, rotation_from_vector, rotation_vector_jacobian
@@ -78,17 +78,12 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance:
     if guess.dimension != robot.dimension:
         raise InvalidInput(f"a {robot.motion_pattern} robot lives in {robot.dimension} dimensions, "
                            f"the guess has {guess.dimension}")
-    try:
-        batch = np.broadcast_shapes(measured.shape[:-1], guess.batch_shape)
-    except ValueError:
-        raise InvalidInput(f"lengths of batch shape {measured.shape[:-1]} and a guess of batch shape "
-                           f"{guess.batch_shape} do not fit together") from None
-    starts = Pose(np.broadcast_to(guess.position, (*batch, robot.dimension)), matrix=guess.rotation)
+    batch = common_batch("lengths", measured.shape[:-1], "a guess", guess.batch_shape)
+    position = np.array(np.broadcast_to(guess.position, (*batch, robot.dimension)))
+    rotation = np.array(np.broadcast_to(guess.rotation, (*batch, robot.dimension, robot.dimension)))
     measured = np.broadcast_to(measured, (*batch, robot.n_cables))
-    position, rotation = np.empty(starts.position.shape), np.empty(starts.rotation.shape)
     for index in np.ndindex(batch):
-        start = Pose.of(starts.position[index], starts.rotation[index])
-        found = _fit_pose(robot, measured[index], start, tolerance)
+        found = _fit_pose(robot, measured[index], Pose.of(position[index], rotation[index]), tolerance)
         position[index], rotation[index] = found.position, found.rotation
     return Pose.of(position, rotation)
 
@@ -114,54 +109,37 @@ def _exit_velocities(base: Base, exit_point: Array, pivot: Pivot) -> Array:
     return velocities
 
 
+def moved(robot: Robot, start: Pose, x: Array) -> Pose:
+    """p = p₀ + S_v x and R = exp([S_ω x]×) R₀: away from a pose by x (n,) in the motion pattern's rows there."""
+    step, d = robot.pattern.basis(start.rotation) @ x, robot.dimension
+    return Pose.of(start.position + step[:d], rotation_from_vector(step[d:]) @ start.rotation)
+
+
+def moved_slope(robot: Robot, start: Pose, x: Array) -> Array:
+    """∂l/∂x (m, n) of the cable lengths at `moved`: ω = J_l(r) ṙ for the turn r = S_ω x, in the plane ω = ṙ."""
+    pose, S, d = moved(robot, start, x), robot.pattern.basis(start.rotation), robot.dimension
+    rates = np.eye(S.shape[0])
+    if d == 3:
+        rates[d:, d:] = rotation_vector_jacobian(S[d:] @ x)
+    return jacobian(robot, pose) @ robot.pattern.basis(pose.rotation).T @ rates @ S
+
+
 def _fit_pose(robot: Robot, lengths: Array, start: Pose, tolerance: float) -> Pose:
     from scipy.optimize import least_squares
 
     def residuals(x: Array) -> Array:
-        return cable_lengths(robot, _moved(robot, start, x)) - lengths
-
-    def slope(x: Array) -> Array:
-        pose = _moved(robot, start, x)
-        return jacobian(robot, pose) @ _twist_per_step(robot, start, x)
+        return cable_lengths(robot, moved(robot, start, x)) - lengths
 
     # The tightest tolerances scipy takes: it then stops where rounding does. Fewer cables than
     # freedoms leave "lm" without a square problem, so those go to the trust region method.
     method = "lm" if robot.n_cables >= robot.n_dof else "trf"
     tight = 4 * np.finfo(float).eps
-    result = least_squares(residuals, np.zeros(robot.n_dof), slope, method=method, xtol=tight, ftol=tight, gtol=tight)
+    result = least_squares(residuals, np.zeros(robot.n_dof), lambda x: moved_slope(robot, start, x), method=method,
+                           xtol=tight, ftol=tight, gtol=tight)
     left = residuals(result.x)
     if not np.abs(left).max() <= tolerance:
         worst = int(np.abs(left).argmax())
         raise NoConvergence(f"no pose near the guess has these cable lengths: cable {worst + 1} is off by "
                             f"{left[worst]:.3g} m, allowed {tolerance:g} m; check the lengths, start nearer, or "
                             "pass tolerance=inf for the least-squares pose", left)
-    return _moved(robot, start, result.x)
-
-
-def _moved(robot: Robot, start: Pose, x: Array) -> Pose:
-    """The start pose moved by x = [translation (world axes), rotation vector (platform axes)]."""
-    position = start.position.copy()
-    translations = robot.n_dof - len(robot.pattern.turn_axes)
-    position[:translations] += x[:translations]
-    return Pose.of(position, start.rotation @ rotation_from_vector(_turn(robot, x)))
-
-
-def _turn(robot: Robot, x: Array) -> Array:
-    axes = list(robot.pattern.turn_axes)
-    turn = np.zeros(1 if robot.dimension == 2 else 3)
-    turn[axes] = x[robot.n_dof - len(axes):]
-    return turn
-
-
-def _twist_per_step(robot: Robot, start: Pose, x: Array) -> Array:
-    """(n, n) dt/dx: translations are the twist's own; ω = R exp(r) J_r(r) ṙ for a turn r in platform axes."""
-    change = np.eye(robot.n_dof)
-    axes = list(robot.pattern.turn_axes)
-    if robot.dimension == 2 or not axes:
-        return change
-    turn = _turn(robot, x)
-    rate = rotation_vector_jacobian(-turn)  # J_r(r) = J_l(−r): rate in platform axes
-    if robot.motion_pattern == "3R3T":
-        rate = start.rotation @ rotation_from_vector(turn) @ rate
-    change[3:, 3:] = rate[np.ix_(axes, axes)]
-    return change
+    return moved(robot, start, result.x)

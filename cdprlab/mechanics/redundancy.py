@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -77,13 +76,24 @@ def resolve_twist(robot: Robot, pose: Pose, twist: ArrayLike, method: str = "qua
         raise InvalidInput(f"unknown method {method!r}; there are {', '.join(RESOLUTION_METHODS)}")
     wanted = as_array(twist, "twist", (robot.n_dof,), "m/s, rad/s", batch=True)
     rates = (jacobian(robot, pose) @ wanted[..., None])[..., 0]
-    B = np.broadcast_to(base_jacobian(robot, pose, pivot), (*rates.shape, 3 * len(robot.bases)))
+    batch, p = rates.shape[:-1], 3 * len(robot.bases)
+    B = np.broadcast_to(base_jacobian(robot, pose, pivot), (*rates.shape, p))
+    # All speeds are x = M q̇_b + c: the bases' own, and J t − B_b q̇_b of the cables.
+    M = np.concatenate([np.broadcast_to(np.eye(p), (*batch, p, p)), -B], axis=-2)
+    c = np.concatenate([np.zeros((*batch, p)), rates], axis=-1)
     limits = np.concatenate([*(base.speed_max for base in robot.bases), robot.speed_max])
-    solve = _solver(method, _weights(weights, limits, method), limits)
-    speeds, scale = np.empty((*rates.shape[:-1], limits.size)), np.empty(rates.shape[:-1])
-    for index in np.ndindex(rates.shape[:-1]):
-        scale[index] = _largest_scale(B[index], rates[index], limits)
-        speeds[index] = solve(B[index], rates[index], float(scale[index]))
+    free = limits[:p] > 0
+    root = np.sqrt(_weights(weights, limits, method))
+    speeds, scale = np.array(c), np.empty(batch)
+    for index in np.ndindex(batch):
+        ways, still = M[index][:, free], c[index]
+        scale[index] = _largest_scale(ways, still, limits)
+        if free.any():
+            drive = np.linalg.lstsq(root[:, None] * ways, -root * still, rcond=None)[0]
+            if method == "quadratic_program" and (np.abs(ways @ drive + still) > limits).any():
+                # An infeasible twist gets the speeds of its largest feasible share, the rest left to the cables.
+                drive = _within_limits(ways, min(scale[index], 1.0) * still, root, limits)
+            speeds[index] += ways @ drive
     return _judged(robot, speeds, scale, limits, method)
 
 
@@ -101,65 +111,28 @@ def _weights(given: ArrayLike | None, limits: Array, method: str) -> Array:
     return weights
 
 
-def _solver(method: str, weights: Array, limits: Array) -> Callable[[Array, Array, float], Array]:
-    """``(B_b, J t, scale) → (q̇_b, l̇)``; directions whose limit is 0 are left out."""
-    def solve(B: Array, rates: Array, scale: float) -> Array:
-        free = limits[:B.shape[1]] > 0
-        bound = (limits[:B.shape[1]][free], limits[B.shape[1]:])
-        drive = np.zeros(B.shape[1])
-        if free.any():
-            roots = np.sqrt(weights[:B.shape[1]][free]), np.sqrt(weights[B.shape[1]:])
-            drive[free] = _least_squares(B[:, free], rates, roots)
-            if method == "quadratic_program" and _exceeds(drive[free], rates - B @ drive, bound):
-                # An infeasible twist gets the speeds of its largest feasible share, the rest left to the cables.
-                drive[free] = _within_limits(B[:, free], min(scale, 1.0) * rates, roots, bound)
-        return np.concatenate([drive, rates - B @ drive])
-
-    return solve
-
-
-def _least_squares(B: Array, rates: Array, roots: tuple[Array, Array]) -> Array:
-    """min ‖D_q q̇‖² + ‖D_l (J t − B q̇)‖²."""
-    matrix = np.concatenate([np.diag(roots[0]), roots[1][:, None] * B])
-    right = np.concatenate([np.zeros(B.shape[1]), roots[1] * rates])
-    return np.linalg.lstsq(matrix, right, rcond=None)[0]
-
-
-def _exceeds(drive: Array, cables: Array, bound: tuple[Array, Array]) -> bool:
-    return bool((np.abs(drive) > bound[0]).any() or (np.abs(cables) > bound[1]).any())
-
-
-def _within_limits(B: Array, rates: Array, roots: tuple[Array, Array], bound: tuple[Array, Array]) -> Array:
-    """The same least squares with |q̇| ≤ q̇_max and |J t − B q̇| ≤ l̇_max, by a quadratic program."""
-    matrix = np.concatenate([np.diag(roots[0]), roots[1][:, None] * B])
-    hessian = matrix.T @ matrix
+def _within_limits(M: Array, c: Array, root: Array, limits: Array) -> Array:
+    """min ‖D (M q̇ + c)‖² with |M q̇ + c| ≤ limits, by a quadratic program."""
+    weighted, p = root[:, None] * M, M.shape[1]
+    hessian = weighted.T @ weighted
     # Where weights leave a choice the program needs a strictly convex cost: the least norm among equals.
-    hessian += 1e-10 * max(float(np.trace(hessian)), 1.0) * np.eye(B.shape[1])
-    eye = np.eye(B.shape[1])
-    finite = np.isfinite(bound[1])
-    # Constraints as quadprog takes them, Cᵀ x ≥ b, relaxed by rounding so that a border case stays feasible.
-    rows = np.concatenate([eye, -eye, B[finite], -B[finite]])
-    slack = _TOLERANCE / 10
-    sides = np.concatenate([-bound[0], -bound[0], rates[finite] - bound[1][finite], -rates[finite] - bound[1][finite]])
-    sides -= slack * np.concatenate([bound[0], bound[0], bound[1][finite], bound[1][finite]])
-    linear = B.T @ (roots[1]**2 * rates)
-    usable = np.isfinite(sides)
-    found = least_quadratic(hessian, linear, rows[usable].T.copy(), sides[usable])
+    hessian += 1e-10 * max(float(np.trace(hessian)), 1.0) * np.eye(p)
+    bound = np.isfinite(limits) & M.any(axis=1)
+    # Cᵀ q̇ ≥ b, relaxed by rounding so that a border case stays feasible.
+    rows, rest, most = M[bound], c[bound], limits[bound] * (1 + _TOLERANCE / 10)
+    found = least_quadratic(hessian, -weighted.T @ (root * c), np.concatenate([rows, -rows]).T.copy(),
+                            np.concatenate([-most - rest, rest - most]))
     assert found is not None, "the largest feasible share of a twist keeps its limits"
     return found
 
 
-def _largest_scale(B: Array, rates: Array, limits: Array) -> float:
-    """max s with |q̇| ≤ q̇_max and |s J t − B q̇| ≤ l̇_max, by a linear program."""
-    if not rates.any():
+def _largest_scale(M: Array, c: Array, limits: Array) -> float:
+    """max s with |M q̇ + s c| ≤ limits, by a linear program."""
+    if not c.any():
         return float("inf")
-    p = B.shape[1]
-    rows = np.concatenate([-B, rates[:, None]], axis=1)
-    finite = np.isfinite(limits[p:])
-    sides = limits[p:][finite]
-    bounds = [(-q, q) for q in limits[:p]] + [(0, None)]
-    rows, sides = np.concatenate([rows[finite], -rows[finite]]), np.concatenate([sides, sides])
-    return largest_last(rows, sides, bounds=bounds)[0]
+    bound = np.isfinite(limits)
+    rows, sides = np.column_stack([M, c])[bound], limits[bound]
+    return largest_last(np.concatenate([rows, -rows]), np.concatenate([sides, sides]))[0]
 
 
 def _judged(robot: Robot, speeds: Array, scale: Array, limits: Array, method: str) -> TwistResolution:

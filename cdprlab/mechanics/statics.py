@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array, as_array, common_batch
 from ..errors import InvalidInput
 from ..robot import Base, Robot
 from ..robot.pose import Pose, cross_matrix
@@ -167,11 +167,7 @@ def tipping_moments(robot: Robot, pose: Pose, tensions: ArrayLike) -> dict[str, 
 
 def _tensions(robot: Robot, pose: Pose, tensions: ArrayLike) -> Array:
     tau = as_array(tensions, "tensions", (robot.n_cables,), "N", batch=True)
-    try:
-        np.broadcast_shapes(tau.shape[:-1], pose.batch_shape)
-    except ValueError:
-        raise InvalidInput(f"tensions of batch shape {tau.shape[:-1]} and poses of batch shape "
-                           f"{pose.batch_shape} do not fit together") from None
+    common_batch("tensions", tau.shape[:-1], "poses", pose.batch_shape)
     return tau
 
 

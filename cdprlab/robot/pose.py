@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, frozen
+from ..arrays import Array, as_array, common_batch, frozen
 from ..errors import InvalidInput
 
 
@@ -36,19 +36,17 @@ class Pose:
         if sum(given is not None for given in (rpy, angle, matrix)) > 1:
             raise InvalidInput("a Pose takes one orientation: rpy, angle or matrix, not several of them")
         rotation = _rotation(place.shape[-1], rpy, angle, matrix)
-        batch = _common_batch(place.shape[:-1], rotation.shape[:-2])
+        batch = common_batch("positions", place.shape[:-1], "orientations", rotation.shape[:-2])
         d = place.shape[-1]
-        self._set(np.broadcast_to(place, (*batch, d)), np.broadcast_to(rotation, (*batch, d, d)))
-
-    def _set(self, position: Array, rotation: Array) -> None:
-        object.__setattr__(self, "position", frozen(position))
-        object.__setattr__(self, "rotation", frozen(rotation))
+        object.__setattr__(self, "position", frozen(np.broadcast_to(place, (*batch, d))))
+        object.__setattr__(self, "rotation", frozen(np.broadcast_to(rotation, (*batch, d, d))))
 
     @classmethod
     def of(cls, position: Array, rotation: Array) -> Pose:
         """A pose from arrays known to be good (no copy, no check): what loops and batches use."""
         pose = object.__new__(cls)
-        pose._set(position.view(), rotation.view())
+        object.__setattr__(pose, "position", frozen(position.view()))
+        object.__setattr__(pose, "rotation", frozen(rotation.view()))
         return pose
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -86,20 +84,12 @@ class Pose:
     def __getitem__(self, index: Any) -> Pose:
         if not self.batch_shape:
             raise TypeError("a single Pose cannot be indexed")
-        return Pose._bare(self.position[index], self.rotation[index])
+        return Pose.of(self.position[index], self.rotation[index])
 
     def __iter__(self) -> Iterator[Pose]:
         if not self.batch_shape:
             raise TypeError("a single Pose cannot be iterated")
-        return map(Pose._bare, self.position, self.rotation)
-
-    @classmethod
-    def _bare(cls, position: Array, rotation: Array) -> Pose:
-        """Around the arrays as they are: parts of read-only arrays are read-only already."""
-        pose = object.__new__(cls)
-        object.__setattr__(pose, "position", position)
-        object.__setattr__(pose, "rotation", rotation)
-        return pose
+        return map(Pose.of, self.position, self.rotation)
 
     def __eq__(self, other: object) -> bool:
         return (isinstance(other, Pose) and np.array_equal(self.position, other.position)
@@ -167,7 +157,11 @@ def rotation_from_vector(vector: Array) -> Array:
     """
     if vector.shape[-1] == 1:
         return _turn(vector[..., 0])
-    return _scipy_rotation().from_rotvec(vector).as_matrix()
+    angle = np.linalg.norm(vector, axis=-1)
+    b, c = rotation_vector_coefficients(angle)
+    k = cross_matrix(vector)
+    # I + sin θ/θ [r]× + (1 − cos θ)/θ² [r]×²
+    return np.eye(3) + (1 - angle**2 * c)[..., None, None] * k + b[..., None, None] * (k @ k)
 
 
 def cross_matrix(vector: Array) -> Array:
@@ -255,14 +249,6 @@ def _checked_matrix(matrix: Array) -> Array:
 def _turn(angle: Array) -> Array:
     c, s = np.cos(angle), np.sin(angle)
     return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)
-
-
-def _common_batch(position: tuple[int, ...], rotation: tuple[int, ...]) -> tuple[int, ...]:
-    try:
-        return np.broadcast_shapes(position, rotation)
-    except ValueError:
-        raise InvalidInput(f"positions of batch shape {position} and orientations of batch shape "
-                           f"{rotation} do not fit together") from None
 
 
 def _short(values: Array) -> str:
