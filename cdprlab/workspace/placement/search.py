@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ...arrays import Array
@@ -15,13 +13,6 @@ _SMALLEST_STEP = 0.02
 """[m, rad] Finer than a mobile base is driven."""
 
 
-class _Direction(NamedTuple):
-    """One coordinate that may change: which base, and 0 θ, 1 ρ₁ or 2 ρ₂."""
-
-    base: int
-    axis: int
-
-
 class Search:
     """Placements and their values, as changes x of the coordinates in which the bases can drive.
 
@@ -30,9 +21,8 @@ class Search:
 
     def __init__(self, robot: Robot, duty: Duty, evaluations: int) -> None:
         self.robot, self.duty, self.evaluations, self.tried = robot, duty, evaluations, 0
-        self.directions = [_Direction(k, axis) for k, base in enumerate(robot.bases) for axis in range(3)
-                           if base.speed_max[axis] > 0]
-        self.here = np.zeros(len(self.directions))
+        self.free = np.array([base.speed_max > 0 for base in robot.bases])     # θ, ρ₁, ρ₂ of each
+        self.here = np.zeros(self.free.sum())
 
     def value(self, x: Array) -> float:
         """The worst margin at a placement; far below 0 where it is blocked."""
@@ -45,7 +35,7 @@ class Search:
 
     def best(self, demand: float) -> tuple[float, Array]:
         """The best placement found, from the most promising start first; ends at one that meets the demand."""
-        starts = _starts(self.robot, self.duty.poses, self.directions)
+        starts = [self.here, *(layout[self.free] for layout in _layouts(self.robot, self.duty.poses))]
         values = [self.value(start) for start in starts]
         found = (-np.inf, starts[0])
         for i in np.argsort(values)[::-1]:
@@ -70,16 +60,15 @@ class Search:
 
     def moved(self, x: Array) -> Robot:
         """The bases moved from where the robot has them: θ about their own centers, ρ along their present axes."""
-        shifts = np.zeros((len(self.robot.bases), 3))
-        for direction, amount in zip(self.directions, x):
-            shifts[direction.base, direction.axis] = amount
+        shifts = np.zeros(self.free.shape)
+        shifts[self.free] = x
         return self.robot.with_bases({
             base.name: (*(base.position + base.rotation[:2, :2] @ shift[1:]), base.heading + shift[0])
             for base, shift in zip(self.robot.bases, shifts)})
 
 
-def _starts(robot: Robot, poses: Pose, directions: list[_Direction]) -> list[Array]:
-    """Where searches begin: the layout over the middle of the poses, narrower, wider, or to every side of them."""
+def _layouts(robot: Robot, poses: Pose) -> list[Array]:
+    """Moves (p, 3) with which searches begin: over the middle of the poses, narrower, wider, to every side of them."""
     places = np.array([base.position for base in robot.bases])
     floor = robot.dimension - 1
     middle = (poses.position[:, :floor].min(axis=0) + poses.position[:, :floor].max(axis=0)) / 2
@@ -89,12 +78,10 @@ def _starts(robot: Robot, poses: Pose, directions: list[_Direction]) -> list[Arr
     aside[:, :floor] = _span(robot, poses) * np.eye(floor)
     layouts = [over + (factor - 1) * (places - center) for factor in (1.0, 0.7, 1.4, 2.0)]
     layouts += [over + way + 0 * places for way in (*aside, *-aside)]
-    starts = [np.zeros(len(directions))]
     for layout in layouts:
         layout[:, floor:] = 0.0
-        along = [base.rotation[:2, :2].T @ move for base, move in zip(robot.bases, layout)]
-        starts.append(np.array([0.0 if axis == 0 else along[k][axis - 1] for k, axis in directions]))
-    return starts
+    return [np.array([[0.0, *(base.rotation[:2, :2].T @ move)] for base, move in zip(robot.bases, layout)])
+            for layout in layouts]
 
 
 def _span(robot: Robot, poses: Pose) -> float:
