@@ -139,14 +139,9 @@ def _follow(robot: Robot, path: Trajectory, times: Array, W: Array, w_e: Array, 
     steps = np.where(good[1:] & good[:-1], steps, 0.0)
     at, used = int(steps.argmax()), judged.tensions[good]
     return row | {"smallest": used.min(), "largest": used.max(), "margin": judged.margin[good].min(),
-                  "energy": _energy(times, np.where(good, (judged.tensions**2).sum(axis=1), 0.0)),
+                  "energy": np.trapezoid(np.where(good, (judged.tensions**2).sum(axis=1), 0.0), times),
                   "largest_step": steps[at],
                   "continuous": _shrinks(robot, path, times[at:at + 2], solve, steps[at])}
-
-
-def _energy(times: Array, power: Array) -> float:
-    """∫ power dt by trapezoids."""
-    return float((np.diff(times) * (power[1:] + power[:-1])).sum() / 2)
 
 
 def _timed(solve: Solver, W: Array, w_e: Array) -> tuple[Array, Array]:

@@ -25,7 +25,7 @@ class Drive:
         now = len(self.poses) * self.period
         driven = engine.drive(self.speeds(now) if callable(self.speeds) else self.speeds).reshape(-1, 3)
         robot = engine.robot
-        self.poses.append([[*base.position.tolist(), base.heading] for base in robot.bases])
+        self.poses.append([base.pose for base in robot.bases])
         self.matrices.append(engine.wrench_matrix)
         return robot.with_bases({
             base.name: (*(base.position + base.rotation[:2, :2] @ speed[1:] * self.period),

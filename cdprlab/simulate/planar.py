@@ -62,7 +62,7 @@ class PlanarSimulator(Simulator):
         self.space = self._space = PlanarSpace(self._pymunk, self.world, start, self._iterations)
         self.space.place_bases(self.bases, self.dt)
         if self.is_wound:
-            self.space.tie(self.bases.exits, self._anchors, self._order)
+            self.space.tie(self.bases.exits.tolist(), self._anchors, self._order)
         self._string()
         self._look()
         self.paid_out = self._lengths if self.is_wound else []
@@ -80,7 +80,7 @@ class PlanarSimulator(Simulator):
         rate = -1 / self.dt
         speeds = [(length * rate * ux, length * rate * uy) for length, (ux, uy) in zip(lengths, self._directions)]
         if self.bases.moving:   # the reels are where their bases are, and move with them
-            speeds = [(vx + ux, vy + uy) for (vx, vy), (ux, uy) in zip(self.bases.exit_velocities(), speeds)]
+            speeds = (self.bases.exit_velocities + speeds).tolist()
         self.space.reel(speeds, self._velocity)
         self._advance()
         self._pulls = self.space.rope_tensions(self.dt)
@@ -172,7 +172,7 @@ class PlanarSimulator(Simulator):
 
     def _string(self) -> None:
         """Both ends of every cable in one list, exit point and anchor point, which `_look` runs through quicker."""
-        self._ends = [(*exit_point, *anchor) for exit_point, anchor in zip(self.bases.exits, self._anchors)]
+        self._ends = [(*exit_point, *anchor) for exit_point, anchor in zip(self.bases.exits.tolist(), self._anchors)]
 
     def _look(self) -> None:
         """Where the platform is about to be, and the cables there; plain floats, which are quicker than arrays."""

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
-from ..robot import Robot
-
-Point = tuple[float, float]
+from ..robot import Robot, turned_to
 
 
 class PlanarBases:
@@ -18,66 +14,51 @@ class PlanarBases:
 
     robot : where they start
     dt : time step [s]
+    poses, rates : (p, 3) x, y, heading now [m, m, rad] and their rates in world axes [m/s, m/s, rad/s]
+    exits, exits_ahead : (m, 2) exit points now and after the coming step [m]
     """
+
+    _present: Robot | None
 
     def __init__(self, robot: Robot, dt: float) -> None:
         self._start, self._dt = robot, dt
-        self._present: Robot | None = robot
-        self._poses = [list(base.pose) for base in robot.bases]
-        self._speeds = [[0.0, 0.0, 0.0] for _ in robot.bases]
-        self.moving = False
-        self.exits: list[list[float]] = robot.exit_points.tolist()
+        self.poses = np.array([base.pose for base in robot.bases]).reshape(-1, 3)
+        self.exits = robot.exit_points
+        self.drive(np.zeros(self.poses.size))
 
     def drive(self, speeds: ArrayLike) -> Array:
         """Set (3p,) speeds (θ̇, ρ̇₁, ρ̇₂); returns them clipped to the limits."""
-        bases = self._start.bases
-        wanted = as_array(speeds, "base speeds", (3 * len(bases),), "rad/s, m/s")
-        limits = np.concatenate([base.speed_max for base in bases]) if bases else wanted
+        wanted = as_array(speeds, "base speeds", (self.poses.size,), "rad/s, m/s")
+        limits = np.array([base.speed_max for base in self._start.bases]).ravel()
         driven = np.clip(wanted, -limits, limits)
-        self._speeds = driven.reshape(-1, 3).tolist()
-        self.moving = bool(driven.any())
+        self._speeds, self.moving = driven.reshape(-1, 3), bool(driven.any())
+        self._aim()
         return driven
 
     @property
     def robot(self) -> Robot:
         """The robot with its bases where they are now."""
         if self._present is None:
-            self._present = self._start.with_bases({base.name: pose for base, pose in
-                                                    zip(self._start.bases, self._poses)})
+            self._present = self._start.with_bases(dict(zip((base.name for base in self._start.bases), self.poses)))
         return self._present
 
-    def motions(self) -> list[tuple[Point, float, Point, float]]:
-        """Of each base: position [m], heading [rad], velocity in world axes [m/s], turning speed [rad/s]."""
-        return [((x, y), heading, _turned(heading, along, across), spin)
-                for (x, y, heading), (spin, along, across) in zip(self._poses, self._speeds)]
-
-    def exit_velocities(self) -> list[Point]:
-        """Mean velocity of each exit point over the coming step [m/s]."""
-        after = self._exits_after()
-        return [((bx - ax) / self._dt, (by - ay) / self._dt) for (ax, ay), (bx, by) in zip(self.exits, after)]
+    @property
+    def exit_velocities(self) -> Array:
+        """(m, 2) mean velocity of each exit point over the coming step [m/s]."""
+        return (self.exits_ahead - self.exits) / self._dt
 
     def advance(self) -> None:
         """One step on."""
-        after = self._exits_after()
-        for pose, (_, _, (vx, vy), spin) in zip(self._poses, self.motions()):
-            pose[0] += vx * self._dt
-            pose[1] += vy * self._dt
-            pose[2] += spin * self._dt
-        self.exits = [list(point) for point in after]
+        self.poses, self.exits = self.poses + self.rates * self._dt, self.exits_ahead
+        self._aim()
+
+    def _aim(self) -> None:
+        """What the present speeds, in the bases' own axes, come to in the world."""
         self._present = None
-
-    def _exits_after(self) -> list[Point]:
-        ahead, points = self.motions(), []
-        for cable, k, present in zip(self._start.cables, self._start.base_indices, self.exits):
-            if k < 0:
-                points.append((present[0], present[1]))
-                continue
-            (x, y), heading, (vx, vy), spin = ahead[k]
-            px, py = _turned(heading + spin * self._dt, *cable.exit_point.tolist())
-            points.append((x + vx * self._dt + px, y + vy * self._dt + py))
-        return points
-
-
-def _turned(angle: float, x: float, y: float) -> Point:
-    c, s = math.cos(angle), math.sin(angle)
-    return c * x - s * y, s * x + c * y
+        spin, along, across = self._speeds.T
+        c, s = np.cos(self.poses[:, 2]), np.sin(self.poses[:, 2])
+        self.rates = np.stack([c * along - s * across, s * along + c * across, spin], axis=1)
+        after = self.poses + self.rates * self._dt
+        self.exits_ahead = np.array([
+            place if k < 0 else after[k, :2] + turned_to(after[k, 2], 2) @ cable.exit_point
+            for cable, k, place in zip(self._start.cables, self._start.base_indices, self.exits)])

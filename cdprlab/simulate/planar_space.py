@@ -61,11 +61,11 @@ class PlanarSpace:
 
     def place_bases(self, bases: PlanarBases, dt: float) -> None:
         """Put the bases' bodies where the coming step takes them to where they are now, and let them drive."""
-        for body, ((x, y), heading, (vx, vy), spin) in zip(self._bases, bases.motions()):
+        for body, (x, y, heading), (vx, vy, spin) in zip(self._bases, bases.poses.tolist(), bases.rates.tolist()):
             body.velocity, body.angular_velocity = (vx, vy), spin
             body.position, body.angle = (x - vx * dt, y - vy * dt), heading - spin * dt
             self.space.reindex_shapes_for_body(body)
-        for rope, place in zip(self._ropes, bases.exits):
+        for rope, place in zip(self._ropes, bases.exits.tolist()):
             rope.a.position = place
 
     def tie(self, exits: list[list[float]], anchors: list[list[float]], order: Iterable[int]) -> None:

@@ -102,14 +102,11 @@ class Simulator(ABC):
         before = self.paid_out
         wanted = lengths if isinstance(lengths, list) else np.asarray(lengths, dtype=float).tolist()
         after = self._reachable(wanted, substeps)
-        for k in range(1, substeps):
-            self._reel_to([a + k / substeps * (b - a) for a, b in zip(before, after)])
-        self._reel_to(after)
+        for k in range(1, substeps + 1):
+            held = after if k == substeps else [a + k / substeps * (b - a) for a, b in zip(before, after)]
+            self.reel(held)
+            self.paid_out = held
         return after is wanted
-
-    def _reel_to(self, lengths: list[float]) -> None:
-        self.reel(lengths)
-        self.paid_out = lengths
 
     def _reachable(self, wanted: list[float], substeps: int) -> list[float]:
         """The wanted lengths as far as the winches' speed limits allow; the same list if they all do."""
