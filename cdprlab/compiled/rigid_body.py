@@ -33,9 +33,9 @@ def platform_and_cables(body: Array, axes: Array, center: Array, exit_points: Ar
                 R[0, i, j] += Q[i, k] * axes[j, k]
             r[i] += R[0, i, j] * center[j]
         p[0, i] = body[i] - r[i]
-    state[12] = v[0] - (omega[1] * r[2] - omega[2] * r[1])
-    state[13] = v[1] - (omega[2] * r[0] - omega[0] * r[2])
-    state[14] = v[2] - (omega[0] * r[1] - omega[1] * r[0])
-    state[15:] = omega
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        state[12 + i] = v[i] - (omega[j] * r[k] - omega[k] * r[j])
+        state[15 + i] = omega[i]
     lengths, W = cables(exit_points, anchor_points, p, R)
     return state, lengths[0], W[0]
