@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, as_number, frozen
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Location
 
 DECK_HEIGHT = 0.25
 """[m] Up to which a mobile base is drawn and, in the plane, solid."""
@@ -34,17 +35,13 @@ class Cable:
     base: str | None = None
 
     def __post_init__(self) -> None:
-        set_ = object.__setattr__
-        set_(self, "exit_point", as_array(self.exit_point, "exit_point", ("d",), "m", location=("exit_point",)))
-        d = self.exit_point.shape[0]
-        set_(self, "anchor_point", as_array(self.anchor_point, "anchor_point", (d,), "m", location=("anchor_point",)))
-        set_(self, "tension_min", as_number(self.tension_min, "smallest tension", "N", minimum=0.0,
-                                            location=("tension",)))
-        set_(self, "tension_max", as_number(self.tension_max, "largest tension", "N", minimum=0.0,
-                                            location=("tension",)))
+        _keep_array(self, "exit_point", ("d",), "m")
+        _keep_array(self, "anchor_point", self.exit_point.shape, "m")
+        _keep_number(self, "tension_min", "smallest tension", "N", minimum=0.0, location=("tension",))
+        _keep_number(self, "tension_max", "largest tension", "N", minimum=0.0, location=("tension",))
         check_order(self.tension_min, self.tension_max)
         if self.speed_max != float("inf"):
-            set_(self, "speed_max", as_number(self.speed_max, "speed", "m/s", positive=True, location=("speed",)))
+            _keep_number(self, "speed_max", "speed", "m/s", positive=True, location=("speed",))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,14 +62,11 @@ class Platform:
     center: Array
 
     def __post_init__(self) -> None:
-        set_ = object.__setattr__
-        set_(self, "mass", as_number(self.mass, "mass", "kg", positive=True, location=("mass",)))
-        set_(self, "center_of_mass", as_array(self.center_of_mass, "center_of_mass", ("d",), "m",
-                                              location=("center_of_mass",)))
-        d = self.center_of_mass.shape[0]
-        for name in ("size", "center"):
-            set_(self, name, as_array(getattr(self, name), name, (d,), "m", location=(name,)))
-        set_(self, "inertia", _checked_inertia(self.inertia, d))
+        _keep_number(self, "mass", "mass", "kg", positive=True, location=("mass",))
+        _keep_array(self, "center_of_mass", ("d",), "m")
+        _keep_array(self, "size", self.center_of_mass.shape, "m")
+        _keep_array(self, "center", self.center_of_mass.shape, "m")
+        object.__setattr__(self, "inertia", _checked_inertia(self.inertia, self.size.size))
         if (self.size <= 0).any():
             raise InvalidInput(f"size must be positive along every edge [m], got {self.size.tolist()}", ("size",))
 
@@ -103,14 +97,12 @@ class Base:
     speed_max: Array
 
     def __post_init__(self) -> None:
-        set_ = object.__setattr__
-        set_(self, "position", as_array(self.position, "position", (2,), "m", location=("pose", "position")))
-        set_(self, "heading", as_number(self.heading, "heading", "rad", location=("pose", "heading")))
-        set_(self, "mass", as_number(self.mass, "mass", "kg", positive=True, location=("mass",)))
-        set_(self, "center_of_mass", as_array(self.center_of_mass, "center_of_mass", ("d",), "m",
-                                              location=("center_of_mass",)))
-        set_(self, "footprint", _counter_clockwise(self.footprint, self.center_of_mass.shape[0]))
-        set_(self, "speed_max", as_array(self.speed_max, "speed", (3,), location=("speed",)))
+        _keep_array(self, "position", (2,), "m", ("pose", "position"))
+        _keep_number(self, "heading", "heading", "rad", location=("pose", "heading"))
+        _keep_number(self, "mass", "mass", "kg", positive=True, location=("mass",))
+        _keep_array(self, "center_of_mass", ("d",), "m")
+        object.__setattr__(self, "footprint", _counter_clockwise(self.footprint, self.center_of_mass.size))
+        _keep_array(self, "speed_max", (3,), "", ("speed",))
         if (self.speed_max < 0).any():
             raise InvalidInput(f"speed limits must not be negative, got {self.speed_max.tolist()}", ("speed",))
 
@@ -221,6 +213,16 @@ def inertia_matrix(values: ArrayLike) -> Array:
     for (row, column), value in zip(((0, 1), (0, 2), (1, 2)), given[3:]):
         matrix[row, column] = matrix[column, row] = value
     return frozen(matrix)
+
+
+def _keep_array(part: Any, field: str, shape: tuple[int | str, ...], unit: str, location: Location = ()) -> None:
+    """Check an array of a part as it is made; the world file has it at ``location``, by default under its own name."""
+    location = location or (field,)
+    object.__setattr__(part, field, as_array(getattr(part, field), str(location[-1]), shape, unit, location=location))
+
+
+def _keep_number(part: Any, field: str, name: str, unit: str, **checks: Any) -> None:
+    object.__setattr__(part, field, as_number(getattr(part, field), name, unit, **checks))
 
 
 def _checked_inertia(inertia: ArrayLike, d: int) -> Array:
