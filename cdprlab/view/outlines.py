@@ -75,7 +75,7 @@ def _tray(platform: Platform) -> list[tuple[Array, Array]]:
     return [(platform.center + center, size) for center, size in (floor, *walls)]
 
 
-def hanging(start: Array, end: Array, length: float, pieces: int = 32) -> Array:
+def hanging(start: Array, end: Array, length: float, pieces: int = 96) -> Array:
     """(pieces + 1, d) points of a rope of this length between two points: straight, or a parabola hanging through.
 
     start, end : (d,) [m]; length : [m], too short counts as straight
