@@ -102,8 +102,12 @@ class RobotDrawing:
         self.pose = pose
         flat, robot = self.view.flat, self.robot
         anchors = pose.position + anchor_offsets(robot, pose)
-        self._paint(self._around + platform_solids(robot, pose, loads))
+        solids = self._around + platform_solids(robot, pose, loads)
+        self.paint(self._solids, solids)
         if robot.dimension == 3:
+            # Beams and masts are too thin to hide a cable, and exit points lie inside of them.
+            wide = [solid.corners for solid in solids if solid.color != STEEL]
+            self._blocks = Blocks(np.stack(wide), self.view.eye)
             shadow = platform_corners(robot, pose)[box_faces(3)]
             shadow[..., 2] = floor_height(robot, self.scene)
             self._shadow.set_verts(flat(shadow))
@@ -116,24 +120,28 @@ class RobotDrawing:
         if self._platform_axes:
             self._place_axes(self._platform_axes, pose.position, pose.rotation)
 
-    # --- what is where --------------------------------------------------------------------------------
-    def _paint(self, solids: list[Solid]) -> None:
-        """Their faces, from the back to the front."""
+    def paint(self, shapes: Any, solids: list[Solid]) -> None:
+        """The faces of solids, from the back to the front, in a collection that ``faces`` made."""
         if self.robot.dimension == 2:
             faces = [(solid.corners[box_faces(2)[0]], solid.color, 1.0) for solid in solids]
         else:
-            self._blocks = blocks = Blocks(np.stack([solid.corners for solid in solids]), self.view.eye)
-            # Beams and masts are too thin to hide a cable, and exit points lie inside of them.
-            self._wide = [solid.color != STEEL for solid in solids]
+            blocks = Blocks(np.stack([solid.corners for solid in solids]), self.view.eye)
             shades = lightness(blocks.normals)
             faces = [(blocks.faces[k, f], solids[k].color, shades[k, f]) for k in blocks.order()
                      for f in np.argsort(blocks.seen[k]) if blocks.seen[k, f] or not self.solid]
         fills = np.clip([shade * np.array(to_rgb(color)) for _, color, shade in faces], 0, 1)
         steel = np.array([color == STEEL for _, color, _ in faces])
-        self._solids.set_verts(self.view.flat(np.stack([corners for corners, _, _ in faces])))
-        self._solids.set_facecolor(np.column_stack([fills, np.where(steel | self.solid, 1.0, 0.3)]))
-        self._solids.set_edgecolor(fills * np.where(steel, 1.0, 0.62)[:, None])
+        shapes.set_verts(self.view.flat(np.stack([corners for corners, _, _ in faces])))
+        shapes.set_facecolor(np.column_stack([fills, np.where(steel | self.solid, 1.0, 0.3)]))
+        shapes.set_edgecolor(fills * np.where(steel, 1.0, 0.62)[:, None])
 
+    def faces(self, order: float, **options: Any) -> Any:
+        """A new collection of polygons; order : among the artists, later ones over earlier ones."""
+        faces = PolyCollection([], zorder=order, animated=True, **options)
+        self.axes.add_collection(faces, autolim=False)
+        return faces
+
+    # --- what is where --------------------------------------------------------------------------------
     def _place_cables(self, anchors: Array, tensions: ArrayLike | None, rope_lengths: ArrayLike | None) -> None:
         ends, m = self.robot.exit_points, self.robot.n_cables
         lengths = np.zeros(m)
@@ -153,7 +161,7 @@ class RobotDrawing:
         """(k, 2) where points appear, NaN where a solid hides them."""
         flat = self.view.flat(points)
         if self.solid and self.robot.dimension == 3:
-            flat[self._blocks.hides(points)[self._wide].any(axis=0)] = np.nan
+            flat[self._blocks.hides(points).any(axis=0)] = np.nan
         return flat
 
     def _place_axes(self, parts: tuple[Any, list[Any]], origin: Array, rotation: Array) -> None:
@@ -183,9 +191,9 @@ class RobotDrawing:
 
     def _make_artists(self) -> None:
         robot, planar = self.robot, self.robot.dimension == 2
-        self._floor = self._faces(1, facecolors=FLOOR[::-1])
-        self._shadow = self._faces(1.5, facecolors=SHADOW)
-        self._solids = self._faces(3, linewidths=0.8)
+        self._floor = self.faces(1, facecolors=FLOOR[::-1])
+        self._shadow = self.faces(1.5, facecolors=SHADOW)
+        self._solids = self.faces(3, linewidths=0.8)
         self._trail = self._marks("-", TRAIL, 3.5, linewidth=1.8)
         # Anchor points beyond the box hang on arms from P, or they would float.
         self._arms = self._lines("#3F5A75", 1.4, 4)
@@ -194,17 +202,12 @@ class RobotDrawing:
         styles = [cable_style(k) for k in range(robot.n_cables)]
         self.cables = self._lines([style.color for style in styles], 2.0, 5,
                                    linestyles=[style.linestyle for style in styles])
-        self._exits, self._anchors = self._marks("o", INK, 6, markersize=5), self._marks("o", INK, 6, markersize=4)
+        self._anchors, self._exits = self._marks("o", INK, 5.2, markersize=4), self._marks("o", INK, 6, markersize=5)
         self.numbers = [] if self.solid else [self._text(str(k + 1), INK, 8, fontweight="bold")
                                                for k in range(robot.n_cables)]
         # In the plane the ticks show the world's.
         self._world_axes = None if planar else self._make_axes("", 1.8)
         self._platform_axes = None if self.solid else self._make_axes("′", 2.6)
-
-    def _faces(self, order: float, **options: Any) -> Any:
-        faces = PolyCollection([], zorder=order, animated=True, **options)
-        self.axes.add_collection(faces, autolim=False)
-        return faces
 
     def _lines(self, color: Any, width: float, order: float, **options: Any) -> Any:
         lines = LineCollection([], colors=color, linewidths=width, zorder=order, animated=True, **options)

@@ -19,6 +19,7 @@ from ..world.model import Scene
 from .drawing import RobotDrawing
 from .outlines import landmarks
 from .picture import Picture
+from .plots import checked_path
 from .screen import RobotScreen, robot_axes, sized_figure
 from .style import AXIS_COLORS, INK, SLACK_COLOR, TRAIL, house_style, tension_colors
 
@@ -166,16 +167,6 @@ def save_png(picture: Frame, path: str | Path, description: str) -> Path:
     target, text = checked_path(path, ".png"), PngInfo()
     text.add_itxt("Description", description)
     Image.fromarray(picture).save(target, pnginfo=text, optimize=True)
-    return target
-
-
-def checked_path(path: str | Path, ending: str) -> Path:
-    """The path of a file that can be written; raises InvalidInput for another ending or a missing folder."""
-    target = Path(path)
-    if target.suffix.lower() != ending:
-        raise InvalidInput(f"the path must end in {ending}, got {target}")
-    if not target.parent.is_dir():
-        raise InvalidInput(f"cannot save {target}: there is no folder {target.parent}")
     return target
 
 

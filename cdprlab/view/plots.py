@@ -79,13 +79,21 @@ def save_figure(figure: matplotlib.figure.Figure, path: str | Path) -> Path:
     path : the ending chooses the format
     Raises InvalidInput if its folder does not exist.
     """
-    target = Path(path)
-    if not target.parent.is_dir():
-        raise InvalidInput(f"cannot save {target}: there is no folder {target.parent}")
+    target = checked_path(path)
     key = {".png": "Description", ".svg": "Description", ".pdf": "Subject"}.get(target.suffix.lower())
     text = getattr(figure, "alt_text", "")
     with house_style():
         figure.savefig(target, metadata={key: text} if key and text else None)
+    return target
+
+
+def checked_path(path: str | Path, ending: str = "") -> Path:
+    """The path of a file that can be written; raises InvalidInput for another ending or a missing folder."""
+    target = Path(path)
+    if not target.name.lower().endswith(ending):
+        raise InvalidInput(f"the path must end in {ending}, got {target}")
+    if not target.parent.is_dir():
+        raise InvalidInput(f"cannot save {target}: there is no folder {target.parent}")
     return target
 
 

@@ -7,23 +7,26 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.collections import PatchCollection, PolyCollection
+from matplotlib.collections import PatchCollection
 from matplotlib.colors import ListedColormap, to_rgb
 from matplotlib.patches import Patch, Rectangle
 
 from ..arrays import Array
 from ..errors import InvalidInput
 from ..robot import Robot
+from ..robot.pose import Pose
 from ..workspace import CertifiedWorkspace, Judgement, PoseGrid
 from ..workspace.grids import axis_names
 from ..workspace.surface import border_triangles
 from ..world import World
-from .depth import lightness
+from .depth import Blocks, lightness
 from .drawing import RobotDrawing
-from .film import checked_path, save_png
+from .film import save_png
+from .outlines import box_corners, surroundings
 from .picture import Picture
-from .plots import Figure, fitted_title
+from .plots import Figure, checked_path, fitted_title
 from .screen import robot_axes, sized_figure
 from .style import BLUE, GREY, INK, VERMILION, WARNING, house_style
 
@@ -40,48 +43,49 @@ def plot_workspace(robot: Robot, grid: PoseGrid, judgement: Judgement, *, title:
     unit, quantity : of the margin, for the color bar
     Raises InvalidInput for a grid that is no plane.
     """
-    with house_style():
-        figure = _sized(np.array([np.ptp(places) for places in grid.axes.values()][:2]))
-        draw_workspace(figure.add_subplot(), robot, grid, judgement, unit=unit, quantity=quantity)
-        fitted_title(figure, title)
-        figure.alt_text = f"{title or 'Workspace'}. {describe(grid, judgement, unit)}"
-        return figure
+    return plot_workspaces(robot, grid, {"": judgement}, title=title or "Workspace", unit=unit, quantity=quantity,
+                           columns=1)
 
 
 def plot_workspaces(robot: Robot, grid: PoseGrid, judgements: Mapping[str, Judgement], *, title: str = "",
                     unit: str = "", quantity: str = "margin", columns: int = 2) -> Figure:
     """Several maps over the same grid, one panel a name, with the same scale of the margin."""
+    if len(grid.axes) != 2:
+        raise InvalidInput(f"a map needs a grid over two axes, this one is over {', '.join(grid.axes)}; hold one axis "
+                           "by giving it the same lower and upper end")
     rows = -(-len(judgements) // columns)
     finite = [j.margin[j.inside & np.isfinite(j.margin)] for j in judgements.values()]
-    most = max((float(np.quantile(part, 0.97)) for part in finite if part.size), default=0.0)
+    # The few largest margins share the last color, so that the others can be told.
+    most = max((float(np.quantile(part, 0.97)) or float(part.max()) for part in finite if part.size), default=0.0)
+    label = f"{quantity} [{unit}]" if unit else quantity
     with house_style():
-        figure = Figure(figsize=(4.9 * columns, 0.5 + 3.7 * rows), layout="constrained")
-        for panel, (name, judgement) in zip(figure.subplots(rows, columns, squeeze=False).ravel(), judgements.items()):
-            draw_workspace(panel, robot, grid, judgement, unit=unit, quantity=quantity, most=most)
+        figure = _sized([float(np.ptp(places)) for places in grid.axes.values()], rows, columns)
+        panels = figure.subplots(rows, columns, squeeze=False).ravel()
+        for panel, (name, judgement) in zip(panels, judgements.items()):
+            _draw_map(panel, robot, grid, judgement, label, most or 1.0)
             panel.set_title(name)
-        for panel in figure.axes[len(judgements):rows * columns]:
+        for panel in panels[len(judgements):]:
             panel.set_axis_off()
         fitted_title(figure, title)
-        figure.alt_text = f"{title}. " + " ".join(f"{name}: {describe(grid, judgement, unit)}"
+        figure.alt_text = f"{title}. " + " ".join(f"{name}: {describe(grid, judgement, unit)}".removeprefix(": ")
                                                   for name, judgement in judgements.items())
         return figure
 
 
-def draw_workspace(axes: Axes, robot: Robot, grid: PoseGrid, judgement: Judgement, *, unit: str = "",
-                   quantity: str = "margin", most: float | None = None) -> None:
-    """The map of `plot_workspace` on axes of one's own.
-
-    most : margin at the end of the color scale; default the largest there is
-    """
-    if len(grid.axes) != 2:
-        raise InvalidInput(f"a map needs a grid over two axes, this one is over {', '.join(grid.axes)}; hold one axis "
-                           "by giving it the same lower and upper end")
+def _draw_map(axes: Axes, robot: Robot, grid: PoseGrid, judgement: Judgement, label: str, most: float) -> None:
     x, y = grid.axes.values()
     inside, margin = grid.field(judgement.inside).T, grid.field(judgement.margin).T
     axes.pcolormesh(x, y, np.ma.masked_where(inside, inside), cmap=ListedColormap([WARNING]), shading="nearest")
     shown = np.where(inside & np.isfinite(margin), margin, np.nan)
     if np.isfinite(shown).any():
-        _shade(axes, x, y, shown, f"{quantity} [{unit}]" if unit else quantity, most)
+        blues = ListedColormap(colormaps["Blues"](np.linspace(0.12, 0.72, 256)))
+        drawn = axes.pcolormesh(x, y, shown, cmap=blues, vmin=0, vmax=most, shading="nearest")
+        levels = np.unique([float(f"{level:.2g}") for level in most * np.array([0.2, 0.4, 0.6, 0.8])])
+        lines = axes.contour(x, y, np.ma.masked_invalid(shown), levels, colors=INK, linewidths=0.6)
+        axes.clabel(lines, fmt=lambda value: f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}", fontsize=8)
+        figure: Any = axes.figure
+        figure.colorbar(drawn, ax=axes, label=label, location="bottom" if np.ptp(x) > np.ptp(y) else "right",
+                        aspect=35, extend="max" if np.nanmax(shown) > most else "neither")
     else:
         axes.pcolormesh(x, y, np.ma.masked_where(~inside, inside), cmap=ListedColormap([_PALE]), shading="nearest")
     if inside.any() and not inside.all():
@@ -103,7 +107,7 @@ def plot_certified(robot: Robot, found: CertifiedWorkspace, *, title: str = "") 
         "certainly outside": (found.outside, {"facecolor": WARNING, "edgecolor": VERMILION, "hatch": "///"}),
         "undecided": (found.undecided, {"facecolor": GREY, "edgecolor": GREY})}
     with house_style():
-        figure = _sized((found.upper.max(axis=0) - found.lower.min(axis=0))[columns])
+        figure = _sized((found.upper.max(axis=0) - found.lower.min(axis=0))[columns].tolist())
         axes = figure.add_subplot()
         for boxes, look in looks.values():
             patches = [Rectangle(low[columns], *(high - low)[columns]) for low, high in boxes]
@@ -126,17 +130,20 @@ def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: st
     """
     target, corners = checked_path(path, ".png"), border_triangles(grid, judgement)
     figure = sized_figure(width, 3 * width // 4)
-    axes = robot_axes(figure, 3)
-    view = RobotDrawing(axes, world.robot, world.scene, world.pose, solid=True).view
+    drawing = RobotDrawing(robot_axes(figure, 3), world.robot, world.scene, world.pose, solid=True)
+    view = drawing.view
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True).clip(1e-300)
     middles = corners.mean(axis=1)
     seen = np.flatnonzero((normals * (view.eye - middles)).sum(axis=1) > 0)
     order = seen[np.argsort(-np.linalg.norm(middles[seen] - view.eye, axis=1))]
     colors = np.clip(np.outer(lightness(normals[order]), to_rgb(_SURFACE)), 0, 1)
-    triangles: Any = view.flat(corners[order])
-    axes.add_collection(PolyCollection(triangles, facecolors=colors, edgecolors=colors, linewidths=0.5,
-                                       zorder=9, animated=True), autolim=False)
+    drawing.faces(5.4, facecolors=colors, edgecolors=colors, linewidths=0.5).set_verts(view.flat(corners[order]))
+    # What stands around it is painted once more, as far as it is not behind the workspace.
+    low, high = middles.min(axis=0), middles.max(axis=0)
+    space = Blocks(box_corners(high - low, Pose((low + high) / 2))[None], view.eye)
+    drawing.paint(drawing.faces(5.5), [solid for solid in surroundings(world.robot, world.scene)
+                                      if not space.hides(solid.corners).any()])
     title = f"Border of a workspace of {world.title or world.name}."
     return save_png(Picture(figure).pixels(), target, f"{title} {describe(grid, judgement)}")
 
@@ -150,26 +157,12 @@ def describe(grid: PoseGrid, judgement: Judgement, unit: str = "") -> str:
     return f"{text}; margins up to {known.max():.4g} {unit}".rstrip() + "." if known.size else f"{text}."
 
 
-def _shade(axes: Axes, x: Array, y: Array, margin: Array, label: str, most: float | None) -> None:
-    """Blue, the darker the better; the few largest margins share the last color, so that the others can be told."""
-    import matplotlib
-
-    blues = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.12, 0.72, 256)))
-    known = margin[np.isfinite(margin)]
-    top = (float(np.quantile(known, 0.97)) if most is None else most) or float(known.max()) or 1.0
-    drawn = axes.pcolormesh(x, y, margin, cmap=blues, vmin=0, vmax=top, shading="nearest")
-    levels = np.unique([float(f"{level:.2g}") for level in top * np.array([0.2, 0.4, 0.6, 0.8])])
-    lines = axes.contour(x, y, np.ma.masked_invalid(margin), levels, colors=INK, linewidths=0.6)
-    axes.clabel(lines, fmt=lambda value: f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}", fontsize=8)
-    figure: Any = axes.figure
-    figure.colorbar(drawn, ax=axes, label=label, location="bottom" if np.ptp(x) > np.ptp(y) else "right", aspect=35,
-                    extend="max" if known.max() > top else "neither")
-
-
-def _sized(extent: Array) -> Figure:
-    """A figure as high as its map needs."""
+def _sized(extent: Sequence[float], rows: int = 1, columns: int = 1) -> Figure:
+    """A figure as high as its maps need."""
     width, height = extent
-    return Figure(figsize=(7.6, float(np.clip(1.9 + 6.4 * height / max(width, 1e-9), 3.4, 7.6))), layout="constrained")
+    across = 7.6 if columns == 1 else 4.9
+    up = np.clip(across * (0.25 + 0.84 * height / max(width, 1e-9)), 3.4, across)
+    return Figure(figsize=(columns * across, 0.3 + rows * float(up)), layout="constrained")
 
 
 def _frame(axes: Axes, robot: Robot, names: Sequence[str], x: Array, y: Array) -> None:
