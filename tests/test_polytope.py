@@ -49,6 +49,17 @@ def test_linear_programs_agree_with_highs_degenerate_empty_and_unbounded_ones_to
         assert value == pytest.approx(expected, rel=1e-8, abs=1e-8)
 
 
+def test_a_batch_of_limits_and_objectives_is_each_program_alone():
+    rng = np.random.default_rng(8)
+    A, b, c = rng.normal(size=(12, 3)), rng.normal(size=(6, 1, 12)) + 0.7, rng.normal(size=(4, 3))
+    together = maximize(A, b, c)
+    assert together.values.shape == (6, 4) and np.isneginf(together.values).any() and np.isfinite(together.values).any()
+    for i, j in np.ndindex(6, 4):
+        alone = maximize(A, b[i, 0], c[j])
+        np.testing.assert_allclose(together.values[i, j], alone.values, rtol=1e-12)
+        np.testing.assert_allclose(together.points[i, j], alone.points, rtol=1e-9)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("n", [2, 3, 6])
 def test_support_equals_an_independent_lp(kind, n):
