@@ -8,9 +8,43 @@ import numpy as np
 
 from ..arrays import Array
 from . import EMPTY, FOUND, OUT_OF_RANGE, TOO_REDUNDANT
-from .jit import compiled
+from .jit import compiled, compiled_for
 from .linear_algebra import FREE, eliminate, nearest, solutions
 from .polygon import BORDER, ROUNDING, polygon
+
+
+@compiled_for(2, 1, 1, 1)
+def no_limit_active(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, bool]:
+    """τ = −Wᵀ (W Wᵀ)⁻¹ w_e (m,) by Cholesky, and whether it can be trusted and keeps the limits.
+
+    W Wᵀ has W's condition squared, of which the factor's diagonal is an estimate: 1e-3 leaves residuals of about
+    1e6 ε = 1e-10.
+    """
+    n, m = W.shape
+    L, y, tau = np.empty((n, n)), -w_e, np.zeros(m)
+    least, largest = np.inf, 0.0
+    for i in range(n):
+        for j in range(i + 1):
+            total = 0.0
+            for k in range(m):
+                total += W[i, k] * W[j, k]
+            for k in range(j):
+                total -= L[i, k] * L[j, k]
+            L[i, j] = np.sqrt(total) if i == j else total / L[j, j]
+        for k in range(i):
+            y[i] -= L[i, k] * y[k]
+        y[i] /= L[i, i]
+        least, largest = min(least, L[i, i]), max(largest, L[i, i])
+    kept = least >= 1e-3 * largest
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            y[i] -= L[k, i] * y[k]
+        y[i] /= L[i, i]
+        for j in range(m):
+            tau[j] += W[i, j] * y[i]
+    for j in range(m):
+        kept = kept and low[j] <= tau[j] <= high[j]
+    return tau, kept
 
 
 @compiled

@@ -22,7 +22,6 @@ from .method import (
     Solution,
     Solver,
     around_fixed,
-    limit_margin,
     one_by_one,
     sharpened,
 )
@@ -32,29 +31,20 @@ class LeastNorm:
     """min ‖τ‖² with W τ + w_e = 0 and τ_min ≤ τ ≤ τ_max: made for its limits, called wrench by wrench."""
 
     def __init__(self, n: int, low: Array, high: Array):
+        from ..compiled.least_norm import no_limit_active
+
         self.n, self.low, self.high = n, low, high
+        self.no_limit_active = no_limit_active
 
     def __call__(self, W: Array, w_e: Array) -> Solution:
         """Tensions and '' or the reason why there are none."""
-        tau = self.with_no_limit_active(W, w_e)
-        if tau is None:
-            tau = self.program(W, w_e)
-        if tau is None:
-            return self.by_independent_rows(W, w_e)
-        return tau, ""
+        tau = self.least(W, w_e)
+        return self.by_independent_rows(W, w_e) if tau is None else (tau, "")
 
-    def with_no_limit_active(self, W: Array, w_e: Array) -> Array | None:
-        """τ = −Wᵀ (W Wᵀ)⁻¹ w_e where it keeps the limits, at half the program's cost."""
-        from scipy.linalg.lapack import dposv
-
-        factor, y, failed = dposv(W.dot(W.T), w_e)
-        # W Wᵀ has W's condition squared, of which the factor's diagonal is an estimate: 1e-3 leaves residuals of
-        # about 1e6 ε = 1e-10, and what is worse conditioned goes to the program.
-        diagonal = factor.diagonal().tolist()
-        if failed or min(diagonal) < 1e-3 * max(diagonal):
-            return None
-        tau = -y.dot(W)
-        return tau if limit_margin(tau, self.low, self.high) >= 0 else None
+    def least(self, W: Array, w_e: Array) -> Array | None:
+        """Tensions, mostly without the program; None if it has no answer."""
+        tau, kept = self.no_limit_active(W, w_e, self.low, self.high)
+        return tau if kept else self.program(W, w_e)
 
     def program(self, W: Array, w_e: Array, rows: Array | None = None, offset: Array | None = None,
                 toward: Array | None = None) -> Array | None:

@@ -62,9 +62,7 @@ def _relaxed(scale: Array, low: Array, high: Array) -> Solver:
     exact = LeastNorm(scale.size, low, high)
 
     def solve(W: Array, w_e: Array) -> Solution:
-        tau = exact.with_no_limit_active(W, w_e)
-        if tau is None:
-            tau = exact.program(W, w_e)
+        tau = exact.least(W, w_e)
         if tau is not None:
             return tau, ""
         if not np.isfinite(w_e).all():

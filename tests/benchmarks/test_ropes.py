@@ -38,7 +38,7 @@ def test_length_controlled_loop(benchmark, report):
     with cl.open_simulator(world, "length") as wound, cl.open_simulator(world, solver_iterations=10) as bare:
         ratios = [winding_time(wound, lengths) / bare_step_time(bare) for _ in range(25)]
         benchmark.pedantic(winding_time, args=(wound, lengths), rounds=3)
-    report("length-controlled loop / bare stepSimulation", statistics.median(ratios), 2.7)
+    report("length-controlled loop / bare stepSimulation", statistics.median(ratios), 2.4)
 
 
 def test_plan(benchmark, report):
