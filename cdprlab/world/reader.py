@@ -18,7 +18,7 @@ def read(document: Any, path: str) -> dict[str, Any]:
     """The arguments of the `World` a document describes.
 
     document : its mapping; kept for saving if it comes from a file, for its comments, else copied
-    path : what messages call it
+    path : what messages call it; '' where its lines have moved: they name neither file nor line
     Raises WorldError.
     """
     if not isinstance(document, Mapping):
@@ -56,7 +56,7 @@ class _Mistake:
         return difflib.get_close_matches(str(self.place[-1]), keys_at(self.place[:-1]), n=1)
 
     def line(self, path: str) -> str:
-        number = line_number(self.document, self.place)
+        number = line_number(self.document, self.place) if path else None
         return ": ".join(filter(None, (f"{path}:{number}" if number else path, place_text(self.place), self.words())))
 
     def words(self) -> str:

@@ -1,17 +1,16 @@
-"""Edits of a world as changes of its file: a path, a value, and the whole file is read again. Comments stay."""
+"""Edits of a world as changes of what its file says, which is then read again. Comments stay."""
 
 from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
-import numpy as np
-
-from ...errors import InvalidInput, WorldError
+from ...errors import InvalidInput
 from ...world import World
-from ...world.blocks import WorldFile
-from ...world.document import place_text, plain, styled
+from ...world.blocks import LimitsBlock, WorldFile
+from ...world.document import overlay, own, plain
 from ...world.writer import updated_document
 
 Path = tuple[str | int, ...]
@@ -26,17 +25,24 @@ def opened(world: World) -> World:
     return World.from_dict(updated_document(world), path=world.name)
 
 
+@lru_cache(maxsize=2)
 def contents(world: World) -> dict[str, Any]:
     """Everything a world file can say of a robot, its frame and its tasks, spelled out; None for what is left out.
 
-    Under ``cable_limits`` are the first cable's, which an edit there gives to all.
+    Under ``cable_limits`` are the first cable's, which an edit there gives to all. Not to be changed.
     """
-    frame, document = world.scene.frame, world.document
-    scene = {**plain(document.get("scene") or {}), "floor": {"height": world.scene.floor_height},
-             "frame": None if frame is None else {"lower": frame[0].tolist(), "upper": frame[1].tolist()}}
-    known = WorldFile.of(world)
-    shared = {key: known["cables"][0][key] for key in ("tension", "speed")}
-    return {**known, SHARED: shared, "scene": scene, "tasks": _tasks(world)}
+    document, known = world.document, WorldFile.of(world)
+    if "inertia" not in document["platform"]:
+        known["platform"]["inertia"] = None
+    # A world without a default task holds its pose for a while.
+    tasks: dict[str, Any] = {"default": {"kind": "hold", "duration": world.tasks["default"].duration}}
+    tasks |= plain(document.get("tasks", {}))
+    turn = {"angle": 0.0} if world.robot.dimension == 2 else {"rpy": [0.0, 0.0, 0.0]}
+    for task in tasks.values():
+        if "to" in task:
+            task["to"] = turn | task["to"]
+    shared = LimitsBlock.of(world.robot.cables[0])
+    return known | {SHARED: shared, "scene": plain(document.get("scene", {})), "tasks": tasks}
 
 
 def value_at(world: World, path: Path) -> Any:
@@ -68,15 +74,21 @@ def edited(world: World, path: Path, value: Any) -> World:
     >>> heavier.robot.mass, heavier.to_dict()["platform"]["mass"]
     (200.0, 200.0)
     """
-    document = copy.deepcopy(world.document)
-    node: Any = document
-    for depth, part in enumerate(path[:-1], 1):
-        node = _own(node, part, value_at(world, path[:depth]))
-    _put(node, path[-1], value)
+    before, after = contents(world), copy.deepcopy(contents(world))
+    node: Any = after
+    for part in path[:-1]:
+        if isinstance(part, str) and node.get(part) is None:
+            node[part] = {}
+        node = node[part]
+    node[path[-1]] = plain(value)
     if path[0] == SHARED:
-        for cable in document["cables"]:
-            cable.pop(path[1], None)
-    return read(document)
+        # Written whatever stood there: what is shown are the first cable's.
+        key = path[1]
+        before = before | {SHARED: {key: object()}}
+        after[SHARED] = {key: after[SHARED][key]}
+        for cable in after["cables"]:
+            cable[key] = None
+    return _rewritten(world, before, after)
 
 
 def with_entry(world: World, key: str, block: Mapping[str, Any]) -> World:
@@ -84,9 +96,8 @@ def with_entry(world: World, key: str, block: Mapping[str, Any]) -> World:
 
     key : "cables" or "bases"
     """
-    document = copy.deepcopy(world.document)
-    _own(document, key, []).append(styled(plain(block), root=False))
-    return read(document)
+    entries = contents(world)[key]
+    return _rewritten(world, {key: entries}, {key: [*entries, plain(block)]})
 
 
 def without_entry(world: World, key: str, index: int) -> World:
@@ -101,10 +112,8 @@ def without_entry(world: World, key: str, index: int) -> World:
             raise InvalidInput(f"base {name!r} still carries cable{'s' * (len(carried) > 1)} {', '.join(carried)}: "
                                "give them another base, or none, first", ("bases", index))
     document = copy.deepcopy(world.document)
-    del _own(document, key, [])[index]
-    if not document[key] and key == "bases":
-        del document[key]
-    return read(document)
+    del own(document, key)[index]
+    return World.from_dict(document, path="")
 
 
 def on_base(world: World, cable: int, name: str | None) -> World:
@@ -112,69 +121,17 @@ def on_base(world: World, cable: int, name: str | None) -> World:
 
     cable : from 0
     """
-    point, robot = world.robot.exit_points[cable], world.robot
+    point = world.robot.exit_points[cable]
     if name is not None:
-        base = robot.base(name)
+        base = world.robot.base(name)
         point = (point - base.origin) @ base.rotation
+    after = copy.deepcopy(contents(world))
+    after["cables"][cable] |= {"base": name, "exit_point": plain(point)}
+    return _rewritten(world, contents(world), after)
+
+
+def _rewritten(world: World, before: dict[str, Any], after: dict[str, Any]) -> World:
+    """The world whose file differs as the two contents do; its mistakes name no line, for the lines have moved."""
     document = copy.deepcopy(world.document)
-    block = _own(_own(document, "cables", None), cable, None)
-    _put(block, "base", name)
-    _put(block, "exit_point", point)
-    return read(document)
-
-
-def read(document: Any) -> World:
-    """The world of a document; its mistakes name cable and key, but no line, for the file's lines have moved.
-
-    Raises WorldError.
-    """
-    try:
-        return World.from_dict(document, path="")
-    except WorldError as error:
-        raise WorldError([_without_line(problem) for problem in error.problems]) from None
-
-
-def field_name(path: Path) -> str:
-    """A place in words.
-
-    >>> field_name(("cables", 2, "exit_point", 0))
-    'cable 3: exit_point[1]'
-    """
-    return place_text(path)
-
-
-def _tasks(world: World) -> dict[str, Any]:
-    """The file's tasks, angles spelled out; a world without a default task holds its pose for a while."""
-    tasks = plain(world.document.get("tasks") or {})
-    tasks.setdefault("default", {"kind": "hold", "duration": world.tasks["default"].duration})
-    turn = {"angle": 0.0} if world.robot.dimension == 2 else {"rpy": [0.0, 0.0, 0.0]}
-    for task in tasks.values():
-        for end in ("from", "to", "at"):
-            if end in task:
-                task[end] = {**turn, **task[end]}
-    return tasks
-
-
-def _without_line(problem: str) -> str:
-    """":12: cable 3: tension: …" without its first part."""
-    place, _, rest = problem.partition(": ")
-    return rest if place.strip(":").isdigit() or not place else problem
-
-
-def _own(node: Any, key: str | int, known: Any) -> Any:
-    """The block at ``key``, to be changed: spelled out if the file leaves it out, a copy if others refer to it."""
-    missing = isinstance(key, str) and node.get(key) is None
-    if missing:
-        node[key] = styled(plain(known) if known is not None else {}, root=False)
-    elif node[key].yaml_anchor() is not None:
-        node[key] = copy.deepcopy(node[key])
-        node[key].yaml_set_anchor(None)
-    return node[key]
-
-
-def _put(node: Any, key: str | int, value: Any) -> None:
-    if value is None and isinstance(key, str):
-        node.pop(key, None)
-    else:
-        clean = plain(value.tolist() if isinstance(value, np.ndarray) else value)
-        node[key] = styled(clean, root=False)
+    overlay(document, before, after)
+    return World.from_dict(document, path="")

@@ -1,7 +1,8 @@
-"""What can be edited, group by group: every field knows its place in the world file, its unit and how it is typed."""
+"""What can be edited, group by group: rows of fields for keys of the world file, whose schema tells type and unit."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -10,10 +11,10 @@ import numpy as np
 from ...errors import InvalidInput
 from ...robot import MOTION_PATTERNS
 from ...world import World
-from ...world.document import plain
-from .edits import Path, edited, field_name, on_base, value_at
+from ...world.blocks import keys_at
+from .edits import Path, edited, on_base, value_at
 
-DEGREE = float(np.pi / 180)
+_STEPS = {"N": 1.0, "kg": 1.0, "deg": 1.0, "s": 0.5, "m/s²": 0.01}
 
 
 class Field(NamedTuple):
@@ -22,21 +23,25 @@ class Field(NamedTuple):
     path : where it stands in the world file
     label : short, within its row
     unit : of what is typed
-    kind : "number", "maybe" (a number, or nothing to leave it out), "numbers" (several, or nothing), "points", "choice"
-    step : of an arrow key
-    scale : file value of 1 as typed: degrees are typed, radians are kept
+    kind : "number", "text" (numbers, or nothing to leave it out), "points", "choice"
     options : of a choice
-    removes : what is left out with it; default itself
     """
 
     path: Path
     label: str
-    unit: str = ""
+    unit: str
     kind: str = "number"
-    step: float = 0.05
-    scale: float = 1.0
     options: tuple[Any, ...] = ()
-    removes: Path = ()
+
+    @property
+    def step(self) -> float:
+        """Of an arrow key."""
+        return _STEPS.get(self.unit, 0.05)
+
+    @property
+    def scale(self) -> float:
+        """The file's value of 1 as typed: degrees are typed, radians are kept."""
+        return float(np.pi / 180) if self.unit == "deg" else 1.0
 
 
 class Row(NamedTuple):
@@ -55,7 +60,26 @@ class Place(NamedTuple):
 
 FIRST = Place()
 
-GROUPS = ("cables", "all cables", "platform", "start", "bases", "task")
+GROUPS = {
+    "cables": ("cables.{cable}.exit_point", "cables.{cable}.anchor_point", "cables.{cable}.tension",
+               "cables.{cable}.speed", "cables.{cable}.base"),
+    "all cables": ("cable_limits", "cable.axial_stiffness"),
+    "platform": ("platform.mass", "platform.inertia", "platform.center_of_mass", "platform.size", "platform.center"),
+    "start": ("platform.pose", "motion_pattern", "gravity", "scene.frame"),
+    "bases": ("bases.{base}.pose", "bases.{base}.mass", "bases.{base}.center_of_mass", "bases.{base}.footprint",
+              "bases.{base}.speed"),
+    "task": ("tasks.default.to", "tasks.default.duration"),
+}
+"""Group → the keys it shows; of a block all that a world has."""
+
+LEFT_OUT = {"inertia": "of a uniform box", "speed": "unlimited", "axial_stiffness": "does not stretch", "base": "none"}
+"""Keys that may be left empty → what that means."""
+
+_LABELS = {"exit_point": "exit point A", "anchor_point": "anchor point B", "tension": "tension limits",
+           "speed": "speed limit", "base": "on base", "axial_stiffness": "stiffness EA", "center": "box center",
+           "rpy": "orientation", "lower": "frame, lower", "upper": "frame, upper", "rotation": "turn speed",
+           "translation": "drive speed", "duration": "lasts"}
+_PARTS = {"tension": ("min", "max"), "rpy": ("roll", "pitch", "yaw"), "translation": ("ρ₁", "ρ₂")}
 
 
 def rows(world: World, group: str, place: Place = FIRST) -> list[Row]:
@@ -67,167 +91,96 @@ def rows(world: World, group: str, place: Place = FIRST) -> list[Row]:
     >>> [row.label for row in rows(cl.load_world("planar_rigid"), "cables")]
     ['exit point A', 'anchor point B', 'tension limits', 'speed limit']
     """
-    makers = {"cables": _cable, "all cables": _all_cables, "platform": _platform, "start": _start, "bases": _base,
-              "task": _task}
-    if group not in makers:
-        raise InvalidInput(f"there is no group {group!r}; there are {', '.join(makers)}")
-    return list(makers[group](world, place))
+    if group not in GROUPS:
+        raise InvalidInput(f"there is no group {group!r}; there are {', '.join(GROUPS)}")
+    paths = [words.format(**place._asdict()).split(".") for words in GROUPS[group]]
+    return [row for path in paths for row in _rows(world, tuple(int(p) if p.isdigit() else p for p in path))]
 
 
 def shown(field: Field, world: World) -> Any:
     """What stands in a field: a number, a choice, or text.
 
     >>> import cdprlab as cl
-    >>> shown(Field(("platform", "inertia"), "", kind="numbers"), cl.load_world("planar_rigid"))
+    >>> shown(Field(("platform", "inertia"), "", "kg m²", "text"), cl.load_world("planar_rigid"))
     ''
     """
-    if field.kind in ("numbers", "maybe") and _left_out(field.path, world):
-        return ""
     value = value_at(world, field.path)
     if field.kind == "choice":
         return value
     if field.kind == "number":
-        return float(f"{float(value) / field.scale:.10g}")
+        return float(f"{value / field.scale:.10g}")
     if value is None:
         return ""
-    if field.kind == "points":
-        return "; ".join(", ".join(f"{x:.10g}" for x in point) for point in value)
-    return ", ".join(f"{x:.10g}" for x in np.ravel(value))
+    points = value if field.kind == "points" else [np.ravel(value)]
+    return "; ".join(", ".join(f"{x:.10g}" for x in point) for point in points)
 
 
 def typed(world: World, field: Field, entry: Any) -> World:
     """The world with what was typed into a field; the same world if that is what stood there.
 
-    Raises InvalidInput naming the field, WorldError naming its place in the world file.
+    Raises WorldError naming its place in the world file.
     """
     if entry == shown(field, world):
         return world
     if field.path[-1] == "base":
         return on_base(world, int(field.path[1]), entry)
-    value = _value(field, entry)
-    if value is None and field.removes:
-        return edited(world, field.removes, None)
-    return edited(world, field.path, value)
+    value = entry if field.kind == "choice" else _value(field, str(entry))
+    # Cables that do not stretch have no such block.
+    path = ("cable",) if value is None and field.path[0] == "cable" else field.path
+    return edited(world, path, value)
 
 
-def _value(field: Field, entry: Any) -> Any:
-    if field.kind == "choice":
-        return entry
-    if field.kind == "points":
-        return [_numbers(field, part) for part in str(entry).split(";") if part.strip()]
-    found = _numbers(field, str(entry))
-    if not found and field.kind in ("maybe", "numbers"):
-        return None
-    if len(found) == 1 and (field.kind != "numbers" or field.path[-1] == "inertia"):
-        return found[0] * field.scale
-    if field.kind == "numbers" and found:
-        return found
-    raise InvalidInput(f"{field_name(field.path)}: must be one number, got {str(entry)!r}", field.path)
-
-
-def _numbers(field: Field, text: str) -> list[float]:
-    words = text.replace(",", " ").replace("[", " ").replace("]", " ").replace("−", "-").split()
+def _value(field: Field, text: str) -> Any:
+    """What was typed, as the file has it; words stay words, which the file refuses by name."""
+    points = [re.sub(r"[,\[\]]", " ", part).replace("−", "-").split() for part in text.split(";") if part.strip()]
     try:
-        return [float(word) for word in words]
+        numbers = [[float(word) * field.scale for word in point] for point in points]
     except ValueError:
-        wanted = "numbers, separated by commas" if field.kind in ("numbers", "points") else "a number"
-        raise InvalidInput(f"{field_name(field.path)}: must be {wanted}, got {text!r}", field.path) from None
+        return text
+    if field.kind == "points" or len(numbers) > 1:
+        return numbers
+    if not numbers:
+        return None
+    return numbers[0] if len(numbers[0]) > 1 else numbers[0][0]
 
 
-def _left_out(path: Path, world: World) -> bool:
-    """Whether the world's own file does not mention it."""
-    node = plain(world.document)
-    for part in path:
-        if part == "cable_limits" or (isinstance(part, int) and part >= len(node)):
-            return value_at(world, path) is None
-        node = node[part] if isinstance(part, int) else node.get(part)
-        if node is None:
-            # A cable's speed may come from cable_limits.
-            return path[0] != "cables" or value_at(world, path) is None
-    return False
-
-
-# --- groups ---------------------------------------------------------------------------------------------------
-def _axes(world: World) -> str:
-    return "xyz"[:world.robot.dimension]
-
-
-def _vector(path: Path, axes: str, unit: str = "m", step: float = 0.05) -> tuple[Field, ...]:
-    return tuple(Field((*path, k), axis, unit, step=step) for k, axis in enumerate(axes))
-
-
-def _cable(world: World, place: Place) -> Iterator[Row]:
-    at: Path = ("cables", place.cable)
-    yield Row("exit point A", _vector((*at, "exit_point"), _axes(world)))
-    # Where the motion pattern leaves anchor points no choice there is nothing to type.
-    pattern = world.robot.pattern
-    free = "" if not pattern.turns else "x" if pattern.name == "2R3T" else _axes(world)
-    if free:
-        yield Row("anchor point B", _vector((*at, "anchor_point"), free))
-    yield Row("tension limits", _limits((*at, "tension")))
-    yield Row("speed limit", (Field((*at, "speed"), "", "m/s", "maybe"),))
-    if world.robot.bases:
-        names = (None, *(base.name for base in world.robot.bases))
-        yield Row("on base", (Field((*at, "base"), "", kind="choice", options=names),))
-
-
-def _limits(path: Path) -> tuple[Field, ...]:
-    return Field((*path, 0), "min", "N", step=1.0), Field((*path, 1), "max", "N", step=10.0)
-
-
-def _all_cables(world: World, _: Place) -> Iterator[Row]:
-    yield Row("tension limits", _limits(("cable_limits", "tension")))
-    yield Row("speed limit", (Field(("cable_limits", "speed"), "", "m/s", "maybe"),))
-    yield Row("stiffness EA", (Field(("cable", "axial_stiffness"), "", "N", "maybe", removes=("cable",)),))
-
-
-def _platform(world: World, _: Place) -> Iterator[Row]:
-    at, axes = ("platform",), _axes(world)
-    yield Row("mass", (Field((*at, "mass"), "", "kg", step=1.0),))
-    yield Row("inertia", (Field((*at, "inertia"), "", "kg m²", "numbers"),))
-    yield Row("center of mass", _vector((*at, "center_of_mass"), axes, step=0.01))
-    yield Row("size", _vector((*at, "size"), axes))
-    yield Row("box center", _vector((*at, "center"), axes))
-
-
-def _start(world: World, _: Place) -> Iterator[Row]:
-    yield from _pose(("platform", "pose"), world)
-    patterns = tuple(name for name, pattern in MOTION_PATTERNS.items() if pattern.dimension == world.robot.dimension)
-    yield Row("motion pattern", (Field(("motion_pattern",), "", kind="choice", options=patterns),))
-    yield Row("gravity", (Field(("gravity",), "", "m/s²", step=0.01),))
-    if world.scene.frame is not None:
-        yield Row("frame, lower", _vector(("scene", "frame", "lower"), _axes(world)))
-        yield Row("frame, upper", _vector(("scene", "frame", "upper"), _axes(world)))
-
-
-def _pose(path: Path, world: World) -> Iterator[Row]:
-    yield Row("position of P", _vector((*path, "position"), _axes(world)))
-    if world.robot.dimension == 2:
-        yield Row("angle", (Field((*path, "angle"), "", "deg", step=1.0, scale=DEGREE),))
-    else:
-        yield Row("orientation", tuple(Field((*path, "rpy", k), name, "deg", step=1.0, scale=DEGREE)
-                                       for k, name in enumerate(("roll", "pitch", "yaw"))))
-
-
-def _base(world: World, place: Place) -> Iterator[Row]:
-    if not world.robot.bases:
+def _rows(world: World, path: Path) -> Iterator[Row]:
+    """The row of a key, or those of a block; none for what the world does not have."""
+    value, key = value_at(world, path), str(path[-1])
+    if isinstance(value, dict):
+        for inner in value:
+            yield from _rows(world, (*path, inner))
         return
-    at: Path = ("bases", place.base)
-    yield Row("position", _vector((*at, "pose", "position"), "xy"))
-    yield Row("heading", (Field((*at, "pose", "heading"), "", "deg", step=1.0, scale=DEGREE),))
-    yield Row("mass", (Field((*at, "mass"), "", "kg", step=1.0),))
-    yield Row("center of mass", _vector((*at, "center_of_mass"), _axes(world)))
-    yield Row("footprint", (Field((*at, "footprint"), "", "m", "points"),))
-    yield Row("turn speed", (Field((*at, "speed", "rotation"), "", "rad/s"),))
-    yield Row("drive speed", tuple(Field((*at, "speed", "translation", k), name, "m/s")
-                                      for k, name in enumerate(("ρ₁", "ρ₂"))))
+    if (value is None and key not in LEFT_OUT) or (key == "base" and not world.robot.bases):
+        return
+    schema = keys_at(path[:-1])[key]
+    unit = "".join(re.findall(r"\[(.*?)\]", schema.get("description", ""))).replace("rad", "deg")
+    options = _options(world, key)
+    if options:
+        fields = [Field(path, "", "", "choice", options)]
+    elif key in LEFT_OUT:
+        fields = [Field(path, "", unit, "text")]
+    elif schema.get("items", {}).get("type") == "array":
+        fields = [Field(path, "", unit, "points")]
+    elif isinstance(value, list):
+        fields = [Field((*path, k), name, unit) for k, (name, _) in enumerate(zip(_parts(world, key), value))]
+    else:
+        fields = [Field(path, "", unit)]
+    if fields:
+        yield Row(_LABELS.get(key, key.replace("_", " ")), tuple(fields))
 
 
-def _task(world: World, _: Place) -> Iterator[Row]:
-    at: Path = ("tasks", "default")
-    kind = value_at(world, (*at, "kind"))
-    if kind == "quintic":
-        yield from _pose((*at, "to"), world)
-        yield Row("lasts", (Field((*at, "duration"), "", "s", step=0.5),))
-    elif kind == "hold":
-        yield Row("lasts", (Field((*at, "duration"), "", "s", step=0.5),))
+def _options(world: World, key: str) -> tuple[Any, ...]:
+    if key == "base":
+        return None, *(base.name for base in world.robot.bases)
+    if key == "motion_pattern":
+        return tuple(name for name, pattern in MOTION_PATTERNS.items() if pattern.dimension == world.robot.dimension)
+    return ()
+
+
+def _parts(world: World, key: str) -> tuple[str, ...]:
+    """Names of a vector's numbers; where the motion pattern leaves anchor points no choice there is nothing to type."""
+    pattern = world.robot.pattern
+    if key == "anchor_point" and (not pattern.turns or pattern.name == "2R3T"):
+        return ("x",) if pattern.turns else ()
+    return _PARTS.get(key, tuple("xyz"))

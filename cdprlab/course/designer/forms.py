@@ -8,47 +8,47 @@ from typing import Any
 import ipywidgets
 
 from ...world import World
-from .fields import Field, Row, shown
+from ..shown import dismiss
+from .fields import LEFT_OUT, Field, Row, shown
 
-Typed = Callable[[Field, Any], object]
-_WIDTH = "21em"
+_HELP = {"text": "; may be left empty", "points": "; x, y; x, y; …"}
 
 
 class Form:
     """The widgets of some rows; `show` fills them, and makes new ones only where other kinds of fields come.
 
     typed : called with a field and what was typed or chosen
+    entries : (row's label, field's label) → widget
     """
 
-    def __init__(self, typed: Typed) -> None:
+    def __init__(self, typed: Callable[[Field, Any], object]) -> None:
         self._typed = typed
-        self.box = ipywidgets.VBox([], layout={"width": _WIDTH})
+        self.box = ipywidgets.VBox([], layout={"width": "21em"})
         self.entries: dict[tuple[str, str], Any] = {}
         self._fields: dict[tuple[str, str], Field] = {}
-        self._shape: object = None
         self._quiet = False
 
     def show(self, rows: list[Row], world: World) -> None:
         """Fill the form with the fields' values."""
-        self._fields = {(row.label, field.label): field for row in rows for field in row.fields}
-        shape = [(key, field.unit, field.kind, field.options) for key, field in self._fields.items()]
+        fields = {(row.label, field.label): field for row in rows for field in row.fields}
+        others = [(key, field[2:]) for key, field in fields.items()] != [(key, field[2:]) for key, field
+                                                                          in self._fields.items()]
+        self._fields = fields
         self._quiet = True
         try:
-            if shape != self._shape:
-                self._shape = shape
-                self._make(rows, world)
-            for key, field in self._fields.items():
+            if others:
+                for part in self.box.children:
+                    dismiss(part)
+                self.entries = {}
+                self.box.children = [self._row(row, world) for row in rows]
+            for key, field in fields.items():
                 self.entries[key].value = shown(field, world)
         finally:
             self._quiet = False
 
-    def _make(self, rows: list[Row], world: World) -> None:
-        self._close()
-        self.box.children = [self._row(row, world) for row in rows]
-
     def _row(self, row: Row, world: World) -> Any:
         beside = len(row.fields) == 1
-        label = ipywidgets.Label(f"{row.label}{_in(row.fields[0])}",
+        label = ipywidgets.Label(row.label + _in(row.fields[0]),
                                  layout={"margin": "2px", "width": "9.6em" if beside else "100%"})
         width = {1: "11em", 2: "50%", 3: "33.3%"}[len(row.fields)]
         entries = [self._entry(row, field, world, width) for field in row.fields]
@@ -58,15 +58,16 @@ class Form:
         # Where there is no description the tooltip is the entry's name for a screen reader.
         look: dict[str, Any] = {"description": field.label, "layout": {"width": width, "min_width": "0"},
                                 "style": {"description_width": "2.8em" if len(field.label) > 2 else "1.2em"},
-                                "tooltip": f"{row.label} {field.label}".strip() + _in(field) + _HELP[field.kind]}
+                                "tooltip": f"{row.label} {field.label}".strip() + _in(field)
+                                + _HELP.get(field.kind, "")}
+        nothing = LEFT_OUT.get(str(field.path[-1]), "none")
         if field.kind == "number":
             entry: Any = ipywidgets.FloatText(step=field.step, **look)
         elif field.kind == "choice":
-            options = [("none" if option is None else str(option), option) for option in field.options]
+            options = [(option or nothing, option) for option in field.options]
             entry = ipywidgets.Dropdown(options=options, value=shown(field, world), **look)
         else:
-            hint = _EMPTY.get(str(field.path[-1]), "none")
-            entry = ipywidgets.Text(continuous_update=False, placeholder=hint, **look)
+            entry = ipywidgets.Text(continuous_update=False, placeholder=nothing, **look)
         key = row.label, field.label
         self.entries[key] = entry
         entry.observe(lambda change, key=key: self._changed(key, change["new"]), names="value")
@@ -75,26 +76,6 @@ class Form:
     def _changed(self, key: tuple[str, str], value: Any) -> None:
         if not self._quiet:
             self._typed(self._fields[key], value)
-
-    def _close(self) -> None:
-        for part in self.box.children:
-            let_go(part)
-        self.entries = {}
-
-
-def let_go(widget: Any) -> None:
-    """Close a widget, all it holds, and their styles and layouts."""
-    for child in getattr(widget, "children", ()):
-        let_go(child)
-    widget.unobserve_all()
-    for model in (getattr(widget, "style", None), widget.layout, widget):
-        if model is not None:
-            model.close()
-
-
-_EMPTY = {"inertia": "of a uniform box", "speed": "unlimited", "axial_stiffness": "does not stretch"}
-_HELP = {"number": "", "choice": "", "maybe": "; may be left empty", "numbers": "; may be left empty",
-         "points": "; x, y; x, y; …"}
 
 
 def _in(field: Field) -> str:

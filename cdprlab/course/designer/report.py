@@ -12,8 +12,7 @@ from ...view.style import WARNING
 from ...view.text_table import fixed, text_table
 from ...workspace.stability import smallest_stiffness
 from ...world import World
-from .assessment import Assessment, stretch
-from .slice_drawing import in_words
+from .assessment import Assessment, Slice, stretch
 
 _STIFFNESS = {"x": "x", "y": "y", "z": "z", "rx": "about x", "ry": "about y", "rz": "about z", "ry′": "about y′",
               "rz′": "about z′"}
@@ -52,6 +51,19 @@ def _stiffness(world: World, found: Assessment) -> list[str]:
     least = float(smallest_stiffness(robot, world.pose, found.tensions.tensions, stretch(robot)))
     return [f"Stiffness, EA = {stretch(robot):g} N{assumed}:", *values,
             f"  smallest eigenvalue, arm 1 m: {least:.3g} N/m"]
+
+
+def in_words(found: Slice) -> str:
+    """How much of the plane is held, in a sentence.
+
+    >>> import cdprlab as cl
+    >>> from cdprlab.course.designer.assessment import workspace_slice
+    >>> in_words(workspace_slice(cl.load_world("planar_rigid")))
+    'Of the plane x–y 75 % are held within the limits.'
+    """
+    held, clear = (100 * float(flags.mean()) for flags in (found.held, found.held & found.clear))
+    tangled = f", {clear:.0f} % without interference" if clear < held else ""
+    return f"Of the plane {found.plane} {held:.0f} % are held within the limits{tangled}."
 
 
 def as_html(text: str) -> str:

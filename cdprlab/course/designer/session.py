@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import wraps
 from pathlib import Path as FilePath
-from typing import Any, NamedTuple
+from typing import Any, Concatenate, NamedTuple, ParamSpec
 
 import numpy as np
 
@@ -13,11 +14,33 @@ from ...errors import CdprError, InvalidInput
 from ...run import Run, run
 from ...run.controllers import ComputedTorque
 from ...world import World, load_world
+from ...world.document import place_text
 from ..brief import Brief, Verdict
 from .assessment import PLANES, Assessment, assess
-from .edits import contents, edited, field_name, opened, with_entry, without_entry
+from .edits import Path, contents, edited, opened, with_entry, without_entry
 from .fields import Field, Place, typed
 from .history import History
+
+Entries = ParamSpec("Entries")
+
+
+def verb(work: Callable[Concatenate[DesignSession, Entries], None]) -> Callable[
+        Concatenate[DesignSession, Entries], bool]:
+    """What the session does, so that it says whether it worked.
+
+    What cdprlab refuses on purpose becomes the session's ``mistake``, and nothing is changed.
+    """
+    @wraps(work)
+    def told(session: DesignSession, /, *entries: Entries.args, **named: Entries.kwargs) -> bool:
+        try:
+            work(session, *entries, **named)
+        except CdprError as error:
+            session.mistake = str(error)
+            return False
+        session.mistake = ""
+        return True
+
+    return told
 
 
 class Kept(NamedTuple):
@@ -25,19 +48,6 @@ class Kept(NamedTuple):
 
     world: World
     place: Place
-
-
-@dataclass(frozen=True)
-class Flight:
-    """How a design is simulated.
-
-    method : tension distribution
-    kp, kd : gains of computed torque [1/s²], [1/s]
-    """
-
-    method: str = "quadratic_program"
-    kp: float = 100.0
-    kd: float = 100.0
 
 
 class DesignSession:
@@ -63,6 +73,7 @@ class DesignSession:
         self.plane = PLANES[0]
         self.mistake = ""
         self.brief = brief
+        self.flown: Run | None = None
         self.assessment: Assessment = assess(self.world, self.plane)
 
     @property
@@ -81,66 +92,65 @@ class DesignSession:
         return self.history.present.place
 
     # --- edits ------------------------------------------------------------------------------------------------
-    def edit(self, path: tuple[str | int, ...], value: Any) -> bool:
-        """Another value at a place of the world file; says whether that is a robot. Also sets `mistake`."""
-        return self._do(field_name(path), lambda: (edited(self.world, path, value), self.place))
+    @verb
+    def edit(self, path: Path, value: Any) -> None:
+        """Another value at a place of the world file."""
+        self._become(edited(self.world, path, value), place_text(path))
 
-    def type(self, field: Field, entry: Any) -> bool:
+    @verb
+    def type(self, field: Field, entry: Any) -> None:
         """What was typed into a field."""
-        return self._do(field_name(field.path), lambda: (typed(self.world, field, entry), self.place))
+        self._become(typed(self.world, field, entry), place_text(field.path))
 
-    def add_cable(self) -> bool:
+    @verb
+    def add_cable(self) -> None:
         """A copy of the cable being edited, at the end; it is then edited."""
-        def work() -> tuple[World, Place]:
-            block = contents(self.world)["cables"][self.place.cable]
-            return with_entry(self.world, "cables", block), self.place._replace(cable=self.world.robot.n_cables)
+        m = self.world.robot.n_cables
+        world = with_entry(self.world, "cables", contents(self.world)["cables"][self.place.cable])
+        self._become(world, f"cable {m + 1} added", self.place._replace(cable=m))
 
-        return self._do(f"cable {self.world.robot.n_cables + 1} added", work)
-
-    def remove_cable(self) -> bool:
+    @verb
+    def remove_cable(self) -> None:
         """Without the cable being edited; those after it move up."""
         at = self.place.cable
-        return self._do(f"cable {at + 1} removed", lambda: (
-            without_entry(self.world, "cables", at), self.place._replace(cable=max(at - 1, 0))))
+        self._become(without_entry(self.world, "cables", at), f"cable {at + 1} removed",
+                     self.place._replace(cable=max(at - 1, 0)))
 
-    def add_base(self) -> bool:
+    @verb
+    def add_base(self) -> None:
         """One more mobile base beside the frame; cables are given to it one by one."""
-        def work() -> tuple[World, Place]:
-            return with_entry(self.world, "bases", _new_base(self.world)), self.place._replace(
-                base=len(self.world.robot.bases))
+        self._become(with_entry(self.world, "bases", _new_base(self.world)), "base added",
+                     self.place._replace(base=len(self.world.robot.bases)))
 
-        return self._do("base added", work)
-
-    def remove_base(self) -> bool:
+    @verb
+    def remove_base(self) -> None:
         """Without the base being edited."""
         at = self.place.base
+        if not self.world.robot.bases:
+            raise InvalidInput("this robot has no bases to remove", ("bases",))
+        self._become(without_entry(self.world, "bases", at), f"base {at + 1} removed",
+                     self.place._replace(base=max(at - 1, 0)))
 
-        def work() -> tuple[World, Place]:
-            if not self.world.robot.bases:
-                raise InvalidInput("this robot has no bases to remove", ("bases",))
-            return without_entry(self.world, "bases", at), self.place._replace(base=max(at - 1, 0))
-
-        return self._do(f"base {at + 1} removed", work)
-
-    def frame_exits(self) -> bool:
+    @verb
+    def frame_exits(self) -> None:
         """A frame around all exit points, down to the floor."""
         points = self.world.robot.exit_points
         low, high = points.min(axis=0), points.max(axis=0)
         low[-1] = min(low[-1], self.world.scene.floor_height)
-        return self._do("frame around the exit points", lambda: (
-            edited(self.world, ("scene", "frame"), {"lower": low.tolist(), "upper": high.tolist()}), self.place))
+        self._become(edited(self.world, ("scene", "frame"), {"lower": low, "upper": high}),
+                     "frame around the exit points")
 
-    def make_motion(self) -> bool:
+    @verb
+    def make_motion(self) -> None:
         """A default task that moves: a little way up, which may be changed then."""
         pose = contents(self.world)["platform"]["pose"]
-        up = [*pose["position"][:-1], pose["position"][-1] + 0.3]
-        task = {"kind": "quintic", "to": {**{key: turn for key, turn in pose.items() if turn is not None},
-                                          "position": up}, "duration": 3.0}
-        return self._do("task", lambda: (edited(self.world, ("tasks", "default"), task), self.place))
+        *level, height = pose["position"]
+        task = {"kind": "quintic", "to": pose | {"position": [*level, height + 0.3]}, "duration": 3.0}
+        self._become(edited(self.world, ("tasks", "default"), task), "task")
 
     def turn_to(self, place: Place) -> None:
         """Edit another cable or base; nothing to undo."""
-        self._keep(self.history.present._replace(place=place))
+        self.history = replace(self.history, present=self.history.present._replace(place=place))
 
     def look_at(self, plane: str) -> None:
         """Another plane for the slice."""
@@ -148,75 +158,57 @@ class DesignSession:
         self.assessment = assess(self.world, plane)
 
     # --- files ------------------------------------------------------------------------------------------------
-    def load(self, name_or_path: str) -> bool:
+    @verb
+    def load(self, name_or_path: str) -> None:
         """A shipped world by name or a world file by path, in place of this one; it can be undone."""
-        return self._do(f"{name_or_path} loaded", lambda: (opened(load_world(name_or_path)), Place()))
+        self._become(opened(load_world(name_or_path)), f"{name_or_path} loaded", Place())
 
-    def read(self, text: str, name: str = "world file") -> bool:
+    @verb
+    def read(self, text: str, name: str = "world file") -> None:
         """A world from the text of a world file, in place of this one; mistakes are named by line."""
-        return self._do(f"{name} read", lambda: (World.from_yaml(text, path=name), Place()))
+        self._become(World.from_yaml(text, path=name), f"{name} read", Place())
 
-    def save(self, path: str) -> bool:
-        """Write the world file; says whether it worked."""
-        def work() -> None:
-            if not path.strip().endswith((".yaml", ".yml")):
-                raise InvalidInput(f"a world file ends in .yaml, got {path.strip() or 'nothing'!r}")
-            try:
-                self.world.save(FilePath(path.strip()).expanduser())
-            except OSError as error:
-                raise InvalidInput(f"cannot write {path}: {error.strerror}") from None
+    @verb
+    def save(self, path: str) -> None:
+        """Write the world file."""
+        target = FilePath(path.strip()).expanduser()
+        if target.suffix not in (".yaml", ".yml"):
+            raise InvalidInput(f"a world file ends in .yaml, got {path.strip() or 'nothing'!r}")
+        try:
+            self.world.save(target)
+        except OSError as error:
+            raise InvalidInput(f"cannot write {path}: {error.strerror}") from None
 
-        return self._try(work)
+    @verb
+    def simulate(self, method: str = "quadratic_program", kp: float = 100.0, kd: float = 100.0) -> None:
+        """The default task in the engine by computed torque; what was flown is ``flown``.
 
-    def simulate(self, flight: Flight) -> Run | None:
-        """The default task in the engine; None if that is impossible, and `mistake` says why."""
-        flown: list[Run] = []
-
-        def work() -> None:
-            flown.append(run(self.world, method=flight.method, controller=ComputedTorque(flight.kp, flight.kd)))
-
-        self._try(work)
-        return flown[0] if flown else None
+        method : tension distribution
+        kp, kd : gains [1/s²], [1/s]
+        """
+        self.flown = None
+        self.flown = run(self.world, method=method, controller=ComputedTorque(kp, kd))
 
     # --- the way back -----------------------------------------------------------------------------------------
-    def undo(self) -> bool:
+    @verb
+    def undo(self) -> None:
         """Before the last edit."""
-        return self._travel(lambda: self.history.undone())
+        self._turn(self.history.undone())
 
-    def redo(self) -> bool:
+    @verb
+    def redo(self) -> None:
         """The edit undone last, again."""
-        return self._travel(lambda: self.history.redone())
+        self._turn(self.history.redone())
 
     # --- inside -----------------------------------------------------------------------------------------------
-    def _do(self, label: str, work: Callable[[], tuple[World, Place]]) -> bool:
-        def whole() -> None:
-            world, place = work()
-            if world is not self.world:
-                judged = assess(world, self.plane)
-                self.history, self.assessment = self.history.done(label, Kept(world, place)), judged
+    def _become(self, world: World, label: str, place: Place | None = None) -> None:
+        if world is not self.world:
+            self._turn(self.history.done(label, Kept(world, place or self.place)))
 
-        return self._try(whole)
-
-    def _travel(self, way: Callable[[], History[Kept]]) -> bool:
-        def whole() -> None:
-            history = way()
-            self.assessment = assess(history.present.world, self.plane)
-            self.history = history
-
-        return self._try(whole)
-
-    def _try(self, work: Callable[[], None]) -> bool:
-        """Whether it worked; what cdprlab refuses on purpose becomes ``mistake``, and nothing is changed."""
-        try:
-            work()
-        except CdprError as error:
-            self.mistake = str(error)
-            return False
-        self.mistake = ""
-        return True
-
-    def _keep(self, kept: Kept) -> None:
-        self.history = replace(self.history, present=kept)
+    def _turn(self, history: History[Kept]) -> None:
+        # Judged first: what cannot be judged is not kept.
+        self.assessment = assess(history.present.world, self.plane)
+        self.history = history
 
 
 def _new_base(world: World) -> dict[str, Any]:
