@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import copy
 from types import SimpleNamespace
 from typing import Any
 
 from ..robot import Cable
 from .blocks import CableBlock, WorldFile
-from .document import changed, overlay, own
+from .document import changed, copied, overlay, own
 from .reader import read
 
 
 def updated_document(world: Any) -> Any:
     """A copy of the world's document that says what the world is now; only values that changed are touched."""
-    document = copy.deepcopy(world.document)
+    document = copied(world.document)
     if document.get("cable_limits"):
         _share_limits(own(document, "cable_limits"), world.robot.cables)
     wanted = WorldFile.of(world)

@@ -10,7 +10,7 @@ from typing import Any
 from ...errors import InvalidInput
 from ...world import World
 from ...world.blocks import LimitsBlock, WorldFile
-from ...world.document import overlay, own, plain
+from ...world.document import copied, overlay, own, plain
 from ...world.writer import updated_document
 
 Path = tuple[str | int, ...]
@@ -111,7 +111,7 @@ def without_entry(world: World, key: str, index: int) -> World:
         if carried:
             raise InvalidInput(f"base {name!r} still carries cable{'s' * (len(carried) > 1)} {', '.join(carried)}: "
                                "give them another base, or none, first", ("bases", index))
-    document = copy.deepcopy(world.document)
+    document = copied(world.document)
     del own(document, key)[index]
     return World.from_dict(document, path="")
 
@@ -132,6 +132,6 @@ def on_base(world: World, cable: int, name: str | None) -> World:
 
 def _rewritten(world: World, before: dict[str, Any], after: dict[str, Any]) -> World:
     """The world whose file differs as the two contents do; its mistakes name no line, for the lines have moved."""
-    document = copy.deepcopy(world.document)
+    document = copied(world.document)
     overlay(document, before, after)
     return World.from_dict(document, path="")
