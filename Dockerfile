@@ -9,6 +9,9 @@ RUN grep -v '^-e' requirements.txt > pinned.txt && pip install --no-cache-dir --
 COPY worlds worlds
 COPY cdprlab cdprlab
 RUN pip install --no-cache-dir --no-deps .
+# Compiled once, where a student's process may write as well: on another processor it compiles anew.
+ENV NUMBA_CACHE_DIR=/opt/cdprlab/compiled
+RUN python -m cdprlab.compiled && chmod -R a+rwX "$NUMBA_CACHE_DIR"
 COPY lessons/[0-9]*.ipynb lessons/my_lessons.py lessons/
 
 # A hub's own version, for example --build-arg JUPYTERHUB=5

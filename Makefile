@@ -80,6 +80,7 @@ $(VENV)/.students: requirements.txt pyproject.toml
 	@echo "Making the Python environment in $(VENV), once; this takes a minute or two."
 	@test -x $(BIN)/pip || "$(FOUND)" -m venv --clear $(VENV)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.txt
+	@$(BIN)/python -m cdprlab.compiled
 	@touch $@
 
 $(VENV)/.tests: $(VENV)/.students tests/requirements.txt

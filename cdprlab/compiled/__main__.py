@@ -1,0 +1,39 @@
+"""`python -m cdprlab.compiled`: compiles this room, once, into the folder that keeps it; nobody waits for it later."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pkgutil import iter_modules
+
+import numpy as np
+
+from ..arrays import plain
+from . import CENTROID, __path__, jit
+from .closest import closest
+from .facets import capacity
+from .least_norm import least_norms
+from .margins import margins
+from .polygon import polygons
+
+
+def compile_all() -> None:
+    """Imports what is compiled as it is made, and calls the rest with the kinds of arrays that it is called with.
+
+    The problem: 2 N on three cables along a line, one of which pulls the other way.
+    """
+    for module in iter_modules(__path__):
+        if module.name != "__main__":
+            import_module(f".{module.name}", __package__)
+    W, w_e = plain(np.array([[[1.0, 0.5, -1.0]]])), plain(np.array([[-2.0]]))
+    low, high = plain(np.zeros((1, 3))), plain(np.ones((1, 3)))
+    polygons(W, w_e, low, high, CENTROID)
+    least_norms(W, w_e, low, high)
+    closest(W, w_e, low, high, 0.5, 1)
+    margins(W, w_e, low[0], high[0], 1.0, 1.0)
+    capacity(plain(np.concatenate([W, np.ones((1, 1, 1))], axis=2)), w_e, w_e, w_e[0], low[0], high[0], True)
+
+
+if __name__ == "__main__":
+    compile_all()
+    if not jit.COMPILES:
+        print("numba is not installed: cdprlab's numerical core runs as plain Python")
