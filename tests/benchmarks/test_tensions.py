@@ -121,7 +121,7 @@ def test_a_wrench_out_of_reach_in_the_loop(benchmark, report, wrenches):
     assert all(solve(W[k], 10 * w_e[k])[1] for k in range(share))
     benchmark.pedantic(relaxed, rounds=1)
     ratio = 1 / paired(lambda: seconds(loop, share), lambda: seconds(relaxed), 11)
-    report("relaxed in the loop, out of reach / bare quadprog", ratio, 30)
+    report("relaxed in the loop, out of reach / bare quadprog", ratio, 60)
 
 
 @pytest.mark.parametrize("method, promised", [("quadratic_program", 3), ("linear_program", None), ("barycenter", None),
