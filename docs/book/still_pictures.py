@@ -1,6 +1,5 @@
 """Run in a lesson's kernel: figures say in words what they show, explorers become still pictures."""
 
-import html
 import re
 import unicodedata
 from base64 import b64encode
@@ -21,12 +20,11 @@ def install(shell):
 
 def still(shown, **_):
     """An explorer as it stands: picture and numbers; beside them, for the page, what it is called and set to."""
-    alt = html.unescape(re.search(r'alt="([^"]*)"', shown._image.value).group(1))
     set_to = [f"{control.caption} {shown.values[name]:.4g}" if isinstance(shown.values[name], float)
               else f"{control.caption} {shown.values[name]}".replace("_", " ")
               for name, control in getattr(shown, "controls", {}).items()]
     data = {"image/png": b64encode(shown.picture).decode("ascii"), "text/plain": shown.text}
-    return data, {"explorer": {"alt": alt, "title": getattr(shown, "title", ""), "set_to": set_to}}
+    return data, {"explorer": {"alt": shown.alt_text, "title": getattr(shown, "title", ""), "set_to": set_to}}
 
 
 def describe(figure):

@@ -145,8 +145,8 @@ class RobotDesigner(Shown):
         if self._drawn is None or self._drawn[0] is not world:
             self._drawn = world, DesignPicture(world, cable, self._azimuth)
         self.picture = self._drawn[1].png(self._azimuth, cable)
-        alt_text = f"{world.title or world.name}: the robot at its start, cable {cable + 1} marked."
-        self._image.value = picture_tag(self.picture, SIZE, alt_text)
+        self.alt_text = f"{world.title or world.name}: the robot at its start, cable {cable + 1} marked."
+        self._image.value = picture_tag(self.picture, SIZE, self.alt_text)
 
     def _show_group(self) -> None:
         group, world, place = self._groups.value, self.world, self.session.place
