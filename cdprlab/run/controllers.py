@@ -44,18 +44,18 @@ class ComputedTorque:
     def __call__(self, t: float, state: State, reference: Reference) -> Array:
         from ..compiled.control import computed_torque
 
-        robot, wanted = state.robot, reference.pose
-        body, S = robot.platform, robot.pattern.basis(state.rotation)
-        wrench = computed_torque(*self._gains(robot, S), body.mass, np.atleast_2d(body.inertia), body.center_of_mass,
-                                 robot.gravity, state.position, state.rotation, state.twist,
+        robot, body, wanted = state.robot, state.robot.platform, reference.pose
+        wrench = computed_torque(*self._gains(robot, state.rotation), body.mass, np.atleast_2d(body.inertia),
+                                 body.center_of_mass, robot.gravity, state.position, state.rotation, state.twist,
                                  wanted.position, wanted.rotation, reference.twist, reference.acceleration)
-        return wrench if robot.n_dof == 6 else wrench @ S
+        return wrench if robot.n_dof == 6 else wrench @ robot.pattern.basis(state.rotation)
 
-    def _gains(self, robot: Robot, S: Array) -> tuple[Array, Array]:
+    def _gains(self, robot: Robot, rotation: Array) -> tuple[Array, Array]:
         """S diag(K) Sᵀ for both: gains of the motion pattern's rows in world axes, with which a platform may turn."""
         if robot.motion_pattern not in self._in_world or robot.motion_pattern == "2R3T":
             if not {np.shape(self.kp), np.shape(self.kd)} <= {(), (robot.n_dof,)}:
                 raise InvalidInput(f"kp and kd must be numbers or {robot.n_dof} of them for a {robot.motion_pattern} "
                                    f"robot, got shapes {np.shape(self.kp)} and {np.shape(self.kd)}")
+            S = robot.pattern.basis(rotation)
             self._in_world[robot.motion_pattern] = (self.kp * S) @ S.T, (self.kd * S) @ S.T
         return self._in_world[robot.motion_pattern]
