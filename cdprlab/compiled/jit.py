@@ -8,6 +8,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 try:
     import numba
     from numba.core import event
@@ -30,8 +32,8 @@ def compiled(function: Callable[..., Any], signature: Any = None) -> Any:
     NUMBA_CACHE_DIR, else __pycache__ beside the file, else the user's own cache folder. Where none can, each process
     compiles anew, and says so.
     """
-    if not COMPILES:
-        return function
+    if not COMPILES:   # divisions by zero as quietly as when compiled
+        return np.errstate(divide="ignore", invalid="ignore")(function)
     name = function.__qualname__
     function.__qualname__ += f"-{EDITION}"   # part of the name of the kept file
     try:
