@@ -83,12 +83,16 @@ def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike |
     array([0.5, 0. , 1. ])
     """
     period = as_number(duration, "duration", "s", positive=True)
-    _check_ends(start, end)
-    d, n = start.dimension, 3 if start.dimension == 2 else 6
-    ends = [_boundary(value, name, n) for value, name in (
-        (start_twist, "start_twist"), (end_twist, "end_twist"),
-        (start_acceleration, "start_acceleration"), (end_acceleration, "end_acceleration"))]
-    turn = rotation_vector(np.swapaxes(start.rotation, -1, -2) @ end.rotation)
+    if start.batch_shape or end.batch_shape:
+        raise InvalidInput("a trajectory runs between two single poses, not batches")
+    if start.dimension != end.dimension:
+        raise InvalidInput(f"start has {start.dimension} dimensions, end has {end.dimension}")
+    d = start.dimension
+    given = {"start_twist": start_twist, "end_twist": end_twist,
+             "start_acceleration": start_acceleration, "end_acceleration": end_acceleration}
+    ends = [np.zeros(3 * (d - 1)) if value is None else as_array(value, name, (3 * (d - 1),))
+            for name, value in given.items()]
+    turn = rotation_vector(start.rotation.T @ end.rotation)
     step = np.concatenate([end.position - start.position, turn])
     rate0, bend0 = _vector_rates(start.rotation, np.zeros_like(turn), ends[0], ends[2], d)
     rate1, bend1 = _vector_rates(start.rotation, turn, ends[1], ends[3], d)
@@ -177,14 +181,3 @@ def _vector_rates(start: Array, vector: Array, twist: Array, acceleration: Array
     rate = inverse @ (start.T @ twist[d:])
     bend = inverse @ (start.T @ acceleration[d:] - _jacobian_rate(vector, rate) @ rate)
     return np.concatenate([twist[:d], rate]), np.concatenate([acceleration[:d], bend])
-
-
-def _check_ends(start: Pose, end: Pose) -> None:
-    if start.batch_shape or end.batch_shape:
-        raise InvalidInput("a trajectory runs between two single poses, not batches")
-    if start.dimension != end.dimension:
-        raise InvalidInput(f"start has {start.dimension} dimensions, end has {end.dimension}")
-
-
-def _boundary(value: ArrayLike | None, name: str, n: int) -> Array:
-    return np.zeros(n) if value is None else as_array(value, name, (n,))
