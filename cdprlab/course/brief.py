@@ -14,12 +14,12 @@ from ..arrays import Array
 from ..errors import InvalidInput, WorldError
 from ..mechanics.cables import cable_lengths
 from ..mechanics.statics import gravity_wrench, wrench_matrix
-from ..robot import Robot
+from ..robot import Robot, box_inertia
 from ..robot.pose import Pose
 from ..view.text_table import cable_names, in_brackets
 from ..workspace.capacity import best_tensions
 from ..workspace.grids import low_discrepancy_poses
-from ..workspace.interference import cable_distances, cable_pairs, obstacle_distances, platform_distances
+from ..workspace.interference import cable_distances, cable_pairs, obstacle_distances, piercing_cables
 from ..world import World, load_world
 
 _ROUNDING = 1e-6
@@ -186,12 +186,12 @@ class _Case:
 
     def load(self) -> _Found:
         body, brief = self.robot.platform, self.brief
-        uniform = brief.mass / 12 * ((brief.size**2).sum() - brief.size**2)
+        uniform = box_inertia(brief.mass, brief.size)
         wrong = {"mass": abs(body.mass - brief.mass) > _ROUNDING,
                  "size": np.abs(body.size - brief.size).max() > _ROUNDING,
                  "center of mass": np.abs(body.center_of_mass).max() > _ROUNDING,
                  "box center": np.abs(body.center).max() > _ROUNDING,
-                 "inertia": np.abs(body.inertia - np.diag(uniform)).max() > 1e-3 * uniform.max(),
+                 "inertia": np.abs(body.inertia - uniform).max() > 1e-3 * uniform.max(),
                  "gravity": abs(self.robot.gravity - 9.81) > _ROUNDING}
         changed = ", ".join(name for name, is_wrong in wrong.items() if is_wrong)
         return not changed, (f"another {changed} than the brief's; the customer's load is not yours to change"
@@ -252,8 +252,7 @@ class _Case:
     def free(self) -> _Found:
         robot, poses = self.robot, self.poses
         inside = (np.abs(robot.anchor_points) < self.brief.size / 2 - _ROUNDING).all(axis=1)
-        through = ((platform_distances(robot, poses) < 1e-9) & ~inside).any(axis=0)
-        bad = inside if inside.any() else through
+        bad = inside if inside.any() else piercing_cables(robot, poses).any(axis=0)
         if bad.any():
             return _none(bad, "", "to pass through the load itself. Anchor it on a face, an edge or a corner that "
                                   "looks towards its exit point")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array, as_number
 from ..errors import InvalidInput
@@ -93,6 +94,13 @@ def platform_distances(robot: Robot, poses: Pose, root: float = 0.05) -> Array:
     length = np.linalg.norm(way, axis=-1, keepdims=True)
     start = robot.anchor_points + way * np.minimum(skipped / np.where(length > 0, length, 1.0), 1.0)
     return box_distance(start - body.center, exits - body.center, body.size / 2)
+
+
+def piercing_cables(robot: Robot, poses: Pose) -> NDArray[np.bool_]:
+    """(…, m) which cables pass through the platform's box; those fixed inside it cannot but do, and do not count."""
+    body = robot.platform
+    inside = (np.abs(robot.anchor_points - body.center) < body.size / 2 - 1e-9).all(axis=1)
+    return np.asarray((platform_distances(robot, poses) < 1e-9) & ~inside)
 
 
 def obstacle_distances(robot: Robot, poses: Pose, box: Box) -> Array:

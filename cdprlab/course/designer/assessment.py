@@ -15,8 +15,9 @@ from ...robot import Robot
 from ...robot.pose import Pose
 from ...tensions import TensionDistribution, distribute_tensions
 from ...view.outlines import floor_height, platform_corners
+from ...view.text_table import cable_names
 from ...workspace import InterferenceFree, PoseGrid, WrenchFeasible, workspace
-from ...workspace.interference import cable_distances, cable_pairs, obstacle_distances, platform_distances
+from ...workspace.interference import cable_distances, cable_pairs, obstacle_distances, piercing_cables
 from ...workspace.stability import smallest_stiffness
 from ...world import World
 
@@ -76,9 +77,9 @@ def assess(world: World, plane: str = "x–y") -> Assessment:
     ()
     """
     robot, pose = world.robot, world.pose
-    limp = np.flatnonzero(cable_lengths(robot, pose) < 1e-9)
-    if limp.size:
-        where = f"Cable {_numbers(limp)} has no length at the start: its anchor point is on its exit point."
+    limp = cable_lengths(robot, pose) < 1e-9
+    if limp.any():
+        where = f"{cable_names(limp).capitalize()} has no length at the start: its anchor point is on its exit point."
         return Assessment((where,), None, None, workspace_slice(world, plane))
     W, w_e = wrench_matrix(robot, pose), gravity_wrench(robot, pose)
     held = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max, "quadratic_program")
@@ -132,14 +133,7 @@ def _clear(world: World, poses: Pose) -> NDArray[np.bool_]:
     spatial = world.robot.dimension == 3
     criterion = InterferenceFree(CLEARANCE, world.scene.boxes, cables=spatial, platform=False)
     free = workspace(world.robot, poses, criterion, margin=False).inside
-    return free & ~_pierced(world.robot, poses).any(axis=-1) if spatial else free
-
-
-def _pierced(robot: Robot, poses: Pose) -> NDArray[np.bool_]:
-    """(…, m) which cables pass through the platform's box; those fixed inside it cannot but do, and do not count."""
-    body = robot.platform
-    inside = (np.abs(robot.anchor_points - body.center) < body.size / 2 - 1e-9).all(axis=1)
-    return np.asarray((platform_distances(robot, poses) < 1e-9) & ~inside)
+    return free & ~piercing_cables(world.robot, poses).any(axis=-1) if spatial else free
 
 
 # --- at the start ---------------------------------------------------------------------------------------------
@@ -179,9 +173,9 @@ def _interference(world: World) -> Iterator[str]:
         for (i, j), gap in zip(cable_pairs(robot), distances):
             if gap < CLEARANCE:
                 yield f"Interference: cables {i + 1} and {j + 1} are {_gap(gap)} at the start."
-        through = np.flatnonzero(_pierced(robot, pose))
-        if through.size:
-            yield f"Interference: cable {_numbers(through)} passes through the platform's box at the start."
+        through = piercing_cables(robot, pose)
+        if through.any():
+            yield f"Interference: {cable_names(through)} through the platform's box at the start."
     for box in world.scene.boxes:
         gaps = obstacle_distances(robot, pose, box)
         if (gaps < CLEARANCE).any():
@@ -206,7 +200,3 @@ def _ground(world: World) -> Iterator[str]:
 
 def _gap(gap: float) -> str:
     return "touching" if gap < 1e-6 else f"{1e3 * gap:.0f} mm apart"
-
-
-def _numbers(cables: NDArray[np.intp]) -> str:
-    return ", ".join(str(int(i) + 1) for i in cables)
