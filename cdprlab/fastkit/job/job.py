@@ -100,8 +100,9 @@ class _Work:
             wish = self.sampled[min(round((now - machine.began) / self.period), len(self.sampled) - 1)]
             self._drive(now)
             self._draw(now)
-            sensors = self._look(now, wish)
-            self._note(wish, sensors)
+            box = self.engine.boxes.pose(BOX)
+            sensors = self._look(now, wish, box)
+            self._note(wish, box, sensors)
             yield wish
             self._judge()
             steps += 1
@@ -131,7 +132,7 @@ class _Work:
         phase.begin(self.engine)
         self._follow(hold(end, phase.duration) if phase.to is None else quintic(end, phase.to, phase.duration))
         if self.engine.boxes.is_gripped(BOX) and not self.offset.any():
-            self.offset = self._held() - (self.stroke - 1) * self.task.stroke
+            self.offset = self._held(self.engine.boxes.pose(BOX)) - (self.stroke - 1) * self.task.stroke
         self.bases = self.engine.base_poses.copy()
 
     def _drive(self, now: float) -> None:
@@ -164,15 +165,15 @@ class _Work:
             engine.carry(self.empty.with_payload(load, place) if load else self.empty)
 
     # --- looking and writing down -----------------------------------------------------------------
-    def _held(self) -> Array:
+    def _held(self, box: Pose) -> Array:
         """(3,) the box's center in the platform frame [m]."""
-        return (self.engine.boxes.pose(BOX).position - self.engine.position) @ self.engine.rotation
+        return (box.position - self.engine.position) @ self.engine.rotation
 
-    def _look(self, now: float, wish: Reference) -> Sensors:
+    def _look(self, now: float, wish: Reference, box: Pose) -> Sensors:
         engine, phase = self.engine, self.machine.phase
         gripped = engine.boxes.is_gripped(BOX)
         place = self.offset + (self.stroke - 1) * self.task.stroke if gripped else self.task.seat + self.task.stroke
-        slipped = float(np.linalg.norm(self._held() - place))
+        slipped = float(np.linalg.norm(self._held(box) - place))
         base_error = max((math.dist(stands[:2], phase.drives[base.name][:2])
                           for base, stands in zip(self.empty.bases, engine.base_poses) if base.name in phase.drives),
                          default=0.0)
@@ -180,9 +181,9 @@ class _Work:
         return Sensors(now, math.hypot(x, y, z), math.hypot(*turn), engine.tensions, self.overloaded,
                        self.missing, engine.wheel_loads(), base_error, gripped, slipped)
 
-    def _note(self, wish: Reference, sensors: Sensors) -> None:
+    def _note(self, wish: Reference, box: Pose, sensors: Sensors) -> None:
         """A row: how all is as the step begins."""
-        engine, box = self.engine, self.engine.boxes.pose(BOX)
+        engine = self.engine
         self.wished.append(wish)
         self.log.keep(engine.base_poses, engine.tilts, *sensors.wheels.values(), box.position, box.rotation,
                       self.stroke, self.carried[0], len(self.machine.history) - 1)

@@ -17,11 +17,11 @@ from ...world import World
 from ..navigation.driving import Pair, Walker
 from ..navigation.hall import Hall
 from ..navigation.laser import Scanner
-from ..navigation.localization import Odometry
 from ..navigation.vehicle import Vehicle
 from ..plane import placed, relative
 
-_AT_ONCE = 5      # engine steps in one call
+_STEP = 4e-3      # s of the engine
+_AT_ONCE = 5      # of its steps in one call
 
 
 class EnginePair(Pair):
@@ -29,17 +29,16 @@ class EnginePair(Pair):
 
     world : its bases stand coupled, its pose is the platform's between them
     vehicle : Vehicle; hall : for exact clearances; pose : (3,) of the pair at first [m, m, rad]
-    walkers : people; seed : of all noise; dt : engine step [s]; odometry : how wrong the wheels are
+    walkers : people; seed : of all noise
 
     Its ``log`` is what the engine measured on the way, one row a period: tensions (m,) [N], wheels (2, k) load of each
     wheel [N], tilts, the larger of the two bases' [rad].
     """
 
     def __init__(self, world: World, vehicle: Vehicle, hall: Hall, pose: ArrayLike,
-                 walkers: tuple[Walker, ...] = (), seed: int = 0, dt: float = 4e-3,
-                 odometry: Odometry | None = None) -> None:
-        super().__init__(vehicle, hall, walkers, odometry, seed)
-        engine = SpatialSimulator(moved_pair(world, pose), "tension", dt, bodies=True, solver_iterations=20)
+                 walkers: tuple[Walker, ...] = (), seed: int = 0) -> None:
+        super().__init__(vehicle, hall, walkers, seed=seed)
+        engine = SpatialSimulator(moved_pair(world, pose), "tension", _STEP, bodies=True, solver_iterations=20)
         self.engine = engine
         engine.bases.couple()
         engine.bases.lock(engine.platform)
@@ -54,7 +53,7 @@ class EnginePair(Pair):
     def move(self, twist: Array, period: float) -> None:
         engine = self.engine
         engine.drive([*self.vehicle.base_speeds(twist), 0, 0, 0])
-        for _ in range(round(period / engine.dt / _AT_ONCE)):
+        for _ in range(round(period / _STEP / _AT_ONCE)):
             engine.step(engine.world.robot.tension_min, _AT_ONCE)
         self.log.keep(engine.tensions, self._wheels(), engine.tilts.max())
 

@@ -128,21 +128,30 @@ def _too_narrow(hall: Hall, vehicle: Vehicle, here: Array, there: Array, margin:
                                          f"{margin:g} m are wanted")
 
 
+@dataclass(eq=False)
 class _Driver:
-    """A journey under way: what changes from period to period."""
+    """A journey under way: what it is told, and what changes from period to period."""
 
-    def __init__(self, pair: Pair, hall: Hall, stops: list[Array], leaving: Array | None, where: Localization,
-                 margin: float, period: float) -> None:
-        self.pair, self.hall, self.stops, self.leaving, self.where = pair, hall, stops, leaving, where
-        self.margin, self.period = margin, period
-        self.grid = OccupancyGrid.of(hall)
-        self.plans: list[tuple[float, Plan]] = []
-        self.blocked = self.since_plan = 0.0
-        self.retreats, self.backing, self.came_from = 0, False, 0
+    pair: Pair
+    hall: Hall
+    stops: list[Array]
+    leaving: Array | None
+    where: Localization
+    margin: float
+    period: float
+    plans: list[tuple[float, Plan]] = field(default_factory=list)
+    scans: list[Array] = field(default_factory=list)
+    blocked: float = 0.0
+    since_plan: float = 0.0
+    retreats: int = 0
+    backing: bool = False
+    came_from: int = 0
+
+    def __post_init__(self) -> None:
+        self.grid = OccupancyGrid.of(self.hall)
         self.log = Log({"time": ((), "s"), "poses": ((3,), "m, m, rad"), "estimates": ((3,), "m, m, rad"),
                         "deviations": ((3,), "m, m, rad"), "clearance": ((), "m"), "waiting": ((), ""),
-                        "backing": ((), ""), "people": (pair.people.shape, "m")})
-        self.scans: list[Array] = []
+                        "backing": ((), ""), "people": (self.pair.people.shape, "m")})
 
     def run(self, longest: float, progress: Callable[[float], Any] | None) -> Journey:
         pair, where, now = self.pair, self.where, 0.0
