@@ -7,7 +7,7 @@ import pytest
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.run.compare import _shrinks, compare_tensions
+from cdprlab.run.compare import compare_tensions, step_shrinks
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def test_a_jump_is_told_from_a_slope(table):
     def slope(W, w_e):
         return np.full(8, 100.0 + 50 * share(W)), ""
 
-    assert not _shrinks(robot, path, span, jump, 50.0) and _shrinks(robot, path, span, slope, 50.0)
+    assert not step_shrinks(robot, path, span, jump, 50.0) and step_shrinks(robot, path, span, slope, 50.0)
 
 
 def test_a_slope_stays_a_slope_when_sampled_coarsely():

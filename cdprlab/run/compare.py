@@ -141,7 +141,7 @@ def _follow(robot: Robot, path: Trajectory, times: Array, W: Array, w_e: Array, 
     return row | {"smallest": used.min(), "largest": used.max(), "margin": judged.margin[good].min(),
                   "energy": np.trapezoid(np.where(good, (judged.tensions**2).sum(axis=1), 0.0), times),
                   "largest_step": steps[at],
-                  "continuous": _shrinks(robot, path, times[at:at + 2], solve, steps[at])}
+                  "continuous": step_shrinks(robot, path, times[at:at + 2], solve, steps[at])}
 
 
 def _timed(solve: Solver, W: Array, w_e: Array) -> tuple[Array, Array]:
@@ -153,7 +153,8 @@ def _timed(solve: Solver, W: Array, w_e: Array) -> tuple[Array, Array]:
     return tensions, elapsed
 
 
-def _shrinks(robot: Robot, path: Trajectory, span: Array, solve: Solver, step: float) -> bool:
+def step_shrinks(robot: Robot, path: Trajectory, span: Array, solve: Solver, step: float) -> bool:
+    """Whether the largest step of a method's tensions within a span of time falls when sampled more finely."""
     W, w_e = _wrenches(robot, path, np.linspace(span[0], span[1], _FINER + 1))
     tensions, _ = _timed(solve, W, w_e)
     return bool(np.abs(np.diff(tensions, axis=0)).max() <= max(0.5 * step, 1e-6 * robot.tension_max.max()))
