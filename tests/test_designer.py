@@ -149,6 +149,12 @@ def test_a_limit_for_all_cables_holds_for_those_that_had_their_own():
     assert set(edited(world, ("cable_limits", "tension", 1), 900.0).robot.tension_max) == {900.0}
 
 
+def test_the_first_cables_limit_typed_again_for_all_holds_for_all():
+    world = edited(opened(cl.load_world("caroca")), ("cables", 1, "tension", 1), 500.0)
+    first = value_at(world, ("cable_limits", "tension", 1))
+    assert set(edited(world, ("cable_limits", "tension", 1), first).robot.tension_max) == {first}
+
+
 @pytest.mark.parametrize("name", ["planar_mcdpr", "mobile_four_bases", "fastkit_suspended"])
 def test_a_cable_given_to_a_base_keeps_its_exit_point_in_the_world(name):
     begun = session(name)

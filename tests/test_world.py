@@ -312,6 +312,14 @@ def test_every_mistake_is_kept(tmp_path: Path) -> None:
     assert [problem.split(": ")[1] for problem in caught.value.problems] == ["platform.colour", "platform.mass"]
 
 
+def test_mistakes_of_several_parts_are_told_at_once(tmp_path: Path) -> None:
+    path = written(tmp_path, "inertia: [1, 1, 1]", "inertia: [1, 1, 9]")
+    path.write_text(path.read_text().replace("base: cart}", "base: cart, tension: [9, 3]}"))
+    with pytest.raises(WorldError) as caught:
+        load_world(path)
+    assert [problem.split(": ")[1] for problem in caught.value.problems] == ["platform.inertia", "cable 3"]
+
+
 @pytest.mark.parametrize(("text", "got"), [("- 1\n", "a list"), ("", "an empty file"), ("hello", "'hello'")])
 def test_not_a_mapping(text: str, got: str, tmp_path: Path) -> None:
     path = tmp_path / "odd.yaml"
