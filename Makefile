@@ -36,6 +36,8 @@ run: $(VENV)/.students  ## the CAROCA along its trajectory; table on the screen,
 
 test: $(VENV)/.tests  ## style, types, tests and doctests
 	$(BIN)/ruff check .
+	@# Else who asks first is told that there is compiling to do, and tests that read what a program says hear it too.
+	$(BIN)/python -m cdprlab.compiled
 	@# Later Pythons get a later numpy, whose annotations differ: types are checked where the pins are the students'.
 	if $(BIN)/python -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))'; then $(BIN)/mypy; \
 	  else echo "types: checked on Python 3.11 only"; fi
