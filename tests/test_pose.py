@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 from scipy.linalg import expm
+from scipy.spatial.transform import Rotation
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
@@ -145,3 +147,22 @@ def test_rotation_vector_jacobian_of_a_batch():
 def test_only_numbers_are_numbers(position):
     with pytest.raises(InvalidInput, match="position must be"):
         cl.Pose(position)
+
+
+@given(arrays(float, 3, elements=st.floats(-3.1, 3.1)))
+def test_rpy_is_what_scipy_says(rpy):
+    """Also near the pole, where the pose is the same whatever roll and yaw are read."""
+    expected = Rotation.from_euler("xyz", rpy).as_matrix()
+    pose = cl.Pose([0, 0, 0], rpy=rpy)
+    np.testing.assert_allclose(pose.rotation, expected, atol=1e-15)
+    np.testing.assert_allclose(cl.Pose([0, 0, 0], rpy=pose.rpy).rotation, expected, atol=3e-8)   # the pole's width
+    if abs(np.cos(rpy[1])) > 1e-3:
+        read = Rotation.from_matrix(expected).as_euler("xyz")
+        np.testing.assert_allclose(np.exp(1j * pose.rpy), np.exp(1j * read), atol=1e-12)   # π is −π
+
+
+@pytest.mark.parametrize("pitch", [np.pi / 2, -np.pi / 2])
+def test_at_the_pole_yaw_is_none(pitch):
+    pose = cl.Pose([0, 0, 0], rpy=[0.3, pitch, 0.8])
+    assert pose.rpy[2] == 0
+    np.testing.assert_allclose(cl.Pose([0, 0, 0], rpy=pose.rpy).rotation, pose.rotation, atol=1e-15)

@@ -67,7 +67,13 @@ class Pose:
         """(…, 3) fixed-axis roll, pitch, yaw [rad]; spatial poses only."""
         if self.dimension != 3:
             raise InvalidInput("a planar pose has an angle, no rpy")
-        return _scipy_rotation().from_matrix(self.rotation).as_euler("xyz", suppress_warnings=True)
+        R = np.moveaxis(self.rotation, (-2, -1), (0, 1))
+        level = np.hypot(R[2, 1], R[2, 2])
+        # Looking straight up or down only roll − yaw or roll + yaw is there to be read: yaw is then 0.
+        upright = level < 1e-7
+        roll = np.arctan2(np.where(upright, -R[1, 2], R[2, 1]), np.where(upright, R[1, 1], R[2, 2]))
+        yaw = np.where(upright, 0.0, np.arctan2(R[1, 0], R[0, 0]))
+        return np.stack([roll, np.arctan2(-R[2, 0], level), yaw], axis=-1)
 
     @property
     def angle(self) -> Any:
@@ -234,7 +240,9 @@ def _rotation(d: int, rpy: ArrayLike | None, angle: ArrayLike | None, matrix: Ar
         raise InvalidInput("a spatial pose takes rpy=, not angle=", ("angle",))
     if rpy is None:
         return np.eye(3)
-    return _scipy_rotation().from_euler("xyz", as_array(rpy, "rpy", (3,), "rad", batch=True)).as_matrix()
+    angles = as_array(rpy, "rpy", (3,), "rad", batch=True)
+    Rx, Ry, Rz = np.moveaxis(rotation_from_vector(angles[..., None] * np.eye(3)), -3, 0)
+    return Rz @ Ry @ Rx
 
 
 def _checked_matrix(matrix: Array) -> Array:
@@ -254,9 +262,3 @@ def _turn(angle: Array) -> Array:
 def _short(values: Array) -> str:
     # + 0.0 turns -0.0 into 0.0
     return "[" + ", ".join(f"{v + 0.0:.6g}" for v in values) + "]"
-
-
-def _scipy_rotation() -> Any:
-    # Imported when first needed: scipy would triple the time of `import cdprlab`.
-    from scipy.spatial.transform import Rotation
-    return Rotation

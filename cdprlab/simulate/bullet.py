@@ -15,6 +15,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import MissingDependency
+from ..robot.pose import rotation_vector
 
 ORIGIN, STRAIGHT = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]
 Link = tuple[float, int, list[float], list[float], int, int, list[int]]
@@ -120,10 +121,9 @@ def quiet() -> Iterator[None]:
 
 def quaternion_of(rotation: Array) -> list[float]:
     """(x, y, z, w) of a rotation matrix."""
-    from scipy.spatial.transform import Rotation
-
-    quaternion: list[float] = Rotation.from_matrix(rotation).as_quat().tolist()
-    return quaternion
+    turn = rotation_vector(rotation)
+    half = float(np.linalg.norm(turn)) / 2
+    return [*(turn / 2 * np.sinc(half / np.pi)).tolist(), math.cos(half)]
 
 
 def turn_z_to(direction: Array) -> list[float]:
