@@ -16,7 +16,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 import cdprlab as cl
 from cdprlab.view import save_figure
 from cdprlab.view.plots import Figure
-from cdprlab.view.sets import axis_names, draw_capability, plot_sets
+from cdprlab.view.sets import axis_label, axis_names, draw_capability, draw_polygon
 from cdprlab.view.style import BLUE, INK, WARNING, house_style
 
 DOCS = Path(__file__).parent
@@ -190,6 +190,29 @@ def winch_table(winch):
                       f"| 1600 rpm | {speed:.2f} m/s | {needed:.0f} rpm for 2 m/s |"])
 
 
+def force_figure(robot):
+    """Forces at the shelf, with and without tipping, beside the weight of the platform with 7 kg."""
+    weight, mark = -cl.gravity_wrench(robot.with_payload(PAYLOAD, [0, 0, 0]), SHELF)[[0, 2]], "platform and 7 kg"
+    with house_style():
+        figure = Figure(figsize=(6.4, 5.4), layout="constrained")
+        axes = figure.add_subplot(title="Forces at the shelf, 1 to 45 N", xlabel=axis_label("f_x"),
+                                  ylabel=axis_label("f_z"))
+        said = ["Convex sets over f_x, f_z."]
+        for style, (label, tipping) in enumerate((("bases held", False), ("no base tips", True))):
+            forces = cl.available_wrench_set(robot, SHELF, tipping).project([0, 2])
+            draw_polygon(axes, forces.vertices, style, label)
+            (left, right), (low, high) = forces.component_range()
+            where = "inside" if forces.contains(weight) else "outside"
+            said.append(f"{label}: f_x from {left:.3g} to {right:.3g}, f_z from {low:.3g} to {high:.3g}, "
+                        f"{mark} {where}.")
+        axes.margins(0.08)
+        axes.autoscale_view()
+        axes.plot(*weight, "o", color=INK, label=mark, scalex=False, scaley=False)  # must not squeeze the sets
+        axes.legend(loc="upper right")
+        figure.alt_text = " ".join(said)
+    return figure
+
+
 def main():
     """Everything anew."""
     robots = {name: cl.load_world(name).robot for name in TITLES}
@@ -198,13 +221,8 @@ def main():
     free_maps = {name: payload_map(robot, False) for name, robot in robots.items()}
     twist_figure, twists = twist_chart(suspended)
     wrench_figure, wrenches = wrench_chart(suspended)
-    forces = {label: cl.available_wrench_set(suspended, SHELF, tipping).project([0, 2])
-              for label, tipping in (("bases held", False), ("no base tips", True))}
-    loaded = -cl.gravity_wrench(suspended.with_payload(PAYLOAD, [0, 0, 0]), SHELF)
-    force_figure = plot_sets(forces, ("f_x", "f_z"), {"platform and 7 kg": loaded[[0, 2]]},
-                             "Forces at the shelf, 1 to 45 N")
     for name, figure in (("twist", twist_figure), ("wrench", wrench_figure), ("payload", map_figure(maps)),
-                         ("forces", force_figure)):
+                         ("forces", force_figure(suspended))):
         save_figure(figure, DOCS / f"fastkit_{name}.png")
         print(figure.alt_text)
     write_tables(DOCS / "fastkit.md", {

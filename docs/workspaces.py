@@ -10,10 +10,14 @@ from pathlib import Path
 
 import numpy as np
 from generated import write_tables
+from matplotlib.collections import PatchCollection
+from matplotlib.patches import Patch, Rectangle
 
 import cdprlab as cl
 from cdprlab.view import save_figure
-from cdprlab.view.workspace import plot_certified, plot_workspaces, workspace_still
+from cdprlab.view.plots import Figure, fitted_title
+from cdprlab.view.style import BLUE, GREY, INK, VERMILION, WARNING, house_style
+from cdprlab.view.workspace import plot_workspaces, workspace_still
 from cdprlab.workspace import AllOrientations, certify, position_grid, refine
 
 DOCS = Path(__file__).parent
@@ -124,6 +128,29 @@ def stiffness():
                            unit="N/m", quantity="smallest eigenvalue"), "\n".join(rows)
 
 
+def plot_proofs(robot, found):
+    """Boxes of a plane certainly inside (blue), certainly outside (vermilion, hatched) and undecided (grey)."""
+    looks = {"certainly inside": (found.inside, {"facecolor": "#A9CBE3", "edgecolor": BLUE}),
+             "certainly outside": (found.outside, {"facecolor": WARNING, "edgecolor": VERMILION, "hatch": "///"}),
+             "undecided": (found.undecided, {"facecolor": GREY, "edgecolor": GREY})}
+    title, (least, most) = "Proven wrench-feasible, proven not to be, undecided", found.bounds
+    with house_style():
+        figure = Figure(figsize=(7.6, 7.9), layout="constrained")
+        axes = figure.add_subplot(xlabel="x [m]", ylabel="y [m]", aspect="equal")
+        for boxes, look in looks.values():
+            patches = [Rectangle(low[:2], *(high - low)[:2]) for low, high in boxes]
+            axes.add_collection(PatchCollection(patches, linewidth=0.3, **look))
+        axes.plot(*robot.exit_points.T, "s", color=INK, markersize=5, clip_on=False)
+        axes.margins(0.03)
+        axes.grid(False)
+        figure.legend(handles=[Patch(label=name, **look) for name, (_, look) in looks.items()],
+                      loc="outside lower left", ncols=3)
+        fitted_title(figure, title)
+        counts = ", ".join(f"{len(boxes)} boxes {name}" for name, (boxes, _) in looks.items())
+        figure.alt_text = f"{title}. {counts}; inside measures {least:.4g} to {most:.4g}."
+    return figure
+
+
 def proofs():
     """Certified areas and volumes beside refined ones."""
     rows = ["| robot | boxes inside, outside, undecided | size proven between | refined |", "|---|---|---|---|"]
@@ -140,15 +167,12 @@ def proofs():
         rows.append(f"| {world.title} | {counts} | {least:.4g} and {most:.4g} {unit} | "
                     f"{size(world.robot, grid, FEASIBLE, 4 if len(grid.axes) == 2 else 1)} |")
         if name == "planar_rigid":
-            coarse = certify(world.robot, low, high, resolution=0.05)
-            figure = plot_certified(world.robot, coarse, title="Proven wrench-feasible, proven not to be, undecided")
+            figure = plot_proofs(world.robot, certify(world.robot, low, high, resolution=0.05))
     return figure, "\n".join(rows)
 
 
 def main():
     """Everything anew."""
-    from cdprlab.view.workspace import plot_workspace
-
     tables = {}
     for name, make in (("caroca", caroca), ("least_tension", least_tension), ("interference", interference),
                        ("stiffness", stiffness), ("proofs", proofs)):
@@ -159,7 +183,7 @@ def main():
     for (name, label), (world, grid, found, unit) in figures.items():
         if label == "wrench-feasible":
             title = f"{world.title.split(',')[0]}: {label}, y = 0"
-            figure = plot_workspace(world.robot, grid, found, title=title, unit=unit)
+            figure = plot_workspaces(world.robot, grid, {"": found}, title=title, unit=unit)
             save_figure(figure, DOCS / f"workspaces_{name}.png")
             print(figure.alt_text)
     write_tables(DOCS / "workspaces.md", tables)

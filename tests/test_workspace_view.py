@@ -7,8 +7,8 @@ from PIL import Image
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
 from cdprlab.view import save_figure
-from cdprlab.view.workspace import plot_certified, plot_workspace, plot_workspaces, workspace_still
-from cdprlab.workspace import Judgement, certify, position_grid
+from cdprlab.view.workspace import plot_workspaces, workspace_still
+from cdprlab.workspace import Judgement, position_grid
 from cdprlab.workspace.surface import border_triangles
 from robots import robot_1r2t, robot_3r3t
 
@@ -49,7 +49,7 @@ def test_a_workspace_that_fills_its_grid_is_closed_at_the_ends():
 def test_maps_say_what_they_show(tmp_path):
     robot = robot_1r2t()
     found = cl.workspace(robot, PLANE, cl.WrenchFeasible())
-    figure = plot_workspace(robot, PLANE, found, title="A platform", unit="N")
+    figure = plot_workspaces(robot, PLANE, {"": found}, title="A platform", unit="N")
     axes = figure.axes[0]
     assert axes.get_xlabel() == "x [m]" and axes.get_ylabel() == "y [m]" and "[N]" in figure.axes[1].get_xlabel() + \
         figure.axes[1].get_ylabel()
@@ -69,14 +69,6 @@ def test_all_inside_none_inside_and_no_margins_are_drawn_too(tmp_path):
     assert all(name in figure.alt_text for name in judgements)
 
 
-def test_boxes_say_what_they_show(tmp_path):
-    robot = robot_1r2t()
-    proven = certify(robot, [-2, -2], [2, 2], resolution=0.2)
-    figure = plot_certified(robot, proven)
-    save_figure(figure, tmp_path / "boxes.png")
-    assert f"{len(proven.inside)} boxes certainly inside" in figure.alt_text
-
-
 def test_space_is_drawn_as_a_still(tmp_path):
     world = cl.load_world("caroca")
     grid = position_grid([-3, -1.5, 0.5], [3, 1.5, 3], 0.75)
@@ -90,10 +82,8 @@ def test_space_is_drawn_as_a_still(tmp_path):
 def test_what_cannot_be_drawn_is_said(tmp_path):
     robot, found = robot_3r3t(), ball()
     with pytest.raises(InvalidInput, match="over two axes"):
-        plot_workspace(robot, ROOM, found)
+        plot_workspaces(robot, ROOM, {"": found})
     with pytest.raises(InvalidInput, match="over x, y and z"):
         border_triangles(PLANE, found)
     with pytest.raises(InvalidInput, match=r"\.png"):
         workspace_still(cl.load_world("caroca"), ROOM, found, tmp_path / "still.gif")
-    with pytest.raises(InvalidInput, match="hold the others"):
-        plot_certified(robot, certify(robot, [-1, -1, 1], [1, 1, 2], resolution=1.0))

@@ -87,12 +87,12 @@ def _workspace(options: argparse.Namespace) -> None:
     title = f"{world.title or world.name}: {options.criterion.replace('_', ' ').replace(',', ', ')}"
 
     def draw(path: Path) -> None:
-        from ..view.workspace import plot_workspace, workspace_still
+        from ..view.workspace import plot_workspaces, workspace_still
 
         if len(grid.axes) == 3:
             workspace_still(world, grid, found, path)
         else:
-            save_figure(plot_workspace(world.robot, grid, found, title=title, unit=criterion.unit), path)
+            save_figure(plot_workspaces(world.robot, grid, {"": found}, title=title, unit=criterion.unit), path)
 
     drawn = not options.no_pictures and (len(grid.axes) < 3 or found.inside.any())
     write(options.out or Path("out") / world.name / "workspace", lambda folder: _save(folder, grid, found, table),

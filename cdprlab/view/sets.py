@@ -13,9 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import InvalidInput
 from ..robot.pattern import motion_pattern as patterns
-from ..sets import Polytope
-from .plots import Figure
-from .style import BLUE, CABLE_DASHES, GREEN, INK, ORANGE, VERMILION, house_style
+from .style import BLUE, CABLE_DASHES, GREEN, INK, ORANGE, VERMILION
 
 COLORS = (BLUE, VERMILION, GREEN, ORANGE)
 """Of the first, second, … set; outlines and hatches differ too, for those who see no colors."""
@@ -61,41 +59,6 @@ def draw_polygon(axes: Axes, vertices: ArrayLike, style: int = 0, label: str = "
                     edgecolor=COLORS[style % 4], facecolor=to_rgba(COLORS[style % 4], 0.16))
     axes.add_patch(patch)
     return patch
-
-
-def plot_sets(sets: Mapping[str, Polytope], names: Sequence[str], points: Mapping[str, ArrayLike] | None = None,
-              title: str = "", aspect: Literal["equal", "auto"] = "auto") -> Figure:
-    """Sets of the same two components in one picture.
-
-    sets : label → Polytope with 2 components (`Polytope.project` and `Polytope.slice` make them)
-    names : of the components, as `axis_names` gives them
-    points : label → point that is marked, and said to be inside or not of every set
-
-    >>> square = Polytope.from_box(np.eye(2), [-1, -1], [1, 1])
-    >>> len(plot_sets({"square": square}, ("v_x", "v_y")).axes)
-    1
-    """
-    if len(names) != 2 or any(polytope.n != 2 for polytope in sets.values()):
-        raise InvalidInput(f"sets of 2 components can be drawn, got {len(names)} names for sets of "
-                           f"{sorted({polytope.n for polytope in sets.values()})}; use project or slice")
-    marks = {label: np.asarray(point, dtype=float) for label, point in (points or {}).items()}
-    with house_style():
-        figure = Figure(figsize=(6.4, 5.4), layout="constrained")
-        axes = figure.add_subplot(title=title, xlabel=axis_label(names[0]), ylabel=axis_label(names[1]), aspect=aspect)
-        for style, (label, polytope) in enumerate(sets.items()):
-            draw_polygon(axes, polytope.vertices, style, label)
-        axes.margins(0.08)
-        axes.autoscale_view()
-        for label, point in marks.items():  # a mark far away must not squeeze the sets
-            axes.plot(*point, "o", color=INK, label=label, scalex=False, scaley=False)
-        axes.legend(loc="upper right")
-        said = [f"Convex sets over {', '.join(names)}."]
-        for label, polytope in sets.items():
-            reach = [f"{name} from {a:.3g} to {b:.3g}" for name, (a, b) in zip(names, polytope.component_range())]
-            where = [f"{mark} {'inside' if polytope.contains(x) else 'outside'}" for mark, x in marks.items()]
-            said.append(f"{label}: {', '.join(reach + where)}.")
-        figure.alt_text = " ".join(said)
-    return figure
 
 
 def draw_capability(axes: Axes, bars: Mapping[str, ArrayLike], names: Sequence[str], group: Sequence[int]) -> None:
