@@ -11,8 +11,9 @@ from scipy.spatial import ConvexHull
 
 import cdprlab as cl
 import robots
+from cdprlab.course.props.submatrices import submatrix_twist_set
 from cdprlab.errors import InvalidInput
-from cdprlab.sets import sliding_rows, submatrix_twist_set, twist_set
+from cdprlab.sets import sliding_rows, twist_set
 from cdprlab.sets.twist import base_speeds
 from robots import BASED, ROBOTS, case, random_poses
 

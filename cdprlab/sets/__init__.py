@@ -1,11 +1,10 @@
 """What a robot can do at one pose: available twist set and available wrench set, as polytopes."""
 
 from .polytope import Polytope
-from .twist import SubmatrixTwistSet, available_twist_set, submatrix_twist_set, twist_set
+from .twist import available_twist_set, twist_set
 from .wrench import available_wrench_set, sliding_rows
 from .zonotope import hyperplane_shifting
 
 __all__ = [
-    "Polytope", "SubmatrixTwistSet", "available_twist_set", "available_wrench_set", "hyperplane_shifting",
-    "sliding_rows", "submatrix_twist_set", "twist_set",
+    "Polytope", "available_twist_set", "available_wrench_set", "hyperplane_shifting", "sliding_rows", "twist_set",
 ]

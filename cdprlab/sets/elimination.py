@@ -2,20 +2,12 @@
 
 from __future__ import annotations
 
-from itertools import combinations
-from math import comb
-
 import numpy as np
 
 from ..arrays import Array
 from .simplex import TOLERANCE
 from .subspace import null_space
-from .zonotope import MOST_COMBINATIONS, PARALLEL
-
-
-def can_eliminate(M: Array, A: Array) -> bool:
-    """Whether the combinations of rows are few enough to go through."""
-    return comb(len(A), null_space(M).shape[1] + 1) <= MOST_COMBINATIONS
+from .zonotope import PARALLEL, choices
 
 
 def eliminate(M: Array, A: Array, b: Array) -> tuple[Array, Array]:
@@ -48,11 +40,11 @@ def eliminate(M: Array, A: Array, b: Array) -> tuple[Array, Array]:
 def _conformal(rows: Array) -> Array:
     """(f, r) all λ ≥ 0 with λᵀ rows = 0 on at most k + 1 rows, largest entry 1."""
     r, k = rows.shape
-    sizes = np.linalg.norm(rows, axis=1)
-    unit = rows / np.where(sizes > PARALLEL * sizes.max(initial=0.0), sizes, 1.0)[:, None]
-    chosen = np.array(list(combinations(range(r), k + 1)), dtype=int).reshape(-1, k + 1)
     if k == 0:
         return np.eye(r)
+    sizes = np.linalg.norm(rows, axis=1)
+    unit = rows / np.where(sizes > PARALLEL * sizes.max(initial=0.0), sizes, 1.0)[:, None]
+    chosen = choices(r, k + 1)
     q, upper = np.linalg.qr(unit[chosen], mode="complete")
     full = np.abs(np.diagonal(upper, axis1=-2, axis2=-1)).min(axis=-1) > PARALLEL
     weights = q[:, :, -1]

@@ -1,12 +1,11 @@
 """`Polytope`: the image {shift + M q : A q ≤ b} of what limits allow, asked by linear programs, listed on demand.
 
-One face, and three kinds that answer it: the image of any limits, the zonotope, and the set given by its own rows.
-They differ in how facets are found; a zonotope answers its support by a formula besides.
+A set given by its own rows is the image under M = 1. A zonotope, the image of a box, finds its facets by hyperplane
+shifting and answers its support by a formula.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, Flags, as_array, frozen
 from ..errors import InvalidInput, NotListable
-from .elimination import can_eliminate, eliminate
+from .elimination import eliminate
 from .frame import Frame, affine_hull
 from .listing import Planes, asked_hull, candidates, hull, meetings, tips, without_superfluous
 from .simplex import TOLERANCE, Program, maximize
@@ -30,10 +29,11 @@ _MOST_SIGNS = 12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Polytope(ABC):
+class Polytope:
     """The convex set {shift + M q : A q ≤ b}; make one by `from_image`, `from_rows` or `from_box`.
 
     map : M, (n, k); rows : A, (r, k); limits : b, (r,), inf where a row is no limit; shift : (n,)
+    outer : makes rows (N, d), some superfluous, with the set = {x : N x ≤ d}, where there is a quicker way than `eliminate`
 
     >>> square = Polytope.from_rows([[1, 0], [0, 1], [-1, 0], [0, -1]], [1, 1, 1, 1])
     >>> square.contains([[0.5, 1.0], [0.5, 1.1]]), square.volume
@@ -44,28 +44,31 @@ class Polytope(ABC):
     rows: Array
     limits: Array
     shift: Array
+    outer: Callable[[], tuple[Array, Array]] | None = None
+
+    def __post_init__(self) -> None:
+        for array in (self.map, self.rows, self.limits, self.shift):
+            frozen(array)
 
     @staticmethod
-    def from_image(M: ArrayLike, A: ArrayLike, b: ArrayLike) -> Image:
+    def from_image(M: ArrayLike, A: ArrayLike, b: ArrayLike) -> Polytope:
         """{M q : A q ≤ b}: what a machine can do whose actuators q, shared or not, obey A q ≤ b.
 
         M : (n, k); A : (r, k); b : (r,), inf where a row is no limit
         """
         m = as_array(M, "M", ("n", "k"))
         a = as_array(A, "A", ("r", m.shape[1]))
-        limits = _limits(b, "b", a.shape[0])
-        known = m.shape[0] > 3 and can_eliminate(m, a)      # up to 3-D support points are quicker
-        return Image(m, a, limits, frozen(np.zeros(m.shape[0])), (lambda: eliminate(m, a, limits)) if known else None)
+        return Polytope(m, a, _limits(b, "b", a.shape[0]), np.zeros(m.shape[0]))
 
     @staticmethod
-    def from_rows(normals: ArrayLike, offsets: ArrayLike) -> Halfspaces:
+    def from_rows(normals: ArrayLike, offsets: ArrayLike) -> Polytope:
         """{x : N x ≤ d}; superfluous rows are allowed.
 
         normals : N, (r, n); offsets : d, (r,), inf where a row is no limit
         """
         rows = as_array(normals, "normals", ("r", "n"))
         n = rows.shape[1]
-        return Halfspaces(frozen(np.eye(n)), rows, _limits(offsets, "offsets", rows.shape[0]), frozen(np.zeros(n)))
+        return Polytope(np.eye(n), rows, _limits(offsets, "offsets", rows.shape[0]), np.zeros(n))
 
     @staticmethod
     def from_box(M: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> Zonotope:
@@ -78,8 +81,7 @@ class Polytope(ABC):
         if (low > high).any():
             raise InvalidInput(f"lower must not exceed upper, got {low.tolist()} and {high.tolist()}")
         eye = np.eye(m.shape[1])
-        return Zonotope(m, frozen(np.concatenate([eye, -eye])), frozen(np.concatenate([high, -low])),
-                        frozen(np.zeros(m.shape[0])))
+        return Zonotope(m, np.concatenate([eye, -eye]), np.concatenate([high, -low]), np.zeros(m.shape[0]))
 
     # --- questions that always have an answer -----------------------------------------------------
     @property
@@ -173,8 +175,7 @@ class Polytope(ABC):
     def project(self, components: Sequence[int]) -> Polytope:
         """The shadow: the chosen components of every point."""
         chosen = self._chosen(components)
-        kind = Zonotope if isinstance(self, Zonotope) else Image
-        return kind(frozen(self.map[chosen]), self.rows, self.limits, frozen(self.shift[chosen]))
+        return type(self)(self.map[chosen], self.rows, self.limits, self.shift[chosen])
 
     def slice(self, components: Sequence[int], origin: ArrayLike = 0.0) -> Polytope:
         """The cut: the chosen components of the points whose others are those of ``origin``.
@@ -188,8 +189,7 @@ class Polytope(ABC):
         null = null_space(fixed)
         limits = self.limits - self.rows @ q if reached else np.full(self.limits.shape, -1.0)
         rows = self.rows @ null if reached else np.zeros((len(limits), null.shape[1]))
-        return Image(frozen(self.map[chosen] @ null), frozen(rows), frozen(limits),
-                     frozen(self.shift[chosen] + self.map[chosen] @ q))
+        return Polytope(self.map[chosen] @ null, rows, limits, self.shift[chosen] + self.map[chosen] @ q)
 
     # --- lists, made when first asked for ---------------------------------------------------------
     @property
@@ -200,7 +200,8 @@ class Polytope(ABC):
     @property
     def span(self) -> Array:
         """(n, dimension) orthonormal directions in which the set extends."""
-        return self._frame.span
+        at = self._frame
+        return np.asarray(np.linalg.qr(at.scales[:, None] * at.basis)[0])
 
     @cached_property
     def vertices(self) -> Array:
@@ -233,20 +234,10 @@ class Polytope(ABC):
         return float(size * at.scales.prod())
 
     def __repr__(self) -> str:
-        kind = "zonotope" if isinstance(self, Zonotope) else "polytope"
         if self.is_empty:
             return f"Polytope(empty, {self.n}-D)"
         flat = f", flat: dimension {self.dimension}" if self.dimension < self.n else ""
-        return f"Polytope({self.n}-D {kind}{flat})"
-
-    # --- what a kind answers ----------------------------------------------------------------------
-    @abstractmethod
-    def _list(self, at: Frame) -> Planes:
-        """Facets in coordinates of the frame, which are two at least."""
-
-    def _meetings(self, found: Planes) -> Array:
-        """(v, k) where the facets meet."""
-        return meetings(found.normals, found.offsets)
+        return f"Polytope({self.n}-D {type(self).__name__.lower()}{flat})"
 
     # --- inside -----------------------------------------------------------------------------------
     @cached_property
@@ -269,6 +260,27 @@ class Polytope(ABC):
             first, last = at.inside(self.support_point(np.concatenate([at.back, -at.back])))[:, 0]
             return Planes(np.array([[1.0], [-1.0]]), np.array([first, -last]), np.array([[last], [first]]))
         return Planes(np.zeros((0, 0)), np.zeros(0), np.zeros((0 if self.is_empty else 1, 0)))
+
+    def _list(self, at: Frame) -> Planes:
+        """Facets in coordinates of the frame, which are two at least."""
+        forgotten = self._null.shape[1]
+        if self.outer is not None:
+            normals, offsets = self.outer()
+        # Up to 3-D support points are quicker than eliminating what the map forgets.
+        elif (self.n > 3 or not forgotten) and comb(len(self.rows), forgotten + 1) <= MOST_COMBINATIONS:
+            normals, offsets = eliminate(self.map, self.rows, self.limits)
+            offsets = offsets + normals @ self.shift
+        elif at.dimension > 3:
+            raise NotListable(f"the facets of this {at.dimension}-dimensional image cannot be listed at sensible cost; "
+                              "ask contains, support or axis_section, or list a part of it: project([0, 1, 2]) or "
+                              "slice([0, 1, 2])")
+        else:
+            return asked_hull(lambda d: at.inside(self.support_point(d @ at.back)), at.dimension)
+        return without_superfluous(*candidates(at, normals, offsets, self.support))
+
+    def _meetings(self, found: Planes) -> Array:
+        """(v, k) where the facets meet."""
+        return meetings(found.normals, found.offsets)
 
     @cached_property
     def _facets(self) -> tuple[Array, Array]:
@@ -307,32 +319,6 @@ class Polytope(ABC):
                 or chosen.dtype.kind not in "iu" or chosen.min() < 0 or chosen.max() >= self.n:
             raise InvalidInput(f"components must be different numbers from 0 to {self.n - 1}, got {components!r}")
         return chosen
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Image(Polytope):
-    """{shift + M q : A q ≤ b}: facets from rows that are known, or up to 3-D from support points.
-
-    outer : makes rows (N, d) with the set = {x : N x ≤ d}, superfluous ones allowed, where they are known
-    """
-
-    outer: Callable[[], tuple[Array, Array]] | None = None
-
-    def _list(self, at: Frame) -> Planes:
-        if self.outer is not None:
-            return without_superfluous(*candidates(at, *self.outer(), self.support))
-        if at.dimension > 3:
-            raise NotListable(f"the facets of this {at.dimension}-dimensional image cannot be listed at sensible cost; "
-                              "ask contains, support or axis_section, or list a part of it: project([0, 1, 2]) or "
-                              "slice([0, 1, 2])")
-        return asked_hull(lambda d: at.inside(self.support_point(d @ at.back)), at.dimension)
-
-
-class Halfspaces(Polytope):
-    """{x : N x ≤ d}: facets are the rows without the superfluous ones."""
-
-    def _list(self, at: Frame) -> Planes:
-        return without_superfluous(*candidates(at, self.rows, self.limits, self.support))
 
 
 class Zonotope(Polytope):
@@ -383,4 +369,4 @@ class Zonotope(Polytope):
 def _limits(value: ArrayLike, name: str, count: int) -> Array:
     given = np.asarray(value, dtype=float)
     as_array(np.where(np.isposinf(given), 0.0, given), name, (count,))
-    return frozen(given.copy())
+    return given.copy()

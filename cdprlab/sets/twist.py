@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
-from typing import NamedTuple
+from math import comb
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, frozen
+from ..arrays import Array, as_array
 from ..errors import InvalidInput
 from ..mechanics.kinematics import Pivot, base_jacobian, jacobian
 from ..robot import Robot
 from ..robot.pose import Pose
-from .polytope import Image, Polytope
-from .subspace import null_space
-from .zonotope import MOST_COMBINATIONS, hyperplane_shifting, n_choices
+from .polytope import Polytope
+from .zonotope import MOST_COMBINATIONS, hyperplane_shifting
 
 
 def available_twist_set(robot: Robot, pose: Pose, moving: str | Sequence[str] = "all",
@@ -29,7 +27,7 @@ def available_twist_set(robot: Robot, pose: Pose, moving: str | Sequence[str] = 
     pivot : what θ turns a base about: "base" its own center, "world" the origin O₀; the two sets differ
     Returns Polytope of twists [v; ω] [m/s, rad/s].
     Raises InvalidInput for unknown bases or a batch of poses.
-    Source: Lessanibahri et al. 2018; Rasheed et al. 2018, sec. 3, whose construction is `submatrix_twist_set`.
+    Source: Lessanibahri et al. 2018; Rasheed et al. 2018, sec. 3, whose construction `course.submatrix_twist_set` is.
 
     >>> import cdprlab as cl
     >>> robot = cl.load_world("caroca").robot
@@ -46,62 +44,16 @@ def twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike, base_speed_max: 
 
     J : (m, n); B : (m, a); speed_max : (m,) may be inf; base_speed_max : (a,)
     """
-    j, b, cable, base = _checked(J, B, speed_max, base_speed_max)
+    j, b, cable, base = checked_speeds(J, B, speed_max, base_speed_max)
     driving = (base > 0) & b.any(axis=0)
     b, base = b[:, driving], base[driving]
     (m, n), a = j.shape, len(base)
     if not a:
         return Polytope.from_rows(np.concatenate([j, -j]), np.concatenate([cable, cable]))
     rows = np.block([[j, -b], [-j, b], [np.zeros((a, n)), np.eye(a)], [np.zeros((a, n)), -np.eye(a)]])
-    known = n_choices(m, m + a) <= MOST_COMBINATIONS
-    return Image(frozen(np.eye(n, n + a)), frozen(rows), frozen(np.concatenate([cable, cable, base, base])),
-                 frozen(np.zeros(n)), (lambda: _outer_rows(j, b, cable, base)) if known else None)
-
-
-class SubmatrixTwistSet(NamedTuple):
-    """The papers' construction.
-
-    set : Polytope
-    exact : whether it is certain to equal `twist_set`
-    reason : why it is not; '' when exact
-    """
-
-    set: Polytope
-    exact: bool
-    reason: str
-
-
-def submatrix_twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
-                        base_speed_max: ArrayLike) -> SubmatrixTwistSet:
-    """What all square sub-matrices of J allow together: ∩ₖ {Jₖ⁻¹ (l̇ₖ + Bₖ q̇)}, singular ones left out.
-
-    Always contains the available twist set, and equals it when every base moves by itself (its block of B is its
-    cables' rows of J times the base's own Jacobian) and J has full column rank.
-
-    J : (m, n); B : (m, a); speed_max : (m,); base_speed_max : (a,)
-    Raises InvalidInput where no sub-matrix is regular.
-    Source: Rasheed et al. 2018, eq. (16)–(17).
-
-    >>> found = submatrix_twist_set([[1], [1]], [[1], [-1]], [2, 2], [0.8])
-    >>> found.exact, float(found.set.support([1.0]))
-    (False, 2.8)
-    """
-    j, b, cable, base = _checked(J, B, speed_max, base_speed_max)
-    m, n = j.shape
-    rows, limits = [], []
-    for k in combinations(range(m), n):
-        square, chosen = j[list(k)], list(k)
-        if not np.isfinite(cable[chosen]).all() or np.linalg.cond(square) > 1e10:
-            continue
-        generators = np.linalg.solve(square, np.concatenate([np.diag(cable[chosen]), b[chosen] * base], axis=1))
-        normals, offsets = hyperplane_shifting(np.zeros(n), generators)
-        rows.append(normals)
-        limits.append(offsets)
-    if not rows:
-        raise InvalidInput(f"no {n} of the {m} cables determine the twist: J has no regular sub-matrix here, so the "
-                           "construction says nothing; use available_twist_set")
-    reason = _why_not_exact(j, b * base)
-    return SubmatrixTwistSet(Polytope.from_rows(np.concatenate(rows), np.concatenate(limits)), not reason, reason)
+    known = comb(m + a, m - 1) <= MOST_COMBINATIONS
+    return Polytope(np.eye(n, n + a), rows, np.concatenate([cable, cable, base, base]), np.zeros(n),
+                    (lambda: _outer_rows(j, b, cable, base)) if known else None)
 
 
 def one_pose(pose: Pose) -> Pose:
@@ -127,7 +79,9 @@ def moving_columns(robot: Robot, moving: str | Sequence[str]) -> list[int]:
     return [3 * k + i for k, name in enumerate(names) if name in chosen for i in range(3)]
 
 
-def _checked(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike, base_speed_max: ArrayLike) -> tuple[Array, ...]:
+def checked_speeds(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
+                   base_speed_max: ArrayLike) -> tuple[Array, Array, Array, Array]:
+    """The arguments of `twist_set` as arrays; raises InvalidInput where they do not fit or a limit is negative."""
     j = as_array(J, "J", ("m", "n"))
     b = as_array(B, "B", (j.shape[0], "a"))
     cable, base = np.asarray(speed_max, dtype=float), as_array(base_speed_max, "base_speed_max", (b.shape[1],))
@@ -146,28 +100,3 @@ def _outer_rows(J: Array, B: Array, cable: Array, base: Array) -> tuple[Array, A
     generators = np.concatenate([np.diag(cable[limited]), (B * base)[limited]], axis=1)
     normals, offsets = hyperplane_shifting(np.zeros(len(generators)), generators)
     return normals @ J[limited], offsets
-
-
-def _why_not_exact(J: Array, B: Array) -> str:
-    if null_space(J).shape[1]:
-        return "J has no full column rank"
-    for rows, columns in _blocks(B):
-        part, moves = J[rows], B[np.ix_(rows, columns)]
-        left = moves - part @ np.linalg.lstsq(part, moves, rcond=None)[0]
-        if np.abs(left).max() > 1e-9 * np.abs(moves).max():
-            return (f"cables {', '.join(str(i + 1) for i in rows)} share actuators that do not move their exits like "
-                    "one base")
-    return ""
-
-
-def _blocks(B: Array) -> list[tuple[list[int], list[int]]]:
-    """Cables and columns of B that have to do with each other."""
-    blocks: list[tuple[set[int], set[int]]] = []
-    for column in range(B.shape[1]):
-        rows = set(np.flatnonzero(B[:, column]).tolist())
-        if rows:
-            merged = [block for block in blocks if block[0] & rows]
-            blocks = [block for block in blocks if not block[0] & rows]
-            blocks.append((rows.union(*(block[0] for block in merged)),
-                           {column}.union(*(block[1] for block in merged))))
-    return [(sorted(rows), sorted(columns)) for rows, columns in blocks]

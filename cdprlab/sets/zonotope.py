@@ -33,9 +33,9 @@ def hyperplane_shifting(center: Array, generators: Array) -> tuple[Array, Array]
     (6, 2.0)
     """
     n, k = generators.shape
-    choices = n_choices(n, k)
-    if choices > MOST_COMBINATIONS:
-        raise NotListable(f"{k} cables in {n} dimensions make {choices} candidate planes, more than "
+    count = comb(k, n - 1)
+    if count > MOST_COMBINATIONS:
+        raise NotListable(f"{k} cables in {n} dimensions make {count} candidate planes, more than "
                           f"{MOST_COMBINATIONS}; ask contains and support instead, of a workspace by='tensions'")
     normals = np.ones((1, 1)) if n == 1 else _shifting_normals(generators)
     reach = np.abs(normals @ generators).sum(axis=1)
@@ -50,7 +50,7 @@ def _shifting_normals(generators: Array) -> Array:
     unit = (generators / np.where(lengths > PARALLEL * lengths.max(), lengths, np.inf)).T
     # One normal a choice of n − 1 generators: R of the transposed choice is triangular, its last row's null vector
     # follows from cofactors; QR by columns is what LAPACK batches best.
-    chosen = unit[_choices(k, n - 1)]
+    chosen = unit[choices(k, n - 1)]
     q, r = np.linalg.qr(np.swapaxes(chosen, -1, -2), mode="complete")
     pivots = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
     normals = q[pivots.min(axis=-1) > PARALLEL, :, -1]
@@ -69,17 +69,13 @@ def zonotope_volume(generators: Array) -> float:
     12.0
     """
     n, k = generators.shape
-    chosen = generators.T[_choices(k, n)]
+    chosen = generators.T[choices(k, n)]
     return float(2.0 ** n * np.abs(np.linalg.det(chosen)).sum())
 
 
-def n_choices(n: int, k: int) -> int:
-    """How many choices of n − 1 among k generators there are."""
-    return comb(k, n - 1)
-
-
 @lru_cache(maxsize=16)
-def _choices(k: int, size: int) -> Indices:
+def choices(k: int, size: int) -> Indices:
+    """(…, size) every choice among 0 to k − 1."""
     return np.array(list(combinations(range(k), size)), dtype=np.intp).reshape(-1, size)
 
 

@@ -1,0 +1,86 @@
+"""The papers' available twist set of bases that move: what all square sub-matrices of J allow together."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arrays import Array
+from ...errors import InvalidInput
+from ...sets import Polytope, hyperplane_shifting
+from ...sets.subspace import null_space
+from ...sets.twist import checked_speeds
+
+
+class SubmatrixTwistSet(NamedTuple):
+    """The papers' construction.
+
+    set : Polytope
+    exact : whether it is certain to equal `twist_set`
+    reason : why it is not; '' when exact
+    """
+
+    set: Polytope
+    exact: bool
+    reason: str
+
+
+def submatrix_twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
+                        base_speed_max: ArrayLike) -> SubmatrixTwistSet:
+    """What all square sub-matrices of J allow together: ∩ₖ {Jₖ⁻¹ (l̇ₖ + Bₖ q̇)}, singular ones left out.
+
+    Always contains the available twist set, and equals it when every base moves by itself (its block of B is its
+    cables' rows of J times the base's own Jacobian) and J has full column rank.
+
+    J : (m, n); B : (m, a); speed_max : (m,); base_speed_max : (a,)
+    Raises InvalidInput where no sub-matrix is regular.
+    Source: Rasheed et al. 2018, eq. (16)–(17).
+
+    >>> found = submatrix_twist_set([[1], [1]], [[1], [-1]], [2, 2], [0.8])
+    >>> found.exact, float(found.set.support([1.0]))
+    (False, 2.8)
+    """
+    j, b, cable, base = checked_speeds(J, B, speed_max, base_speed_max)
+    m, n = j.shape
+    rows, limits = [], []
+    for k in combinations(range(m), n):
+        square, chosen = j[list(k)], list(k)
+        if not np.isfinite(cable[chosen]).all() or np.linalg.cond(square) > 1e10:
+            continue
+        generators = np.linalg.solve(square, np.concatenate([np.diag(cable[chosen]), b[chosen] * base], axis=1))
+        normals, offsets = hyperplane_shifting(np.zeros(n), generators)
+        rows.append(normals)
+        limits.append(offsets)
+    if not rows:
+        raise InvalidInput(f"no {n} of the {m} cables determine the twist: J has no regular sub-matrix here, so the "
+                           "construction says nothing; use available_twist_set")
+    reason = _why_not_exact(j, b * base)
+    return SubmatrixTwistSet(Polytope.from_rows(np.concatenate(rows), np.concatenate(limits)), not reason, reason)
+
+
+def _why_not_exact(J: Array, B: Array) -> str:
+    if null_space(J).shape[1]:
+        return "J has no full column rank"
+    for rows, columns in _blocks(B):
+        part, moves = J[rows], B[np.ix_(rows, columns)]
+        left = moves - part @ np.linalg.lstsq(part, moves, rcond=None)[0]
+        if np.abs(left).max() > 1e-9 * np.abs(moves).max():
+            return (f"cables {', '.join(str(i + 1) for i in rows)} share actuators that do not move their exits like "
+                    "one base")
+    return ""
+
+
+def _blocks(B: Array) -> list[tuple[list[int], list[int]]]:
+    """Cables and columns of B that have to do with each other."""
+    blocks: list[tuple[set[int], set[int]]] = []
+    for column in range(B.shape[1]):
+        rows = set(np.flatnonzero(B[:, column]).tolist())
+        if rows:
+            merged = [block for block in blocks if block[0] & rows]
+            blocks = [block for block in blocks if not block[0] & rows]
+            blocks.append((rows.union(*(block[0] for block in merged)),
+                           {column}.union(*(block[1] for block in merged))))
+    return [(sorted(rows), sorted(columns)) for rows, columns in blocks]
