@@ -236,8 +236,7 @@ def test_interval_sums_hold_what_they_stand_for(name):
     high = low + rng.uniform(0, 0.1, (50, d))
     angles = rng.uniform(-0.5, 0.5, 50)
     rotation = cl.Pose(np.zeros(3), [0.2, -0.1, 0.4]).rotation
-    boxes = PoseBoxes(robot, Intervals(low, high), Intervals(angles - turn, angles + turn) if planar else None,
-                      None if planar else rotation)
+    boxes = PoseBoxes(robot, Intervals(low, high), Intervals(angles - turn, angles + turn) if planar else rotation)
     sigma, normal = rng.normal(size=(50, 2, robot.n_cables)), rng.normal(size=(50, robot.n_dof))
     p = low + rng.random((50, d)) * (high - low)
     pose = cl.Pose(p, angle=angles + rng.uniform(-turn, turn, 50)) if planar else cl.Pose(p, matrix=rotation)

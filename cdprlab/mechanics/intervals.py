@@ -7,6 +7,8 @@ Only cosine and sine are not that exact: they are off by less than ``_TURN`` in 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
+from operator import add
 from typing import Any
 
 import numpy as np
@@ -94,17 +96,12 @@ class Intervals:
 
     def total(self) -> Intervals:
         """Sum over the last axis, one by one."""
-        result = self[..., 0]
-        for i in range(1, self.lower.shape[-1]):
-            result = result + self[..., i]
-        return result
+        return reduce(add, (self[..., i] for i in range(self.lower.shape[-1])))
 
-    def times(self, matrix: Array) -> Intervals:
-        """(…, a) times exact (…, a, b): Σ x_i M_ij, (…, b)."""
-        result = self[..., 0, None] * matrix[..., 0, :]
-        for i in range(1, matrix.shape[-2]):
-            result = result + self[..., i, None] * matrix[..., i, :]
-        return result
+    def times(self, matrix: Intervals | Array) -> Intervals:
+        """(…, a) times (…, a, b): Σ x_i M_ij, (…, b)."""
+        M = exact(matrix)
+        return reduce(add, (self[..., i, None] * M[..., i, :] for i in range(self.lower.shape[-1])))
 
     @property
     def width(self) -> Array:
@@ -127,7 +124,7 @@ def exact(value: Intervals | ArrayLike) -> Intervals:
 
 def stack(parts: list[Intervals]) -> Intervals:
     """Side by side along a new last axis."""
-    lows, highs = (np.broadcast_arrays(*[getattr(part, end) for part in parts]) for end in ("lower", "upper"))
+    lows, highs = (np.broadcast_arrays(*ends) for ends in zip(*((part.lower, part.upper) for part in parts)))
     return Intervals(np.stack(lows, axis=-1), np.stack(highs, axis=-1))
 
 

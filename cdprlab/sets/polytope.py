@@ -33,7 +33,7 @@ class Polytope:
     """The convex set {shift + M q : A q ≤ b}; make one by `from_image`, `from_rows` or `from_box`.
 
     map : M, (n, k); rows : A, (r, k); limits : b, (r,), inf where a row is no limit; shift : (n,)
-    outer : makes rows (N, d), some superfluous, with the set = {x : N x ≤ d}, where there is a quicker way than `eliminate`
+    outer : makes rows (N, d) with the set = {x : N x ≤ d}, some superfluous, where it knows better than `eliminate`
 
     >>> square = Polytope.from_rows([[1, 0], [0, 1], [-1, 0], [0, -1]], [1, 1, 1, 1])
     >>> square.contains([[0.5, 1.0], [0.5, 1.1]]), square.volume

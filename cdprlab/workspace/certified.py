@@ -15,7 +15,7 @@ from ..mechanics.statics import gravity_wrench, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
 from .capacity import best_tensions, capacity_margins, external_wrenches
-from .interval_statics import PoseBoxes, centers, certainly_inside, certainly_outside
+from .interval_statics import PoseBoxes, certainly_inside, certainly_outside
 from .sweep import Progress
 
 _MOST_BOXES, _CHUNK = 2_000_000, 4096
@@ -96,7 +96,7 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
     """
     low, high = _domain(robot, lower, upper, angle)
     least = as_number(resolution, "resolution", "m", positive=True)
-    loads, rotation = external_wrenches(wrenches, robot.n_dof), _rotation(robot, rpy)
+    loads, rotation = external_wrenches(wrenches, robot.n_dof), Pose(np.zeros(robot.dimension), rpy).rotation
     varying = np.asarray(high > low)
     kept: list[tuple[Array, Array, Array]] = []
     boxes, total, decided = (low[None], high[None]), float(np.prod((high - low)[varying])), 0.0
@@ -116,12 +116,15 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
     return CertifiedWorkspace(a, b, found, varying)
 
 
-def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array | None, loads: Array) -> Array:
+def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array, loads: Array) -> Array:
     """(N,) 1, −1 or 0: inside for all loads, outside for one."""
     d = robot.dimension
-    boxes = PoseBoxes(robot, Intervals(low[:, :d], high[:, :d]),
-                      Intervals(low[:, 2], high[:, 2]) if d == 2 else None, rotation)
-    poses = centers(boxes)
+    middle, position = (low + high) / 2, Intervals(low[:, :d], high[:, :d])
+    if d == 2:
+        boxes = PoseBoxes(robot, position, Intervals(low[:, 2], high[:, 2]))
+        poses = Pose(middle[:, :2], angle=middle[:, 2])
+    else:
+        boxes, poses = PoseBoxes(robot, position, rotation), Pose(middle, matrix=rotation)
     lengths = cable_lengths(robot, poses)
     sound = lengths.all(axis=1)
     if not sound.all():   # an exit point in the very middle: such a box is halved
@@ -159,14 +162,6 @@ def _domain(robot: Robot, lower: ArrayLike, upper: ArrayLike, angle: float) -> t
     if low.size < 3:
         low, high = np.append(low, angle), np.append(high, angle)
     return low, high
-
-
-def _rotation(robot: Robot, rpy: ArrayLike | None) -> Array | None:
-    if robot.dimension == 2:
-        if rpy is not None:
-            raise InvalidInput("a planar robot takes angle=, not rpy=")
-        return None
-    return Pose(np.zeros(3), rpy).rotation
 
 
 def _halved(low: Array, high: Array) -> tuple[Array, Array]:

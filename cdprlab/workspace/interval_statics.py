@@ -7,36 +7,42 @@ With σ_i = τ_i / l_i, the tension for each meter of cable, equilibrium reads V
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import add
 
 import numpy as np
 
 from ..arrays import Array, Flags
 from ..mechanics.intervals import Intervals, exact, stack
 from ..robot import Robot
-from ..robot.pose import Pose
 
 _TINY = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class PoseBoxes:
-    """N boxes of poses: positions (N, d) and, in the plane, angles; in space one rotation (3, 3) for all.
+    """N boxes of poses.
 
     robot : any motion pattern but 2R3T
     position : Intervals (N, d) [m]
-    angle : Intervals (N,) [rad], or None in space
-    rotation : (3, 3), or None in the plane
+    turned : in the plane by angles, Intervals (N,) [rad]; in space one rotation (3, 3) for all
     """
 
     robot: Robot
     position: Intervals
-    angle: Intervals | None
-    rotation: Array | None
+    turned: Intervals | Array
 
     def __getitem__(self, chosen: Flags) -> PoseBoxes:
-        angle = None if self.angle is None else self.angle[chosen]
-        return PoseBoxes(self.robot, self.position[chosen], angle, self.rotation)
+        turned = self.turned[chosen] if isinstance(self.turned, Intervals) else self.turned
+        return PoseBoxes(self.robot, self.position[chosen], turned)
+
+    @cached_property
+    def turns(self) -> list[tuple[Intervals, Array]]:
+        """f (N or 1, 1, 1) and exact R_k with R = Σ f_k R_k: cos φ and sin φ in the plane, 1 in space."""
+        if isinstance(self.turned, Intervals):
+            angle = self.turned[:, None, None]
+            return [(angle.cos(), np.eye(2)), (angle.sin(), np.array([[0.0, -1.0], [1.0, 0.0]]))]
+        return [(exact(np.ones((1, 1, 1))), self.turned)]
 
     @cached_property
     def arms(self) -> Intervals:
@@ -51,74 +57,48 @@ class PoseBoxes:
 
     @cached_property
     def weight(self) -> Intervals:
-        """(N, n) gravity wrench."""
-        d, pull = self.robot.dimension, exact(-self.robot.mass) * self.robot.gravity
-        c = self._turned(self.robot.platform.center_of_mass[None])[:, 0]
-        zero = exact(np.zeros(len(self.position.lower)))
-        if d == 2:
-            return _rows([zero, zero + pull, zero + c[:, 0] * pull], self.robot)
-        return _rows([zero, zero, zero + pull, zero + c[:, 1] * pull, zero - c[:, 0] * pull, zero], self.robot)
+        """(N or 1, n) gravity wrench."""
+        force = exact(-self.robot.mass) * (self.robot.gravity * np.eye(self.robot.dimension)[-1:])
+        return self._wrench(force, _cross(self._turned(self.robot.platform.center_of_mass[None])[:, 0], force))
 
     def wrenches(self, sigma: Array) -> Intervals:
         """(N, k, n) V σ for exact σ (N, k, m), as narrow as positions and angle allow."""
-        robot, p = self.robot, self.position[:, None, :]
-        S = _over_cables(sigma, np.ones((robot.n_cables, 1)))
-        A = _over_cables(sigma, robot.exit_points)
-        B = self._turned_sums(sigma, robot.anchor_points)
-        force = A - B - S * p
-        products = robot.anchor_points[:, :, None] * exact(robot.exit_points[:, None, :])   # b_j A_k of each cable
-        if robot.dimension == 2:
-            (c, s), moments = self._cos_sin, [_over_cables(sigma, part[:, None]) for part in (
-                products[:, 0, 1] - products[:, 1, 0],              # b × A
-                exact(0.0) - products[:, 1, 1] - products[:, 0, 0])]   # b⊥ × A, b⊥ = (−b_y, b_x)
-            m_z = c[:, None] * moments[0][..., 0] + s[:, None] * moments[1][..., 0]
-            m_z = m_z - (B[..., 0] * p[..., 1] - B[..., 1] * p[..., 0])
-            return _rows([force[..., 0], force[..., 1], m_z], robot)
-        r, exits = self.arms[0], robot.exit_points
-        rows = [force[..., i] for i in range(3)]
-        for j, k in ((1, 2), (2, 0), (0, 1)):
-            spun = _over_cables(sigma, (r[:, j] * exits[:, k] - r[:, k] * exits[:, j])[:, None])[..., 0]
-            rows.append(spun - (B[..., j] * p[..., k] - B[..., k] * p[..., j]))
-        return _rows(rows, robot)
+        exits, p = self.robot.exit_points, self.position[:, None, :]
+        arms, moments = exact(0.0), exact(0.0)      # Σ σ_i r_i and Σ σ_i r_i × A_i
+        for f, R in self.turns:
+            r = exact(self.robot.anchor_points).times(R.T)
+            arms = f * exact(sigma).times(r) + arms
+            moments = f * exact(sigma).times(_cross(r, exact(exits))) + moments
+        ones = np.ones((self.robot.n_cables, 1))
+        return self._wrench(exact(sigma).times(exits) - arms - exact(sigma).times(ones) * p, moments - _cross(arms, p))
 
     def pulls(self, normal: Array) -> Intervals:
-        """(N, m) n · [u_i; r_i × u_i] for exact n (N, n)."""
-        d, n = self.robot.dimension, self.robot.n_dof
-        full = np.zeros((len(normal), 3 if d == 2 else 6))
-        full[:, :n] = normal
-        way, r = self.robot.exit_points - self.position[:, None, :], self.arms
-        m = exact(full[:, None, d:])
-        if d == 2:   # n·[q − r; r × q] = (f + m r⊥')·q − f·r
-            turned = [0.0 - m[..., 0] * r[..., 1], m[..., 0] * r[..., 0]]
-        else:
-            turned = [m[..., j] * r[..., k] - m[..., k] * r[..., j] for j, k in ((1, 2), (2, 0), (0, 1))]
-        along = exact(np.zeros(1))
-        for i in range(d):
-            force = full[:, None, i]
-            along = along + (turned[i] + force) * way[..., i] - r[..., i] * force
-        return along / self.lengths
-
-    @cached_property
-    def _cos_sin(self) -> tuple[Intervals, Intervals]:
-        assert self.angle is not None
-        return self.angle.cos(), self.angle.sin()
+        """(N, m) n · [u_i; r_i × u_i] for exact n = [f; m] (N, n): (f + m × r)·(A − p) − f·r, over the length."""
+        d = self.robot.dimension
+        full = exact(np.pad(normal, ((0, 0), (0, d + len(_CROSS[d]) - self.robot.n_dof)))[:, None])
+        way, r, force = self.robot.exit_points - self.position[:, None, :], self.arms, full[..., :d]
+        turned = [force[..., i] for i in range(d)]
+        for i, (j, k) in enumerate(_CROSS[d], d):
+            turned[k] = full[..., i] * r[..., j] + turned[k]
+            turned[j] = turned[j] - full[..., i] * r[..., k]
+        return (stack(turned) * way - r * force).total() / self.lengths
 
     def _turned(self, points: Array) -> Intervals:
         """(N or 1, k, d) R x of exact points (k, d)."""
-        if self.rotation is not None:
-            return exact(points[None]).times(self.rotation.T)
-        c, s = (part[:, None] for part in self._cos_sin)
-        x, y = points[:, 0], points[:, 1]
-        return stack([c * x - s * y, s * x + c * y])
+        return reduce(add, (f * exact(points).times(R.T) for f, R in self.turns))
 
-    def _turned_sums(self, sigma: Array, points: Array) -> Intervals:
-        """(N, k, d) Σ σ_i R b_i."""
-        if self.rotation is not None:
-            return _over_cables(sigma, self._turned(points)[0])
-        sums = _over_cables(sigma, points)
-        (c, s), x, y = self._cos_sin, sums[..., 0], sums[..., 1]
-        c, s = c[:, None], s[:, None]
-        return stack([c * x - s * y, s * x + c * y])
+    def _wrench(self, force: Intervals, moment: Intervals) -> Intervals:
+        """The motion pattern's rows."""
+        rows = [part[..., i] for part in (force, moment) for i in range(part.lower.shape[-1])]
+        return stack(rows[:self.robot.n_dof])
+
+
+_CROSS = {2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}
+"""j and k of each component a_j b_k − a_k b_j of a × b, in the plane and in space."""
+
+
+def _cross(a: Intervals, b: Intervals) -> Intervals:
+    return stack([a[..., j] * b[..., k] - a[..., k] * b[..., j] for j, k in _CROSS[b.lower.shape[-1]]])
 
 
 def certainly_inside(boxes: PoseBoxes, load: Array, W: Array, tensions: Array, lengths: Array) -> Flags:
@@ -155,14 +135,6 @@ def certainly_outside(boxes: PoseBoxes, load: Array, normal: Array) -> Flags:
         return np.asarray((most + wanted).upper < 0)
 
 
-def centers(boxes: PoseBoxes) -> Pose:
-    """(N,) poses in the middle."""
-    middle = (boxes.position.lower + boxes.position.upper) / 2
-    if boxes.angle is not None:
-        return Pose(middle, angle=(boxes.angle.lower + boxes.angle.upper) / 2)
-    return Pose(middle, matrix=boxes.rotation)
-
-
 def _center(W: Array, tensions: Array, lengths: Array, robot: Robot) -> tuple[Array, Array]:
     """σ₀ (N, m), and Y (N, m, n) that asks most of cables far from their limits."""
     room = np.minimum(tensions - robot.tension_min, robot.tension_max - tensions)
@@ -181,17 +153,3 @@ def _fixed_point(E: Array, rest: Array) -> Array:
     except np.linalg.LinAlgError:
         return np.full(rest.shape, -1.0)
     return np.asarray(found * (1 + 1e-9) + _TINY)
-
-
-def _over_cables(sigma: Array, values: Array | Intervals) -> Intervals:
-    """Σ_i σ_i x_i: (N, k, m) and (m, d) → (N, k, d)."""
-    x = exact(values)
-    result = x[0] * sigma[..., 0, None]
-    for i in range(1, sigma.shape[-1]):
-        result = result + x[i] * sigma[..., i, None]
-    return result
-
-
-def _rows(rows: list[Intervals], robot: Robot) -> Intervals:
-    """The motion pattern's rows."""
-    return stack(rows[:robot.n_dof])
