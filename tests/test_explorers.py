@@ -136,6 +136,39 @@ def test_the_dot_is_where_the_numbers_say():
         np.testing.assert_allclose(blue, [place[0], pixels(spring).shape[0] - place[1]], atol=1.0)  # one pixel
 
 
+class Adding(Spring):
+    """Its marks are made anew at every move, and beyond 0.8 its axes are longer."""
+
+    def draw(self, values):
+        super().draw(values)
+        self.axes.plot([values["x"]], [-50], "s", color="red")
+        if values["x"] < -0.8:
+            raise ZeroDivisionError("no such extension")
+        self.axes.set_xlim(-1, 2 if values["x"] > 0.8 else 1)
+
+
+def test_what_a_move_adds_is_gone_before_the_next():
+    adding = Adding()
+    before, children = pixels(adding), len(adding.axes.get_children())
+    adding.set(x=-0.25)
+    assert (pixels(adding) != before).any()
+    with pytest.raises(ZeroDivisionError):
+        adding.set(x=-0.9)
+    adding.set(x=0.9)      # other limits: what stands still is drawn anew
+    adding.set(x=0.5)
+    np.testing.assert_array_equal(pixels(adding), before)
+    assert len(adding.axes.get_children()) == children
+
+
+def test_what_a_move_adds_leaves_the_rest_as_it_was_drawn(monkeypatch):
+    adding, drawn = Adding(), []
+    monkeypatch.setattr(type(adding.axes), "draw", lambda self, renderer: drawn.append(self))
+    adding.set(x=0.25)
+    assert not drawn
+    adding.set(x=0.9)
+    assert drawn == [adding.axes]
+
+
 def test_what_is_not_animated_is_drawn_too():
     spring = Spring()
     before = pixels(spring)

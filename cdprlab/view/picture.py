@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from io import BytesIO
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -30,6 +33,24 @@ class Picture:
         self.figure = figure
         self._canvas: Any = FigureCanvasAgg(figure)
         self._background: Any = None
+        self._added: list[Artist] = []
+
+    def redraw(self, draw: Callable[[], None]) -> None:
+        """Let ``draw`` move artists, or add some: those go before the next call, and leave what stands still alone."""
+        panels = self.figure.axes
+        for artist in self._added:
+            artist.remove()
+        before, still = {artist for axes in panels for artist in axes.get_children()}, self._still()
+        try:
+            draw()
+        finally:
+            self._added = [artist for axes in panels for artist in axes.get_children() if artist not in before]
+            for artist in self._added:
+                artist.set_animated(True)
+            for axes in panels:
+                axes.containers.clear()
+        if self._added:  # axes call themselves stale for any new artist, though this one is drawn anyway
+            self.figure.stale = self._still() != still
 
     def pixels(self) -> NDArray[np.uint8]:
         """(height, width, 3) the figure as it is now."""
@@ -50,6 +71,12 @@ class Picture:
         buffer = BytesIO()
         Image.fromarray(self.pixels()).save(buffer, "png", compress_level=1, compress_type=_RUN_LENGTHS)
         return buffer.getvalue()
+
+    def _still(self) -> list[Any]:
+        """Of each panel what is drawn anew when it changes, whatever is added: limits and words."""
+        return [(axes.get_xlim(), axes.get_ylim(), axes.get_xlabel(), axes.get_ylabel(),
+                 *(artist.get_text() for artist in axes.get_children()
+                   if isinstance(artist, Text) and not artist.get_animated())) for axes in self.figure.axes]
 
     def _moving(self) -> list[Any]:
         """Animated artists, panel by panel, from the back to the front."""

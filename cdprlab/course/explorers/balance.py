@@ -9,10 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...robot.pose import Pose
-from ...view.style import house_style
 from ...view.text_table import in_brackets
 from ..pictures.equilibrium import draw_panels, panels
-from ..pictures.panels import drawn
 from ..props.letting_go import Motion, let_go
 from ..props.point_load import EXIT_POINTS, MASS, Equilibrium, equilibrium, point_load
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
@@ -65,22 +63,9 @@ class EquilibriumExplorer(Explorer):
 
     def build(self, figure: Figure) -> None:
         self.axes = panels(figure, stacked=True)
-        # Something to lay out: the axes keep the room that this takes.
-        draw_panels(self.axes, self._robots[3], [0, 1], [0, 0], equilibrium(self._robots[3], [0, 1], internal=100.0))
 
     def draw(self, values: Values) -> None:
-        still = self._still()
-        with house_style():
-            draw_panels(self.axes, self._robots[values["cables"]], *_load(values), self.state(values),
-                        self.motion(values))
-            for artist in (artist for axes in self.axes for artist in drawn(axes)):
-                artist.set_animated(True)
-        if self._still() == still:  # axes call themselves stale for any new artist, though this one is drawn anyway
-            self.axes[0].figure.stale = False
-
-    def _still(self) -> list[Any]:
-        """What an artist that moves does not change: limits and titles."""
-        return [(axes.get_xlim(), axes.get_ylim(), axes.get_title(loc="left")) for axes in self.axes]
+        draw_panels(self.axes, self._robots[values["cables"]], *_load(values), self.state(values), self.motion(values))
 
     def numbers(self, values: Values) -> dict[str, Any]:
         state, motion = self.state(values), self.motion(values)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,7 +19,7 @@ from ...view.style import INK, cable_style
 from ...view.text_table import cable_names, cable_table, fixed
 from ...world import World
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
-from .posing import EYE, Arrow, Posing, checked_world, velocity
+from .posing import EYE, Posing, checked_world, draw_arrow, velocity
 
 _DIRECTIONS = (("turn", "θ", 30.0, "deg", "rad/s"), ("along", "ρ₁", 0.6, "m", "m/s"), ("across", "ρ₂", 0.6, "m", "m/s"))
 """Of a base: slider's name, symbol, how far it goes either way, unit of the displacement, of the speed."""
@@ -116,18 +116,19 @@ class BaseExplorer(Explorer):
         above, below = figure.subplots(2, 1, height_ratios=(3, 1.1))
         self._drawing = RobotDrawing(above, self._driven_outward(), self._posing.scene, self._posing.ends)
         self._drawing.drive(self._start)
-        self._arrows = [Arrow(self._drawing) for _ in range(len(self._start.bases) + 1)]
-        self._bars = _rate_bars(below, self._start)
+        self._rates = below
+        _frame_rates(below, self._start)
 
     def draw(self, values: Values) -> None:
         motion, drawing = self.motion(values), self._drawing
         drawing.turn(values.get("azimuth", EYE.start))
         drawing.drive(motion.robot)
         drawing.move(motion.pose)
-        for arrow, (tail, speed) in zip(self._arrows, _velocities(motion)):
-            arrow.move(tail, _SECONDS * speed)
-        for bar, rate in zip(self._bars, np.nan_to_num(motion.rates)):
-            bar.set_height(float(rate))
+        for tail, speed in _velocities(motion):
+            draw_arrow(drawing, tail, _SECONDS * speed)
+        cables = range(motion.robot.n_cables)
+        self._rates.bar([k + 1 for k in cables], np.nan_to_num(motion.rates), width=0.6,
+                        color=[cable_style(k).color for k in cables])
 
     def numbers(self, values: Values) -> str:
         """Lengths and rates, cable by cable."""
@@ -212,15 +213,12 @@ def _velocities(motion: BaseMotion) -> list[tuple[Array, Array]]:
             (motion.pose.position, velocity(motion.robot, motion.twist))]
 
 
-def _rate_bars(axes: Axes, robot: Robot) -> Any:
-    """One bar a cable, to its l̇; the limits as dashes."""
+def _frame_rates(axes: Axes, robot: Robot) -> None:
+    """Room for a bar a cable, to its l̇; the limits as dashes."""
     limits = np.where(np.isfinite(robot.speed_max), robot.speed_max, 2.0)
     cables = np.arange(1, robot.n_cables + 1)
-    bars = axes.bar(cables, np.zeros(len(cables)), width=0.6, color=[cable_style(i).color for i in range(len(cables))],
-                    animated=True)
     axes.axhline(0, color=INK, linewidth=1)
     for sign in (-1, 1):
         axes.hlines(sign * limits, cables - 0.4, cables + 0.4, color=INK, linestyles="dashed", linewidth=1.2)
     axes.set(xlabel="cable (dashes: limit of its winch)", ylabel="l̇ [m/s]", xticks=cables,
              ylim=(-1.3 * limits.max(), 1.3 * limits.max()))
-    return bars

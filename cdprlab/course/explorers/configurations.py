@@ -6,8 +6,6 @@ from typing import Any
 
 import ipywidgets
 import numpy as np
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...arrays import Array
@@ -18,11 +16,10 @@ from ...configurations.sides import FORMS
 from ...errors import InvalidInput
 from ...run import Run
 from ...run.switching import follow_sequence
-from ...view.style import GREY, INK, house_style
+from ...view.style import GREY, INK
 from ...view.text_table import in_brackets
 from ...world import World
 from ..pictures.configuration_plan import WIDE_MARGIN, draw_room, fill_sequence, fill_triplet, in_words
-from ..pictures.panels import drawn
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
 from .player import RunPlayer
 from .posing import checked_world
@@ -119,16 +116,22 @@ class ConfigurationExplorer(Explorer):
         for panel in self._small:
             draw_room(panel, self.robot, WIDE_MARGIN)
             panel.set(xlabel="", ylabel="", xticks=[], yticks=[])
-        # What stands still; all else is made anew at every move, animated, so that this need not be drawn again.
-        self._still = {id(artist) for panel in figure.axes for artist in drawn(panel)}
-        self._draw_all(self.values)
+        for panel in figure.axes:
+            panel.title.set_animated(True)
 
     def draw(self, values: Values) -> None:
-        with house_style():
-            self._draw_all(values)
-        for panel in self._panels:
-            panel.stale = False
-        self._plan.figure.stale = False
+        sequence, place = self.chosen(values), self.place(values)
+        if sequence is None:
+            for name, end in zip("SG", _ends(values)):
+                self._plan.plot(*end[:2], marker="o", color=GREY, markersize=8)
+                self._plan.annotate(name, (end[0], end[1]), (0, 9), textcoords="offset points", ha="center")
+        else:
+            fill_sequence(self._plan, self.robot, sequence)
+        self._plan.plot(*place[:2], marker="x", markersize=9, markeredgewidth=2, color=INK, zorder=7)
+        self._plan.set_title("no sequence" if sequence is None else str(sequence), fontsize=11)
+        for panel, (chosen, verdict) in zip(self._small, self.classes(values).items()):
+            fill_triplet(panel, self.robot, chosen, place, verdict, *_boxes(values))
+            panel.title.set_fontsize(9)
 
     def numbers(self, values: Values) -> dict[str, Any]:
         sequences, reason = self.planned(values)
@@ -152,32 +155,6 @@ class ConfigurationExplorer(Explorer):
         super().close()
 
     # --- inside -------------------------------------------------------------------------------------------
-    def _draw_all(self, values: Values) -> None:
-        sequence, place = self.chosen(values), self.place(values)
-        for artist in self._moving():
-            artist.remove()
-        if sequence is None:
-            for name, end in zip("SG", _ends(values)):
-                self._plan.plot(*end[:2], marker="o", color=GREY, markersize=8)
-                self._plan.annotate(name, (end[0], end[1]), (0, 9), textcoords="offset points", ha="center")
-        else:
-            fill_sequence(self._plan, self.robot, sequence)
-        self._plan.plot(*place[:2], marker="x", markersize=9, markeredgewidth=2, color=INK, zorder=7)
-        titles = [self._plan.set_title("no sequence" if sequence is None else str(sequence), fontsize=11)]
-        for panel, chosen in zip(self._small, self.names):
-            verdict = self.classes(values)[chosen]
-            fill_triplet(panel, self.robot, chosen, place, verdict, *_boxes(values))
-            titles.append(panel.set_title(f"{chosen}: {verdict}", fontsize=9))
-        for artist in [*self._moving(), *titles]:
-            artist.set_animated(True)
-
-    @property
-    def _panels(self) -> list[Axes]:
-        return [self._plan, *self._small]
-
-    def _moving(self) -> list[Artist]:
-        return [artist for panel in self._panels for artist in drawn(panel) if id(artist) not in self._still]
-
     def _add_fly_button(self) -> None:
         self.button = ipywidgets.Button(description="Play in the engine", icon="play", layout={"width": "auto"})
         self.button.on_click(lambda _: self._clicked())

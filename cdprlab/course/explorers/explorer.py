@@ -1,6 +1,6 @@
 """The base of every explorer: a picture, sliders and numbers beside it, mistakes in plain sight.
 
-A subclass says three things: ``build`` makes the picture's artists once, ``draw`` moves them, ``numbers`` tells in
+A subclass says three things: ``build`` makes what stands still, ``draw`` adds or moves the rest, ``numbers`` tells in
 text what the picture shows. Needs no kernel and no browser: `set` moves the sliders, `text` and `picture` answer.
 """
 
@@ -193,7 +193,7 @@ class Explorer(Shown):
         raise NotImplementedError(f"{type(self).__name__} must tell its numbers: numbers(values)")
 
     def draw(self, values: Values) -> None:
-        """Move the artists that ``build`` made."""
+        """Move the artists that ``build`` made, or add others: they are gone before the next move."""
         raise NotImplementedError(f"{type(self).__name__} must move its picture: draw(values)")
 
     def describe(self, values: Values) -> str:
@@ -272,8 +272,10 @@ class Explorer(Shown):
         values = self.values
         try:
             text = as_text(self.numbers(values))
-            self.draw(values)
-            picture, alt_text = self._picture.png(), str(self.describe(values))
+            with house_style():
+                self._picture.redraw(lambda: self.draw(values))
+                picture = self._picture.png()
+            alt_text = str(self.describe(values))
         except Exception as error:
             self.show_mistake(error)
         self.text = text

@@ -17,7 +17,6 @@ from ...arrays import Array
 from ...errors import InvalidInput, NoConvergence
 from ...mechanics.cables import anchor_offsets, cable_lengths
 from ...mechanics.kinematics import forward_kinematics
-from ...robot import Robot
 from ...robot.pose import Pose, rotation_vector
 from ...view.outlines import hanging
 from ...view.style import BLUE, GREY, INK, SKY, VERMILION, cable_style
@@ -27,7 +26,7 @@ from ..pictures.pose_estimates import outline
 from ..props.changed_cables import without_cable
 from ..props.pose_search import gauss_newton_path, six_cables
 from ..props.settling import Settled, hang
-from .explorer import Choice, Explorer, Slider, Values, movable
+from .explorer import Choice, Explorer, Slider, Values
 
 _SHOWN = 6
 """Iterates drawn."""
@@ -63,28 +62,9 @@ class ForwardKinematicsExplorer(Explorer):
 
     def build(self, figure: Figure) -> None:
         """Frame and exit points stand still, all else moves."""
-        panel = figure.subplots()
-        robot = six_cables()
-        draw_exit_points(panel, robot.exit_points)
-        panel.set(xlim=(-2.5, 2.5), ylim=(-0.6, 3.6), aspect="equal", xlabel="x [m]", ylabel="y [m]")
-        moving: dict[str, Any] = {"animated": True}
-        self._circles = [panel.add_patch(Circle((0, 0), 1, fill=False, linewidth=1.2, alpha=0.75, edgecolor=look.color,
-                                                linestyle=look.linestyle, **moving))
-                         for look in map(cable_style, range(robot.n_cables))]
-        self._numbers_on_circles = [panel.text(0, 0, str(i + 1), color=cable_style(i).color, fontsize=10, ha="center",
-                                               va="center", fontweight="bold", clip_on=True, **moving,
-                                               bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
-                                    for i in range(robot.n_cables)]
-        self._cables = [movable(panel, color=GREY, linewidth=0.9) for _ in range(robot.n_cables)]
-        self._true, = panel.fill([0], [0], color=GREY, alpha=0.35, linewidth=0, **moving)
-        self.hung, = panel.fill([0], [0], facecolor=to_rgba(SKY, 0.5), edgecolor=BLUE, linewidth=1.2, **moving)
-        self._ropes = [movable(panel, color=SKY, linewidth=2.2) for _ in range(robot.n_cables)]
-        self._iterates = [movable(panel, color=INK, linewidth=1.0, linestyle=(0, (2, 2))) for _ in range(_SHOWN)]
-        self._trail = movable(panel, color=INK, marker="o", markersize=3, linewidth=0.8)
-        self._names = [panel.text(0, 0, str(k), color=INK, fontsize=9, clip_on=True, **moving) for k in range(_SHOWN)]
-        self._found = movable(panel, color=VERMILION, linewidth=2.4)
-        self._top = movable(panel, color=VERMILION, marker="^", markersize=9, linestyle="none")
-        self._point = movable(panel, color=VERMILION, marker="o", markersize=7, linestyle="none")
+        self._panel = figure.subplots()
+        draw_exit_points(self._panel, six_cables().exit_points)
+        self._panel.set(xlim=(-2.5, 2.5), ylim=(-0.6, 3.6), aspect="equal", xlabel="x [m]", ylabel="y [m]")
         figure.legend(loc="outside lower center", ncols=2, fontsize=9, handles=[
             Line2D([], [], color=GREY, alpha=0.5, linewidth=7, label="true pose"),
             Line2D([], [], color=SKY, linewidth=7, alpha=0.7, label="hung on ropes (pymunk)"),
@@ -113,17 +93,18 @@ class ForwardKinematicsExplorer(Explorer):
 
     def draw(self, values: Values) -> None:
         """Circles at the angle found: where they miss each other, no pose has these lengths."""
-        path, robot = self._path, self._robot
-        end = path.poses[-1]
-        self._true.set_xy(outline(robot, self._truth))
-        self._draw_hung()
-        self._draw_cables(robot, end)
+        panel, poses = self._panel, self._path.poses
+        panel.fill(*outline(self._robot, self._truth).T, color=GREY, alpha=0.35, linewidth=0)
+        self._draw_cables(poses[-1])
+        self.hung: list[Any] = []
+        if self._settled is not None and self._settled.fits:
+            self._draw_hung(self._settled.pose)
         self._draw_iterates()
-        self._trail.set_data(*np.array([pose.position for pose in path.poses]).T)
-        corners = outline(robot, end)
-        self._found.set_data(*corners.T)
-        self._top.set_data(*corners[2:4].mean(axis=0)[:, None])
-        self._point.set_data(*end.position[:, None])
+        panel.plot(*np.array([pose.position for pose in poses]).T, color=INK, marker="o", markersize=3, linewidth=0.8)
+        corners = outline(self._robot, poses[-1])
+        panel.plot(*corners.T, color=VERMILION, linewidth=2.4)
+        panel.plot(*corners[2:4].mean(axis=0), color=VERMILION, marker="^", markersize=9)
+        panel.plot(*poses[-1].position, color=VERMILION, marker="o", markersize=7)
 
     def describe(self, values: Values) -> str:
         """One sentence for those who do not see the picture."""
@@ -142,17 +123,13 @@ class ForwardKinematicsExplorer(Explorer):
         self._path = gauss_newton_path(self._robot, self._lengths, guess)
         self._settled = hang(self._robot, self._lengths, self._truth) if values["hang"] == _HUNG else None
 
-    def _draw_hung(self) -> None:
+    def _draw_hung(self, pose: Pose) -> None:
         """The platform at rest on its ropes; what is slack hangs through."""
-        settled = self._settled
-        shown = settled is not None and settled.fits
-        for i, artist in enumerate((*self._ropes, self.hung)):
-            artist.set_visible(shown and (artist is self.hung or i < self._robot.n_cables))
-        if settled is not None and shown:
-            anchors = settled.pose.position + anchor_offsets(self._robot, settled.pose)
-            self.hung.set_xy(outline(self._robot, settled.pose))
-            for rope, *ends in zip(self._ropes, anchors, self._robot.exit_points, self._lengths):
-                rope.set_data(*hanging(*ends).T)
+        self.hung = self._panel.fill(*outline(self._robot, pose).T, facecolor=to_rgba(SKY, 0.5), edgecolor=BLUE,
+                                     linewidth=1.2)
+        anchors = pose.position + anchor_offsets(self._robot, pose)
+        for rope in zip(anchors, self._robot.exit_points, self._lengths):
+            self._panel.plot(*hanging(*rope).T, color=SKY, linewidth=2.2)
 
     def _hung_text(self, settled: Settled) -> str:
         if not settled.fits:
@@ -161,32 +138,31 @@ class ForwardKinematicsExplorer(Explorer):
         return (f"at {_pose_text(settled.pose)}\nslack: {loose or 'none'}\n"
                 f"off the pose found by {_apart_text(settled.pose, self._path.poses[-1])}")
 
-    def _draw_cables(self, robot: Robot, end: Pose) -> None:
-        offsets = anchor_offsets(robot, end)
-        centers = robot.exit_points - offsets
+    def _draw_cables(self, end: Pose) -> None:
+        exits, offsets = self._robot.exit_points, anchor_offsets(self._robot, end)
+        centers, anchors = exits - offsets, end.position + offsets
         # The number sits on the circle, this far along it from P [m].
         along = 0.75 / self._lengths
         bearings = np.arctan2(*(end.position - centers).T[::-1]) + along
         marks = centers + self._lengths[:, None] * np.column_stack([np.cos(bearings), np.sin(bearings)])
-        for i, (circle, number, line) in enumerate(zip(self._circles, self._numbers_on_circles, self._cables)):
-            for artist in (circle, number, line):
-                artist.set_visible(i < robot.n_cables)
-            if i < robot.n_cables:
-                circle.set(center=centers[i], radius=self._lengths[i])
-                number.set_position(marks[i])
-                line.set_data(*np.transpose([robot.exit_points[i], end.position + offsets[i]]))
+        for i, length in enumerate(self._lengths):
+            look = cable_style(i)
+            self._panel.add_patch(Circle(centers[i], length, fill=False, linewidth=1.2, alpha=0.75,
+                                         edgecolor=look.color, linestyle=look.linestyle))
+            self._panel.text(marks[i, 0], marks[i, 1], str(i + 1), color=look.color, fontsize=10, ha="center",
+                             va="center", fontweight="bold", clip_on=True,
+                             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
+            self._panel.plot(*np.transpose([exits[i], anchors[i]]), color=GREY, linewidth=0.9)
 
     def _draw_iterates(self) -> None:
-        poses, named = self._path.poses, np.full(2, np.inf)
-        for k, (line, name) in enumerate(zip(self._iterates, self._names)):
-            corners = outline(self._robot, poses[k]) if k < len(poses) else np.full((5, 2), np.nan)
-            line.set_data(*corners.T)
+        named = np.full(2, np.inf)
+        for k, pose in enumerate(self._path.poses[:_SHOWN]):
+            corners = outline(self._robot, pose)
+            self._panel.plot(*corners.T, color=INK, linewidth=1.0, linestyle=(0, (2, 2)))
             # Where steps have become small their numbers would cover each other.
-            apart = k == 0 or bool(np.linalg.norm(corners[2] - named) > 0.12)
-            name.set_visible(apart)
-            if apart:
-                name.set_position(corners[2])
+            if np.linalg.norm(corners[2] - named) > 0.12:
                 named = corners[2]
+                self._panel.text(named[0], named[1], str(k), color=INK, fontsize=9, clip_on=True)
 
     def _verdict(self) -> str:
         if not self._path.converged:

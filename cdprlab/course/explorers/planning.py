@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
@@ -15,7 +15,7 @@ from ...fastkit import Hall, OccupancyGrid, Plan, Vehicle, carried, inflated_wid
 from ...fastkit.navigation.planner import between
 from ...fastkit.plane import step_between
 from ...view.style import BLUE, GREY, INK, VERMILION
-from .explorer import Explorer, Slider, Values, movable, once_a_move
+from .explorer import Explorer, Slider, Values, once_a_move
 
 _SIZE = (8.4, 5.6)                       # m
 _RACKS, _DEPTH, _MIDDLE = 4.2, 0.5, 1.5  # m: racks across the hall, and where the gap between them is
@@ -71,26 +71,12 @@ class PlanningExplorer(Explorer):
         return plan_path(self.grid(values), self.vehicle, _START, self.goal(values), values["margin"])
 
     def build(self, figure: Figure) -> None:
-        axes = figure.subplots()
-        still: dict[str, Any] = {"animated": True}
-        self._shade = axes.imshow(np.zeros((2, 2)), origin="lower", extent=(0, _SIZE[0], 0, _SIZE[1]), vmin=0, vmax=2,
-                                  cmap=ListedColormap(["white", _TURNED, _NEVER]), interpolation="nearest", **still)
-        self._racks = PolyCollection([], facecolor=GREY, edgecolor=INK, linewidth=0.8, zorder=2, **still)
-        self._pairs = PolyCollection([], facecolor="none", edgecolor=BLUE, linewidth=1.2, alpha=0.7, zorder=4, **still)
-        self._noses = LineCollection([], color=BLUE, linewidth=2.5, zorder=4, **still)
-        self._wanted = PolyCollection([], facecolor="none", edgecolor=VERMILION, linewidth=2, linestyle="--", zorder=5,
-                                      **still)
-        for collection in (self._racks, self._pairs, self._noses, self._wanted):
-            axes.add_collection(collection)
-        self._way = movable(axes, color=BLUE, linewidth=2, zorder=5, label="way of the middle")
-        self.says = axes.text(_SIZE[0] / 2, 2.6, "", color=VERMILION, weight="bold", ha="center", zorder=6,
-                               bbox={"facecolor": "white", "edgecolor": VERMILION}, **still)
+        axes = self._axes = figure.subplots()
+        axes.plot([], [], color=BLUE, linewidth=2, label="way of the middle")
         for color, words in ((_NEVER, "the middle may never be here"), (_TURNED, "only at some headings")):
             axes.plot([], [], "s", color=color, markeredgecolor=GREY, markersize=9, label=words)
         axes.plot([], [], color=BLUE, linewidth=1.2, label="the pair, its front end thick")
         axes.plot([], [], "--", color=VERMILION, label="goal")
-        axes.text(float(_START[0]), 1.5, "start", color=INK, ha="center", va="top", zorder=6,
-                  **still)
         axes.set(xlim=(0, _SIZE[0]), ylim=(0, _SIZE[1]), aspect="equal", xlabel="x [m]", ylabel="y [m]")
         axes.grid(False)
         figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=9)
@@ -113,17 +99,25 @@ class PlanningExplorer(Explorer):
                 "least room beside it, as cells tell [m]": f"{grid.room(pair, every).min():.2f}"}
 
     def draw(self, values: Values) -> None:
-        pair, clearance, margin, plan = self.vehicle, self.grid(values).clearance, values["margin"], self.plan(values)
-        never, turned = clearance < pair.width / 2 + margin, clearance < np.hypot(pair.length, pair.width) / 2 + margin
-        self._shade.set_data((never.astype(int) + turned).T)
-        self._racks.set_verts(list(self.hall(values).outlines))
-        self._wanted.set_verts([pair.outline(self.goal(values))])
-        shown = _stations(plan.poses) if plan.found else _START[None]
-        self._pairs.set_verts([pair.outline(pose) for pose in shown])
-        front = pair.length / 2 * np.array([1, 1]), pair.width / 2 * np.array([-1, 1])
-        self._noses.set_segments([carried(pose, np.stack(front, axis=-1)) for pose in shown])
-        self._way.set_data(*(plan.poses[:, :2].T if plan.found else ([], [])))
-        self.says.set_text("" if plan.found else "no way")
+        axes, pair, plan = self._axes, self.vehicle, self.plan(values)
+        clearance = self.grid(values).clearance - values["margin"]
+        kinds = (clearance < pair.width / 2).astype(int) + (clearance < np.hypot(pair.length, pair.width) / 2)
+        axes.imshow(kinds.T, origin="lower", extent=(0, _SIZE[0], 0, _SIZE[1]), vmin=0, vmax=2,
+                    cmap=ListedColormap(["white", _TURNED, _NEVER]), interpolation="nearest")
+        axes.add_collection(PolyCollection(list(self.hall(values).outlines), facecolor=GREY, edgecolor=INK,
+                                           linewidth=0.8, zorder=2))
+        axes.text(float(_START[0]), 1.5, "start", color=INK, ha="center", va="top", zorder=6)
+        stations = _stations(plan.poses) if plan.found else _START[None]
+        front = np.array([[pair.length, -pair.width], [pair.length, pair.width]]) / 2
+        for pose in stations:
+            axes.fill(*pair.outline(pose).T, facecolor="none", edgecolor=BLUE, linewidth=1.2, alpha=0.7, zorder=4)
+            axes.plot(*carried(pose, front).T, color=BLUE, linewidth=2.5, zorder=4)
+        axes.fill(*pair.outline(self.goal(values)).T, facecolor="none", edgecolor=VERMILION, linewidth=2,
+                  linestyle="--", zorder=5)
+        if plan.found:
+            axes.plot(*plan.poses[:, :2].T, color=BLUE, linewidth=2, zorder=5)
+        self.says = axes.text(_SIZE[0] / 2, 2.6, "" if plan.found else "no way", color=VERMILION, weight="bold",
+                              ha="center", zorder=6, bbox={"facecolor": "white", "edgecolor": VERMILION})
 
     def describe(self, values: Values) -> str:
         plan = self.plan(values)

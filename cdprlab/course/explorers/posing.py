@@ -91,23 +91,12 @@ class Posing:
         return RobotDrawing(axes, self.robot, self.scene, self.ends)
 
 
-class Arrow:
-    """An arrow on a robot's picture.
-
-    drawing : whose axes it is on
-    """
-
-    def __init__(self, drawing: RobotDrawing, width: float = 0.012) -> None:
-        self.view = drawing.view
-        self.artist = drawing.axes.quiver([0], [0], [1], [0], angles="xy", scale_units="xy", scale=1, color=INK,
-                                          width=width, zorder=9, animated=True)
-
-    def move(self, tail: Array, way: Array) -> None:
-        """From a point by so much, (d,) each [m]; hidden where that is nothing."""
-        start, end = self.view.flat(np.stack([tail, tail + way]))
-        self.artist.set_visible(bool(np.abs(way).max() > 1e-9))
-        self.artist.set_offsets(start)
-        self.artist.set_UVC(*(end - start))
+def draw_arrow(drawing: RobotDrawing, tail: Array, way: Array, width: float = 0.012) -> None:
+    """An arrow on a robot's picture from a point by so much, (d,) each [m]; none where that is nothing."""
+    if np.abs(way).max() > 1e-9:
+        start, end = drawing.view.flat(np.stack([tail, tail + way]))
+        drawing.axes.quiver(*start, *(end - start), angles="xy", scale_units="xy", scale=1, color=INK, width=width,
+                            zorder=9)
 
 
 def velocity(robot: Robot, twist: Array) -> Array:

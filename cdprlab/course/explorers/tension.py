@@ -15,7 +15,6 @@ from ...mechanics.statics import gravity_wrench, wrench_matrix
 from ...robot import Robot
 from ...robot.pose import Pose
 from ...tensions import TensionDistribution, distribute_tensions, tension_methods
-from ...view.style import house_style
 from ...world import World
 from ..pictures.tension_panels import MARKS, OWN, draw_bars, draw_set
 from ..pictures.tension_polygon import TensionSet, set_in_words, tension_set
@@ -98,16 +97,10 @@ class TensionExplorer(Explorer):
                               color=OWN[0].color, markerfacecolor="none", label="walk along the border"))
         figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=9, columnspacing=1.2,
                       title="filled: inside the limits; hollow: outside; ring: the bars' tensions", title_fontsize=9)
-        # Something to lay out: the axes keep the room that this takes.
-        self._draw_panels(self.values)
 
     def draw(self, values: Values) -> None:
         """All three panels."""
         self._drawing.move(self._posing.pose(values))
-        with house_style():
-            self._draw_panels(values)
-
-    def _draw_panels(self, values: Values) -> None:
         state = self.state(values)
         low, high = state.free.low, state.free.high
         # What misses the wrench is no point of the set.

@@ -22,9 +22,9 @@ from ...view.style import GREEN, INK, VERMILION
 from ...view.text_table import fixed, in_brackets, text_table
 from ...world import World
 from ..props.changed_cables import every_cable
-from .explorer import Explorer, Slider, Values, movable, once_a_move
+from .explorer import Explorer, Slider, Values, once_a_move
 from .plane_sets import checked_set_world, set_patches
-from .posing import Arrow, Posing, velocity
+from .posing import Posing, draw_arrow, velocity
 
 _DIRECTIONS = (("turn", "θ̇", "rad/s"), ("along", "ρ̇₁", "m/s"), ("across", "ρ̇₂", "m/s"))
 
@@ -106,14 +106,14 @@ class TwistSetExplorer(Explorer):
     def build(self, figure: Figure) -> None:
         left, right = figure.subplots(1, 2, width_ratios=(1, 1.35))
         self._drawing = self._posing.drawing(left)
-        self._arrow = Arrow(self._drawing, width=0.014)
         left.set_title(f"arrow: {_SECONDS:g} s of the twist", fontsize=10)
+        self._panel = right
         self._build_sets(right)
 
     def draw(self, values: Values) -> None:
         found, wanted = self.reach(values), np.array([values[name] for name in self._names])
         self._drawing.move(found.pose)
-        self._arrow.move(found.pose.position, _SECONDS * velocity(found.robot, found.twist))
+        draw_arrow(self._drawing, found.pose.position, _SECONDS * velocity(found.robot, found.twist), width=0.014)
         for patch, polytope in zip(self._patches, self._outlines(found)):
             patch.set_xy(polytope.vertices)
         self._draw_twist(found, wanted)
@@ -143,13 +143,6 @@ class TwistSetExplorer(Explorer):
         self._patches = set_patches(panel, labels, self._names, np.outer(self._reach, [-1, 1]))
         for shadow in self._patches[2:]:
             shadow.set_facecolor("none")
-        self._ray = movable(panel, color=INK, linewidth=1.2)
-        self._borders = [movable(panel, marker="D", markersize=7, markerfacecolor="white", markeredgewidth=1.6,
-                                    markeredgecolor=patch.get_edgecolor(), linestyle="none", zorder=5)
-                         for patch in self._patches[:2]]
-        self._mark = movable(panel, linestyle="none", markersize=10)
-        self._word = panel.text(0.02, 0.98, "", fontsize=10, ha="left", va="top", fontweight="bold", animated=True,
-                                transform=panel.transAxes)
         panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2 if flat else 1, fontsize=9)
 
     def _outlines(self, found: Reach) -> list[Polytope]:
@@ -163,14 +156,16 @@ class TwistSetExplorer(Explorer):
         word, marker, color = (("inside both sets", "o", GREEN) if inside[0] else
                                ("available only if bases drive", "^", INK) if inside[1] else
                                ("outside both sets", "X", VERMILION))
-        self._mark.set(marker=marker, markerfacecolor=color, markeredgecolor="white")
-        self._mark.set_data(*wanted[:, None])
-        self._word.set(text=f"t is {word}", color=color)
+        panel = self._panel
+        panel.text(0.02, 0.98, f"t is {word}", fontsize=10, ha="left", va="top", fontweight="bold", color=color,
+                   transform=panel.transAxes)
         scales = [scale if np.isfinite(scale) else 0.0 for scale in found.scales]
-        self._ray.set_data(*np.outer(wanted, [0.0, max(1.0, *scales)]))
-        for border, scale in zip(self._borders, scales):
-            border.set_visible(scale > 0)
-            border.set_data(*(scale * wanted)[:, None])
+        panel.plot(*np.outer(wanted, [0.0, max(1.0, *scales)]), color=INK, linewidth=1.2)
+        panel.plot(*wanted, marker=marker, markersize=10, color=color, markeredgecolor="white")
+        for patch, scale in zip(self._patches, scales):
+            if scale > 0:
+                panel.plot(*(scale * wanted), marker="D", markersize=7, markerfacecolor="white", markeredgewidth=1.6,
+                           markeredgecolor=patch.get_edgecolor(), zorder=5)
 
     # --- parts of the text ----------------------------------------------------------------------------
     def _cable_table(self, found: Reach) -> str:

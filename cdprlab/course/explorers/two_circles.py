@@ -21,7 +21,7 @@ from ...view.text_table import in_brackets
 from ..pictures.panels import draw_exit_points
 from ..props.point_load import circle_crossings, point_load
 from ..props.settling import Settled, hang
-from .explorer import Choice, Explorer, Slider, Values, movable
+from .explorer import Choice, Explorer, Slider, Values
 
 EXIT_POINTS = np.array([[0.0, 3.0], [5.0, 3.0]])
 """Of the two cables [m]."""
@@ -30,6 +30,9 @@ _START = Pose([2.5, 1.0], angle=0.0)
 """Where the load is before the winches bring the ropes to length; it does not matter where."""
 
 _HELD, _HUNG = "no", "yes, in pymunk"
+
+_LOOKS: Any = tuple(zip((cable_style(0).color, cable_style(1).color), ("solid", (0, (5, 2)))))
+"""Color and dashes of the two cables and their circles."""
 
 Formula = Callable[[Array, Array, float, float], Any]
 """(A1, A2, l1, l2) → (2,) the place of the point; raises ValueError where there is none."""
@@ -55,24 +58,11 @@ class TwoCirclesExplorer(Explorer):
         super().__init__(controls, title="Two lengths, two circles, two places", size=(6.0, 6.0))
 
     def build(self, figure: Figure) -> None:
-        panel = figure.subplots()
-        draw_exit_points(panel, EXIT_POINTS, ("A₁", "A₂"))
-        panel.set(xlim=(-2.8, 7.8), ylim=(-4.3, 6.3), aspect="equal", xlabel="x [m]", ylabel="y [m]")
-        moving: dict[str, Any] = {"animated": True}
-        looks: list[Any] = [(cable_style(i).color, dashes) for i, dashes in enumerate(("solid", (0, (5, 2))))]
-        self._circles = [Circle((x, y), 1.0, fill=False, linewidth=1.4, edgecolor=color, linestyle=dashes, **moving)
-                         for (x, y), (color, dashes) in zip(EXIT_POINTS, looks)]
-        for circle in self._circles:
-            panel.add_patch(circle)
-        self._ropes = [movable(panel, color=SKY, linewidth=6.0, alpha=0.8) for _ in EXIT_POINTS]
-        self._cables = [movable(panel, color=color, linestyle=dashes, linewidth=2.4)
-                        for color, dashes in looks]
-        self.load = movable(panel, marker="s", markersize=18, linestyle="none", color=SKY)
-        self._other = movable(panel, marker="o", markersize=10, linestyle="none", color=INK,
-                                  markerfacecolor="white")
-        self._point = movable(panel, marker="o", markersize=10, linestyle="none", color=INK)
+        self._panel = figure.subplots()
+        draw_exit_points(self._panel, EXIT_POINTS, ("A₁", "A₂"))
+        self._panel.set(xlim=(-2.8, 7.8), ylim=(-4.3, 6.3), aspect="equal", xlabel="x [m]", ylabel="y [m]")
         handles = [Line2D([], [], color=color, linestyle=dashes, label=f"as far from {end} as its cable is long")
-                   for end, (color, dashes) in zip(("A₁", "A₂"), looks)]
+                   for end, (color, dashes) in zip(("A₁", "A₂"), _LOOKS)]
         handles += [Line2D([], [], color=INK, marker="o", markersize=8, linestyle="none", label=self._whose),
                     Line2D([], [], color=SKY, marker="s", markersize=10, linewidth=4, label="a load on ropes (pymunk)")]
         figure.legend(loc="outside lower center", ncols=2, fontsize=9, handles=handles)
@@ -87,21 +77,20 @@ class TwoCirclesExplorer(Explorer):
         return text | self._hung(self._settled)
 
     def draw(self, values: Values) -> None:
-        for circle, length in zip(self._circles, self._lengths):
-            circle.set_radius(length)
-        found = np.full(2, np.nan) if self._found is None else self._found
-        for cable, exit_point in zip(self._cables, EXIT_POINTS):
-            cable.set_data(*np.transpose([exit_point, found]))
-        self._point.set_data(*found[:, None])
-        self._other.set_data(*self._crossings[1][:, None])
-        shown = self._settled is not None and self._settled.fits
-        for artist in (*self._ropes, self.load):
-            artist.set_visible(shown)
-        if self._settled is not None and shown:
-            load = self._settled.pose.position
-            self.load.set_data(*load[:, None])
-            for rope, exit_point, length in zip(self._ropes, EXIT_POINTS, self._lengths):
-                rope.set_data(*hanging(load, exit_point, length).T)
+        panel, settled = self._panel, self._settled
+        self.load = []
+        if settled is not None and settled.fits:
+            load = settled.pose.position
+            for rope in zip(EXIT_POINTS, self._lengths):
+                panel.plot(*hanging(load, *rope).T, color=SKY, linewidth=6.0, alpha=0.8)
+            self.load = panel.plot(*load, marker="s", markersize=18, color=SKY)
+        for exit_point, length, (color, dashes) in zip(EXIT_POINTS, self._lengths, _LOOKS):
+            panel.add_patch(Circle(exit_point, length, fill=False, linewidth=1.4, edgecolor=color, linestyle=dashes))
+            if self._found is not None:
+                panel.plot(*np.transpose([exit_point, self._found]), color=color, linestyle=dashes, linewidth=2.4)
+        panel.plot(*self._crossings[1], marker="o", markersize=10, color=INK, markerfacecolor="white")
+        if self._found is not None:
+            panel.plot(*self._found, marker="o", markersize=10, color=INK)
 
     def describe(self, values: Values) -> str:
         place = "no point" if self._found is None else f"the point at {in_brackets(self._found, 3)} m"

@@ -27,7 +27,7 @@ from ...workspace.criterion import Criterion
 from ...workspace.tensions import DynamicEquilibrium, StaticEquilibrium, WrenchClosure, WrenchFeasible
 from ...world import World
 from ..props.changed_cables import every_cable
-from .explorer import Choice, Explorer, Slider, Values, movable, once_a_move
+from .explorer import Choice, Explorer, Slider, Values, once_a_move
 from .posing import Posing, checked_world
 
 CRITERIA = ("wrench_feasible", "wrench_closure", "static_equilibrium", "dynamic_equilibrium")
@@ -137,9 +137,6 @@ class WorkspaceExplorer(Explorer):
         self._drawing = RobotDrawing(axes, self._posing.robot, self._posing.scene,
                                      Pose(np.array([[left, bottom], [right, top]])))
         self._map = _map(axes, self.grid)
-        self._crosses = movable(axes, "x", color=GREY, markersize=3.5, markeredgewidth=0.7, zorder=0.6)
-        self.border = LineCollection([], colors=INK, linewidths=1.8, zorder=0.7, animated=True)
-        axes.add_collection(self.border, autolim=False)
         axes.grid(visible=False)
         bar = figure.colorbar(self._map, ax=axes, shrink=0.75, pad=0.02)
         bar.set_label("margin, as a share of the largest [–]")
@@ -149,8 +146,11 @@ class WorkspaceExplorer(Explorer):
         state, grid = self.state(values), self.grid
         share = state.margin / state.largest if state.largest > 0 else np.where(state.inside, 1.0, 0.0)
         self._map.set_data(np.ma.masked_where(~state.inside, share))
-        self._crosses.set_data(*grid.positions[~state.inside.ravel()].T)
-        self.border.set_segments(_border(state.inside, grid))
+        axes = self._drawing.axes
+        axes.plot(*grid.positions[~state.inside.ravel()].T, "x", color=GREY, markersize=3.5, markeredgewidth=0.7,
+                  zorder=0.6)
+        self.border = LineCollection(_border(state.inside, grid), colors=INK, linewidths=1.8, zorder=0.7)
+        axes.add_collection(self.border)
         self._drawing.move(self._posing.pose(values))
 
     # --- text -----------------------------------------------------------------------------------------

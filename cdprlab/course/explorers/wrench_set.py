@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from ...arrays import Array
@@ -128,6 +127,7 @@ class WrenchSetExplorer(Explorer):
         self._tips = movable(left, "X", color=VERMILION, markersize=11, label="could tip over this", **mark)
         if "base_mass" in self.controls:
             left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=9)
+        self._panel = right
         self._build_sets(right)
 
     def draw(self, values: Values) -> None:
@@ -140,7 +140,7 @@ class WrenchSetExplorer(Explorer):
             corners = polytope.vertices
             patch.set_visible(len(corners) > 2)
             patch.set_xy(corners if len(corners) > 2 else np.zeros((3, 2)))
-        self._facets.set_segments(list(found.facets))
+        self._panel.plot(*found.facets.transpose(2, 1, 0), color=INK, linewidth=4, zorder=2)
         self._draw_hold(found)
 
     def numbers(self, values: Values) -> str:
@@ -189,12 +189,9 @@ class WrenchSetExplorer(Explorer):
     # --- parts of the picture -------------------------------------------------------------------------
     def _build_sets(self, panel: Axes) -> None:
         self._patches = set_patches(panel, _LABELS, self._names, self._reach())
-        self._facets = LineCollection([], colors=INK, linewidths=4, animated=True, label="facets made by tipping")
-        panel.add_collection(self._facets, autolim=False)
-        self._cross = [movable(panel, color=INK, linewidth=1.2, marker=marker)
-                       for marker in "|_"]
+        panel.plot([], [], color=INK, linewidth=4, label="facets made by tipping")
         self._mark = movable(panel, linestyle="none", marker="*", markersize=13, markeredgecolor="white",
-                                 color=GREEN, zorder=6, label="holds the weight, −w_g")
+                             color=GREEN, zorder=6, label="holds the weight, −w_g")
         panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=9)
 
     def _reach(self) -> Array:
@@ -213,10 +210,9 @@ class WrenchSetExplorer(Explorer):
         held = bool(found.standing.contains(found.hold))
         self._mark.set(marker="*" if held else "X", color=GREEN if held else VERMILION)
         self._mark.set_data(*found.hold[:, None])
-        section = np.nan_to_num(found.standing.axis_section(found.hold))
-        for k, line in enumerate(self._cross):
-            line.set_visible(held)
-            line.set_data(*(found.hold[:, None] + np.outer(np.eye(2)[k], section[k])))
+        if held:
+            for way, marker, ends in zip(np.eye(2), "|_", found.standing.axis_section(found.hold)):
+                self._panel.plot(*(found.hold[:, None] + np.outer(way, ends)), color=INK, linewidth=1.2, marker=marker)
 
 
 wrench_set_explorer = WrenchSetExplorer

@@ -7,7 +7,7 @@ from typing import Any
 import matplotlib.figure
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, MultipleLocator
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
@@ -16,7 +16,7 @@ from ...view.plots import Figure
 from ...view.style import GREY, INK, ORANGE, SKY, cable_style, house_style
 from ..props.letting_go import Motion
 from ..props.point_load import MASS, Equilibrium, decimal, equilibrium
-from .panels import arrow, clear, draw_exit_points, label
+from .panels import arrow, draw_exit_points, label
 
 SLACK = "#A50F15"
 """A cable that would have to push; always dashed and said in words as well."""
@@ -71,17 +71,17 @@ def panels(figure: matplotlib.figure.Figure, stacked: bool = False) -> list[Axes
     # Few numbers are easier to read, and most of the time to draw.
     for axis in (axes[1].xaxis, axes[1].yaxis, axes[2].yaxis):
         axis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
+    axes[2].xaxis.set_major_locator(MultipleLocator(1))
+    axes[2].grid(axis="x", visible=False)
     return axes
 
 
 def draw_panels(axes: list[Axes], robot: Robot, position: ArrayLike, push: ArrayLike, state: Equilibrium,
                 motion: Motion | None = None) -> None:
-    """Fill the three panels anew, under house style.
+    """Fill the three panels, under house style.
 
     motion : of the load since it was let go; without one it is held
     """
-    for panel in axes:
-        clear(panel)
     force = np.asarray(push, dtype=float)
     place = np.asarray(position, dtype=float)
     _draw_robot(axes[0], robot, place, force, state, motion)
@@ -167,12 +167,10 @@ def _draw_bars(panel: Axes, state: Equilibrium) -> None:
                        (0, -3 if slack else 3), textcoords="offset points", ha="center",
                        va="top" if slack else "bottom", color=color if slack else INK, fontsize=11 if m < 4 else 9)
     panel.axhline(0, color=INK, linewidth=1)
-    panel.grid(axis="x", visible=False)
     low, high = min(0.0, float(state.tensions.min())), max(0.3 * top, float(state.tensions.max()))
     room = high - low  # for two lines of text below a bar, for one above
     low, high = -_round_up((0.4 if state.slack.any() else 0.1) * room - low), _round_up(high + 0.2 * room)
-    panel.set(xlim=(0.4, m + 0.6), xticks=range(1, m + 1), xlabel="cable", ylabel="tension [N]",
-              ylim=(low, high))
+    panel.set(xlim=(0.4, m + 0.6), ylim=(low, high), xlabel="cable", ylabel="tension [N]")
     panel.set_title("Tensions", y=1.02)
 
 

@@ -1,13 +1,11 @@
-"""What several pictures draw alike: labels beside a point, arrows, exit points; and how a panel is emptied."""
+"""What several pictures draw alike: labels beside a point, arrows, exit points."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
@@ -40,18 +38,3 @@ def draw_exit_points(panel: Axes, points: ArrayLike, names: Sequence[str] = (), 
         side = np.where(np.abs(place - middle) < 1e-9, 0.0, np.sign(place - middle))
         panel.annotate(names[i] if names else str(i + 1), place, (11 * side[0], 11 * side[1]),
                        textcoords="offset points", ha="center", va="center", color=INK, **look)
-
-
-def drawn(panel: Axes) -> list[Artist]:
-    """What stands on a panel but for its frame."""
-    return [*panel.lines, *panel.texts, *panel.patches]
-
-
-def clear(panel: Axes) -> None:
-    """Takes away what was drawn but the ticks: made anew they would take longer than all the rest."""
-    for artist in drawn(panel):
-        artist.remove()
-    panel.containers.clear()
-    style: Any = matplotlib.rcParams
-    # Grid lines are made when first drawn, which may be after house style has gone.
-    panel.tick_params(grid_color=style["grid.color"], grid_linewidth=style["grid.linewidth"])

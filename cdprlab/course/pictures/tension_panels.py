@@ -13,7 +13,7 @@ from ...arrays import Array
 from ...tensions import distribute_tensions
 from ...view.plots import Figure
 from ...view.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, cable_style, house_style
-from .panels import HALO, arrow, clear, label
+from .panels import HALO, arrow, label
 from .tension_polygon import MET, TensionSet, set_in_words, tension_set
 
 
@@ -72,13 +72,12 @@ def plot_tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, tensi
 
 def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array], feasible: Mapping[str, bool] | None = None,
              chosen: str = "") -> None:
-    """Fill a panel anew, under house style.
+    """Fill a panel, under house style.
 
     points : label → tensions (m,) or (k, m); methods' names take their marks
     feasible : label → whether its mark is filled; default all
     chosen : the label that gets a ring
     """
-    clear(panel)
     if free.redundancy not in (1, 2):
         panel.set(xlim=(-1, 1), ylim=(-1, 1), xlabel="", ylabel="")
         panel.text(0, 0, set_in_words(free), ha="center", va="center", color=INK)
@@ -204,7 +203,6 @@ def draw_bars(panel: Axes, tensions: Array, low: Array, high: Array, title: str)
 
     tensions : (m,) [N], NaN where there are none
     """
-    clear(panel)
     m = tensions.size
     top = max(float(np.nanmax(np.abs(tensions))) if np.isfinite(tensions).any() else 0.0, 1.5 * float(low.max()), 1.0)
     near = high <= 1.6 * top
