@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -23,9 +25,14 @@ class InvalidInput(CdprError, ValueError):
         self.message = message
         self.location = location
 
-    def below(self, *prefix: str | int) -> InvalidInput:
-        """The same error, seen from further up: its location starts with ``prefix``."""
-        return InvalidInput(self.message, (*prefix, *self.location))
+
+@contextmanager
+def under(*prefix: str | int) -> Iterator[None]:
+    """What is InvalidInput inside is so from further up, too: its location starts with ``prefix``."""
+    try:
+        yield
+    except InvalidInput as error:
+        raise InvalidInput(error.message, (*prefix, *error.location)) from None
 
 
 class WorldError(InvalidInput):

@@ -5,8 +5,7 @@ import pytest
 from scipy.linalg import expm
 
 import cdprlab as cl
-from cdprlab.mechanics.trajectory import _jacobian_rate
-from cdprlab.robot.pose import cross_matrix, rotation_vector, rotation_vector_jacobian
+from cdprlab.robot.pose import cross_matrix, rotation_vector, rotation_vector_jacobian, rotation_vector_jacobian_rate
 from robots import case
 
 BOUNDARY = ("start_twist", "end_twist", "start_acceleration", "end_acceleration")
@@ -67,7 +66,7 @@ def test_rate_of_the_rotation_vector_jacobian(angle):
     """Both sides of each border between series and quotient; h = 3e-5 leaves 2e-11 from h², 4e-12 from rounding."""
     axis, rate, h = np.array([2, -1, 2]) / 3, np.array([0.9, 0.3, -0.4]), 3e-5
     slope = rotation_vector_jacobian(angle * axis + h * rate) - rotation_vector_jacobian(angle * axis - h * rate)
-    np.testing.assert_allclose(_jacobian_rate(angle * axis, rate), slope / (2 * h), rtol=0, atol=1e-10)
+    np.testing.assert_allclose(rotation_vector_jacobian_rate(angle * axis, rate), slope / (2 * h), rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -56,7 +56,7 @@ def anchor_offsets(robot: Robot, pose: Pose) -> Array:
     >>> anchor_offsets(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).shape
     (8, 3)
     """
-    _check_dimension(robot, pose)
+    check_dimension(robot, pose)
     return robot.anchor_points @ np.swapaxes(pose.rotation, -1, -2)
 
 
@@ -106,14 +106,15 @@ def _lengths_and_wrenches(robot: Robot, pose: Pose) -> tuple[Array, Array]:
     """l (…, m) and the whole W (…, 3 planar or 6 spatial, m)."""
     from ..compiled.columns import cables
 
-    _check_dimension(robot, pose)
+    check_dimension(robot, pose)
     d, batch = robot.dimension, pose.batch_shape
     lengths, W = cables(robot.exit_points, robot.anchor_points, pose.position.reshape(-1, d),
                         pose.rotation.reshape(-1, d, d))
     return lengths.reshape(batch + lengths.shape[1:]), W.reshape(batch + W.shape[1:])
 
 
-def _check_dimension(robot: Robot, pose: Pose) -> None:
+def check_dimension(robot: Robot, pose: Pose) -> None:
+    """Raises InvalidInput unless the pose lives in the robot's dimensions."""
     if pose.dimension != robot.dimension:
         raise InvalidInput(f"a {robot.motion_pattern} robot lives in {robot.dimension} dimensions, "
                            f"the pose has {pose.dimension}")

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, common_batch
 from ..errors import InvalidInput, NoConvergence
-from ..robot import Base, Robot
+from ..robot import Robot
 from ..robot.pose import Pose, rotation_from_vector, rotation_vector_jacobian
-from .cables import cable_directions, cable_lengths, cables_at
+from .cables import cable_directions, cable_lengths, cables_at, check_dimension
 
 Pivot = Literal["base", "world"]
 
@@ -46,10 +46,12 @@ def base_jacobian(robot: Robot, pose: Pose, pivot: Pivot = "base") -> Array:
         raise InvalidInput(f"pivot must be 'base' or 'world', got {pivot!r}")
     directions = cable_directions(robot, pose)
     columns = np.zeros((*directions.shape[:-1], 3 * len(robot.bases)))
-    for i, k in enumerate(robot.base_indices):
-        if k >= 0:
-            velocities = _exit_velocities(robot.bases[k], robot.exit_points[i], pivot)
-            columns[..., i, 3 * k:3 * k + 3] = -directions[..., i, :] @ velocities.T
+    for k, base in enumerate(robot.bases):
+        carried = np.equal(robot.base_indices, k)
+        u = directions[..., carried, :]
+        arms = robot.exit_points[carried] - (base.origin if pivot == "base" else 0.0)
+        columns[..., carried, 3 * k] = -cross(arms[:, :2], u[..., :2])[..., 0]
+        columns[..., carried, 3 * k + 1:3 * k + 3] = -u @ base.rotation[:, :2]
     return columns
 
 
@@ -75,9 +77,7 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance:
         raise InvalidInput(f"cable lengths must be positive [m], got {float(measured.min()):g}")
     if not tolerance > 0:
         raise InvalidInput(f"tolerance must be positive [m], got {tolerance!r}")
-    if guess.dimension != robot.dimension:
-        raise InvalidInput(f"a {robot.motion_pattern} robot lives in {robot.dimension} dimensions, "
-                           f"the guess has {guess.dimension}")
+    check_dimension(robot, guess)
     batch = common_batch("lengths", measured.shape[:-1], "a guess", guess.batch_shape)
     position = np.array(np.broadcast_to(guess.position, (*batch, robot.dimension)))
     rotation = np.array(np.broadcast_to(guess.rotation, (*batch, robot.dimension, robot.dimension)))
@@ -97,16 +97,6 @@ def cross(a: Array, b: Array) -> Array:
     if a.shape[-1] == 2:
         return (a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])[..., None]
     return np.cross(a, b)
-
-
-def _exit_velocities(base: Base, exit_point: Array, pivot: Pivot) -> Array:
-    """(3, d) rows ∂A/∂θ, ∂A/∂ρ₁, ∂A/∂ρ₂ of one exit point."""
-    center = base.origin if pivot == "base" else np.zeros_like(base.origin)
-    arm = exit_point - center
-    velocities = np.zeros((3, exit_point.shape[0]))
-    velocities[0, :2] = -arm[1], arm[0]
-    velocities[1:] = base.rotation[:, :2].T
-    return velocities
 
 
 def moved(robot: Robot, start: Pose, x: Array) -> Pose:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,11 +12,10 @@ from ..arrays import Array, as_array, as_number
 from ..errors import InvalidInput
 from ..robot.pose import (
     Pose,
-    cross_matrix,
     rotation_from_vector,
     rotation_vector,
-    rotation_vector_coefficients,
     rotation_vector_jacobian,
+    rotation_vector_jacobian_rate,
 )
 
 PEAK_SPEED = 15 / 8
@@ -43,17 +41,22 @@ class Trajectory:
 
     start, end : Pose
     duration : [s]
+    coefficients : (6, n) c_k of [p − p₀; r] = Σ c_k t^k, the rotation R₀ exp([r]×)
     """
 
     start: Pose
     end: Pose
     duration: float
-    _polynomial: Callable[[Array], tuple[Array, Array, Array]]
+    coefficients: Array
 
     def __call__(self, t: ArrayLike) -> Reference:
+        from numpy.polynomial.polynomial import polyder, polyval
+
         times = as_array(t, "t", (), "s", batch=True)
-        x, rate, bend = self._polynomial(np.clip(times, 0.0, self.duration))
-        resting = ((times < 0) | (times > self.duration))[..., None]
+        within = np.clip(times, 0.0, self.duration)
+        resting = (within != times)[..., None]
+        values = (polyval(within, polyder(self.coefficients, order)) for order in range(3))
+        x, rate, bend = (np.moveaxis(np.asarray(value, np.float64), 0, -1) for value in values)
         rate, bend = np.where(resting, 0.0, rate), np.where(resting, 0.0, bend)
         d = self.start.dimension
         rotation, spin, spin_rate = _turning(self.start.rotation, x[..., d:], rate[..., d:], bend[..., d:])
@@ -96,8 +99,12 @@ def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike |
     step = np.concatenate([end.position - start.position, turn])
     rate0, bend0 = _vector_rates(start.rotation, np.zeros_like(turn), ends[0], ends[2], d)
     rate1, bend1 = _vector_rates(start.rotation, turn, ends[1], ends[3], d)
-    coefficients = _coefficients(step, rate0, rate1, bend0, bend1, period)
-    return Trajectory(start, end, period, _Polynomial(coefficients))
+    # From 0 to the step with these rates and second derivatives at the ends: three powers are known, three are not.
+    powers = np.arange(3, 6)
+    at_end = np.stack([period**powers, powers * period**(powers - 1), powers * (powers - 1) * period**(powers - 2)])
+    missing = np.stack([step - rate0 * period - bend0 * period**2 / 2, rate1 - rate0 - bend0 * period, bend1 - bend0])
+    known = [np.zeros_like(step), rate0, bend0 / 2]
+    return Trajectory(start, end, period, np.concatenate([known, np.linalg.solve(at_end, missing)]))
 
 
 def rest_to_rest(share: ArrayLike) -> Array:
@@ -124,53 +131,15 @@ def hold(pose: Pose, duration: float) -> Trajectory:
     return quintic(pose, pose, duration)
 
 
-@dataclass(frozen=True)
-class _Polynomial:
-    """Value, first and second derivative of Σ c_k t^k; coefficients (6, n)."""
-
-    coefficients: Array
-
-    def __call__(self, t: Array) -> tuple[Array, Array, Array]:
-        from numpy.polynomial.polynomial import polyder, polyval
-
-        values = [polyval(t, polyder(self.coefficients, order) if order else self.coefficients)
-                  for order in (0, 1, 2)]
-        x, rate, bend = (np.moveaxis(np.asarray(value, dtype=np.float64), 0, -1) for value in values)
-        return x, rate, bend
-
-
-def _coefficients(step: Array, rate0: Array, rate1: Array, bend0: Array, bend1: Array, period: float) -> Array:
-    """(6, n) of the quintic from 0 to ``step`` with these rates and second derivatives at its ends."""
-    powers = np.arange(3, 6)
-    ends = np.stack([period**powers, powers * period**(powers - 1), powers * (powers - 1) * period**(powers - 2)])
-    missing = np.stack([step - rate0 * period - bend0 * period**2 / 2, rate1 - rate0 - bend0 * period, bend1 - bend0])
-    return np.concatenate([[np.zeros_like(step), rate0, bend0 / 2], np.linalg.solve(ends, missing)])
-
-
 def _turning(start: Array, vector: Array, rate: Array, bend: Array) -> tuple[Array, Array, Array]:
     """R, ω and ω̇ in world axes of R = R₀ exp([r]×): ω = R₀ J ṙ, ω̇ = R₀ (J r̈ + J̇ ṙ)."""
     rotation = start @ rotation_from_vector(vector)
     if vector.shape[-1] == 1:
         return rotation, rate, bend
-    j, j_rate = rotation_vector_jacobian(vector), _jacobian_rate(vector, rate)
+    j, j_rate = rotation_vector_jacobian(vector), rotation_vector_jacobian_rate(vector, rate)
     spin = (j @ rate[..., None])[..., 0]
     spin_rate = (j @ bend[..., None] + j_rate @ rate[..., None])[..., 0]
     return rotation, spin @ start.T, spin_rate @ start.T
-
-
-def _jacobian_rate(vector: Array, rate: Array) -> Array:
-    """dJ/dt of J = I + b [r]× + c [r]×², with b, c of the angle θ = ‖r‖ and θ̇ θ = r · ṙ."""
-    angle = np.linalg.norm(vector, axis=-1)
-    b, c = rotation_vector_coefficients(angle)
-    along = (vector * rate).sum(axis=-1)
-    # db/dt = (1 − θ² c − 2b) (r·ṙ)/θ² and dc/dt = (b − 3c) (r·ṙ)/θ², with their limits −1/12 and −1/60 at θ = 0.
-    small = angle < 1e-2
-    square = np.where(small, 1.0, angle**2)
-    b_rate = along * np.where(small, -1 / 12 + angle**2 / 180, (1 - angle**2 * c - 2 * b) / square)
-    c_rate = along * np.where(small, -1 / 60 + angle**2 / 1260, (b - 3 * c) / square)
-    k, k_rate = cross_matrix(vector), cross_matrix(rate)
-    b, c, b_rate, c_rate = (x[..., None, None] for x in (b, c, b_rate, c_rate))
-    return b_rate * k + b * k_rate + c_rate * (k @ k) + c * (k_rate @ k + k @ k_rate)
 
 
 def _vector_rates(start: Array, vector: Array, twist: Array, acceleration: Array, d: int) -> tuple[Array, Array]:
@@ -179,5 +148,5 @@ def _vector_rates(start: Array, vector: Array, twist: Array, acceleration: Array
         return twist, acceleration
     inverse = np.linalg.inv(rotation_vector_jacobian(vector))
     rate = inverse @ (start.T @ twist[d:])
-    bend = inverse @ (start.T @ acceleration[d:] - _jacobian_rate(vector, rate) @ rate)
+    bend = inverse @ (start.T @ acceleration[d:] - rotation_vector_jacobian_rate(vector, rate) @ rate)
     return np.concatenate([twist[:d], rate]), np.concatenate([acceleration[:d], bend])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, as_number, frozen
 from ..errors import InvalidInput, Location
+from .pose import turned_to
 
 DECK_HEIGHT = 0.25
 """[m] Up to which a mobile base is drawn and, in the plane, solid."""
@@ -69,11 +69,6 @@ class Platform:
         object.__setattr__(self, "inertia", _checked_inertia(self.inertia, self.size.size))
         if (self.size <= 0).any():
             raise InvalidInput(f"size must be positive along every edge [m], got {self.size.tolist()}", ("size",))
-
-    @cached_property
-    def is_off_center(self) -> bool:
-        """Whether the center of mass is not at P."""
-        return bool(self.center_of_mass.any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,19 +155,6 @@ class Elasticity:
     damping: float = 0.0
 
 
-def turned_to(heading: float, d: int) -> Array:
-    """(d, d) rotation of what stands on the floor at this heading [rad].
-
-    >>> turned_to(0.0, 2)
-    array([[ 1., -0.],
-           [ 0.,  1.]])
-    """
-    c, s = np.cos(heading), np.sin(heading)
-    rotation = np.eye(d)
-    rotation[:2, :2] = [[c, -s], [s, c]]
-    return rotation
-
-
 def check_order(tension_min: float, tension_max: float) -> None:
     """Raises InvalidInput unless the limits are in order [N]."""
     if tension_min > tension_max:
@@ -248,7 +230,9 @@ def _counter_clockwise(footprint: ArrayLike, d: int) -> Array:
         return frozen(np.zeros((0, 2)))
     points = as_array(footprint, "footprint", ("k", 2), "m", location=("footprint",))
     if d == 2:
-        return _planar_contacts(points)
+        if points.shape[0] != 2 or points[0, 0] == points[1, 0]:
+            raise InvalidInput("a planar footprint is two contacts with different x", ("footprint",))
+        return points
     edges = np.roll(points, -1, axis=0) - points
     following = np.roll(edges, -1, axis=0)
     turns = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
@@ -259,8 +243,3 @@ def _counter_clockwise(footprint: ArrayLike, d: int) -> Array:
                            "and none on an edge", ("footprint",))
     return points if turns[0] > 0 else frozen(np.concatenate([points[:1], points[:0:-1]]))
 
-
-def _planar_contacts(points: Array) -> Array:
-    if points.shape[0] != 2 or points[0, 0] == points[1, 0]:
-        raise InvalidInput("a planar footprint is two contacts with different x", ("footprint",))
-    return points

@@ -32,12 +32,14 @@ class Pose:
 
     def __init__(self, position: ArrayLike, rpy: ArrayLike | None = None, *,
                  angle: ArrayLike | None = None, matrix: ArrayLike | None = None) -> None:
-        place = _position(position)
+        place = as_array(position, "position", ("d",), "m", batch=True)
+        d = place.shape[-1]
+        if d not in (2, 3):
+            raise InvalidInput(f"position must be 2 (planar) or 3 (spatial) numbers [m], got {d}")
         if sum(given is not None for given in (rpy, angle, matrix)) > 1:
             raise InvalidInput("a Pose takes one orientation: rpy, angle or matrix, not several of them")
-        rotation = _rotation(place.shape[-1], rpy, angle, matrix)
+        rotation = _rotation(d, rpy, angle, matrix)
         batch = common_batch("positions", place.shape[:-1], "orientations", rotation.shape[:-2])
-        d = place.shape[-1]
         object.__setattr__(self, "position", frozen(np.broadcast_to(place, (*batch, d))))
         object.__setattr__(self, "rotation", frozen(np.broadcast_to(rotation, (*batch, d, d))))
 
@@ -152,6 +154,21 @@ def turn_about_axes(R: Any) -> tuple[Any, Any, Any]:
     return x * factor, y * factor, z * factor
 
 
+def turned_to(heading: Array | float, d: int) -> Array:
+    """(…, d, d) rotation of what stands on the floor, or in the plane, at this heading (…) [rad].
+
+    >>> turned_to(0.0, 2)
+    array([[ 1., -0.],
+           [ 0.,  1.]])
+    """
+    c, s = np.cos(heading), np.sin(heading)
+    rotation = np.zeros((*c.shape, d, d))
+    rotation[...] = np.eye(d)
+    rotation[..., 0, 0] = rotation[..., 1, 1] = c
+    rotation[..., 0, 1], rotation[..., 1, 0] = -s, s
+    return rotation
+
+
 def rotation_from_vector(vector: Array) -> Array:
     """Rotation matrices of rotation vectors, R = exp([r]×).
 
@@ -162,9 +179,9 @@ def rotation_from_vector(vector: Array) -> Array:
     np.float64(-1.0)
     """
     if vector.shape[-1] == 1:
-        return _turn(vector[..., 0])
+        return turned_to(vector[..., 0], 2)
     angle = np.linalg.norm(vector, axis=-1)
-    b, c = rotation_vector_coefficients(angle)
+    b, c = _coefficients(angle)
     k = cross_matrix(vector)
     # I + sin θ/θ [r]× + (1 − cos θ)/θ² [r]×²
     return np.eye(3) + (1 - angle**2 * c)[..., None, None] * k + b[..., None, None] * (k @ k)
@@ -198,19 +215,35 @@ def rotation_vector_jacobian(vector: Array) -> Array:
     >>> rotation_vector_jacobian(np.zeros(3))[0]
     array([1., 0., 0.])
     """
-    b, c = rotation_vector_coefficients(np.linalg.norm(vector, axis=-1))
+    b, c = _coefficients(np.linalg.norm(vector, axis=-1))
     k = cross_matrix(vector)
     return np.eye(3) + b[..., None, None] * k + c[..., None, None] * (k @ k)
 
 
-def rotation_vector_coefficients(angle: Array) -> tuple[Array, Array]:
-    """(1 − cos θ)/θ² and (θ − sin θ)/θ³, by their series where the quotients would cancel.
+def rotation_vector_jacobian_rate(vector: Array, rate: Array) -> Array:
+    """dJ_l/dt of J_l = I + b [r]× + c [r]×², with b, c of the angle θ = ‖r‖ and θ̇ θ = r · ṙ.
 
-    angle : (…) θ [rad]
+    vector, rate : r, ṙ (…, 3) [rad, rad/s]
+    Returns (…, 3, 3).
 
-    >>> [float(c) for c in rotation_vector_coefficients(np.array(0.0))]
-    [0.5, 0.16666666666666666]
+    >>> rotation_vector_jacobian_rate(np.zeros(3), np.array([0.0, 0.0, 2.0]))[1, 0]
+    np.float64(1.0)
     """
+    angle = np.linalg.norm(vector, axis=-1)
+    b, c = _coefficients(angle)
+    along = (vector * rate).sum(axis=-1)
+    # db/dt = (1 − θ² c − 2b) (r·ṙ)/θ² and dc/dt = (b − 3c) (r·ṙ)/θ², with their limits −1/12 and −1/60 at θ = 0.
+    small = angle < 1e-2
+    square = np.where(small, 1.0, angle**2)
+    b_rate = along * np.where(small, -1 / 12 + angle**2 / 180, (1 - angle**2 * c - 2 * b) / square)
+    c_rate = along * np.where(small, -1 / 60 + angle**2 / 1260, (b - 3 * c) / square)
+    k, k_rate = cross_matrix(vector), cross_matrix(rate)
+    b, c, b_rate, c_rate = (x[..., None, None] for x in (b, c, b_rate, c_rate))
+    return b_rate * k + b * k_rate + c_rate * (k @ k) + c * (k_rate @ k + k @ k_rate)
+
+
+def _coefficients(angle: Array) -> tuple[Array, Array]:
+    """b = (1 − cos θ)/θ² and c = (θ − sin θ)/θ³, by their series where the quotients would cancel."""
     # Below 0.05 rad the next term of each series is under 1e-17 of the first.
     small = angle < 0.05
     theta = np.where(small, 1.0, angle)
@@ -222,20 +255,18 @@ def rotation_vector_coefficients(angle: Array) -> tuple[Array, Array]:
     return b, c
 
 
-def _position(position: ArrayLike) -> Array:
-    array = as_array(position, "position", ("d",), "m", batch=True)
-    if array.shape[-1] not in (2, 3):
-        raise InvalidInput(f"position must be 2 (planar) or 3 (spatial) numbers [m], got {array.shape[-1]}")
-    return array
-
-
 def _rotation(d: int, rpy: ArrayLike | None, angle: ArrayLike | None, matrix: ArrayLike | None) -> Array:
     if matrix is not None:
-        return _checked_matrix(as_array(matrix, "matrix", (d, d), batch=True))
+        R = as_array(matrix, "matrix", (d, d), batch=True)
+        # 1e-6 lets float32 and printed matrices in; anything further off is a mistake, not rounding.
+        error = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(d)).max(initial=0.0)
+        if error > 1e-6 or (np.linalg.det(R) < 0).any():
+            raise InvalidInput(f"matrix must be a rotation (orthonormal, determinant +1); it is off by {error:.2g}")
+        return R
     if d == 2:
         if rpy is not None:
             raise InvalidInput("a planar pose takes angle=, not rpy=", ("rpy",))
-        return _turn(as_array(0.0 if angle is None else angle, "angle", (), "rad", batch=True))
+        return turned_to(as_array(0.0 if angle is None else angle, "angle", (), "rad", batch=True), 2)
     if angle is not None:
         raise InvalidInput("a spatial pose takes rpy=, not angle=", ("angle",))
     if rpy is None:
@@ -243,20 +274,6 @@ def _rotation(d: int, rpy: ArrayLike | None, angle: ArrayLike | None, matrix: Ar
     angles = as_array(rpy, "rpy", (3,), "rad", batch=True)
     Rx, Ry, Rz = np.moveaxis(rotation_from_vector(angles[..., None] * np.eye(3)), -3, 0)
     return Rz @ Ry @ Rx
-
-
-def _checked_matrix(matrix: Array) -> Array:
-    # 1e-6 lets float32 and printed matrices in; anything further off is a mistake, not rounding.
-    error = np.abs(np.swapaxes(matrix, -1, -2) @ matrix - np.eye(matrix.shape[-1])).max(initial=0.0)
-    if error > 1e-6 or (np.linalg.det(matrix) < 0).any():
-        raise InvalidInput("matrix must be a rotation (orthonormal, determinant +1); "
-                           f"it is off by {error:.2g}")
-    return matrix
-
-
-def _turn(angle: Array) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)
 
 
 def _short(values: Array) -> str:

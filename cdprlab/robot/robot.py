@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, as_number, frozen
-from ..errors import InvalidInput
+from ..errors import InvalidInput, under
 from .parts import Base, Cable, Elasticity, Platform, Winch
 from .pattern import MotionPattern
 
@@ -36,14 +36,12 @@ class Robot:
     gravity: float = STANDARD_GRAVITY
     winch: Winch | None = None
     elasticity: Elasticity | None = None
-    _base_of: dict[str, int] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
         set_(self, "cables", tuple(self.cables))
         set_(self, "bases", tuple(self.bases))
         set_(self, "gravity", as_number(self.gravity, "gravity", "m/s²", minimum=0.0, location=("gravity",)))
-        set_(self, "_base_of", {base.name: k for k, base in enumerate(self.bases)})
         self._check_bases()
         self._check_cables()
 
@@ -94,6 +92,10 @@ class Robot:
     def speed_max(self) -> Array:
         """(m,) largest |l̇| [m/s]."""
         return frozen(np.array([cable.speed_max for cable in self.cables]))
+
+    @cached_property
+    def _base_of(self) -> dict[str, int]:
+        return {base.name: k for k, base in enumerate(self.bases)}
 
     @cached_property
     def base_indices(self) -> tuple[int, ...]:
@@ -164,10 +166,8 @@ class Robot:
             raise InvalidInput(f"platform vectors must be {self.dimension} numbers in a {self.motion_pattern} robot",
                                ("platform",))
         for i, cable in enumerate(self.cables):
-            try:
+            with under("cables", i):
                 self._check_cable(cable)
-            except InvalidInput as error:
-                raise error.below("cables", i) from None
 
     def _check_cable(self, cable: Cable) -> None:
         if cable.exit_point.shape[0] != self.dimension:

@@ -6,7 +6,6 @@ Reading, writing, the JSON Schema and the designer's fields follow from here.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -15,8 +14,9 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, model_validator
 
 from ..arrays import frozen
-from ..errors import InvalidInput, Location
+from ..errors import InvalidInput, Location, under
 from ..robot import (
+    MOTION_PATTERNS,
     STANDARD_GRAVITY,
     Base,
     Cable,
@@ -26,7 +26,6 @@ from ..robot import (
     Winch,
     box_inertia,
     check_order,
-    motion_pattern,
 )
 from ..robot.pose import Pose
 from .model import Box, PickAndPlace, Scene, Task
@@ -425,7 +424,7 @@ class PickAndPlaceTask(TaskBlock):
         if robot.dimension == 2 or not robot.bases:
             raise InvalidInput("pick_and_place needs a spatial robot with mobile bases", ("kind",))
         if self.coupled:
-            with _under("coupled", "base"):
+            with under("coupled", "base"):
                 robot.base(self.coupled.base)
         return super().task(pose, robot)
 
@@ -453,13 +452,13 @@ class WorldFile(Block):
 
     def words(self, d: int) -> Words:
         """The arguments of a `World`, but its document."""
-        pattern = motion_pattern(self.motion_pattern)
+        pattern = MOTION_PATTERNS[self.motion_pattern]
         if self.engine not in (None, pattern.engine):
             raise InvalidInput(f"motion pattern {pattern.name} runs in the {pattern.engine} engine, "
                                f"not {self.engine!r}", ("engine",))
         cables = []
         for i, block in enumerate(self.cables):
-            with _under("cables", i):
+            with under("cables", i):
                 cables.append(block.cable(self.cable_limits, d))
         robot = Robot(pattern, self.platform.part(d), tuple(cables), tuple(base.part(d) for base in self.bases),
                       self.gravity, self.winch.part(d) if self.winch else None,
@@ -467,7 +466,7 @@ class WorldFile(Block):
         pose = self.platform.pose.part(d)
         tasks = {"default": Task("hold", pose, pose, 2.0)}
         for name, task in self.tasks.items():
-            with _under("tasks", name):
+            with under("tasks", name):
                 tasks[name] = task.task(pose, robot)
         return {"name": self.name, "title": self.title, "source": self.source, "robot": robot, "pose": pose,
                 "scene": self.scene.part(d), "tasks": tasks}
@@ -515,11 +514,3 @@ def _said(value: Any) -> Any:
     """A part's value as a file has it: "unlimited" is said by leaving it out."""
     plain = value.tolist() if hasattr(value, "tolist") else value
     return None if plain == float("inf") else plain
-
-
-@contextmanager
-def _under(*prefix: str | int) -> Iterator[None]:
-    try:
-        yield
-    except InvalidInput as error:
-        raise error.below(*prefix) from None
