@@ -59,10 +59,9 @@ class PlanarSimulator(Simulator):
         self._pulls = [0.0] * robot.n_cables
         self._reach = 20 * (1 + float(np.abs(robot.exit_points).max() + np.abs(start.position).max()))
         # A new space: nothing of the last run, such as an impulse kept for the solver's start, stays behind.
-        self.space = self._space = PlanarSpace(self._pymunk, self.world, start, self._iterations)
+        self.space = self._space = PlanarSpace(self._pymunk, self.world, start, self._iterations,
+                                               self._order if self.is_wound else ())
         self.space.place_bases(self.bases, self.dt)
-        if self.is_wound:
-            self.space.tie(self.bases.exits.tolist(), self._anchors, self._order)
         self._string()
         self._look()
         self.paid_out = self._lengths if self.is_wound else []
@@ -77,16 +76,21 @@ class PlanarSimulator(Simulator):
     def reel(self, lengths: list[float]) -> None:
         if self.pushed is not None:
             self._load([])
-        rate = -1 / self.dt
-        speeds = [(length * rate * ux, length * rate * uy) for length, (ux, uy) in zip(lengths, self._directions)]
+        dt, space, rate = self.dt, self.space, -1 / self.dt
+        speeds: list[float] = []
+        for length, (ux, uy) in zip(lengths, self._directions):
+            speeds += length * rate * ux, length * rate * uy
         if self.bases.moving:   # the reels are where their bases are, and move with them
-            speeds = (self.bases.exit_velocities + speeds).tolist()
-        self.space.reel(speeds, self._velocity)
+            speeds = (self.bases.exit_velocities.ravel() + speeds).tolist()
+        space.reel(self._velocity, speeds)
         self._advance()
-        self._pulls = self.space.rope_tensions(self.dt)
+        self._pulls = [rope.impulse / dt for rope in space.ropes]
+        for cable in self.cut_cables:
+            self._pulls[cable] = 0.0
 
     def sever(self, cable: int) -> None:
-        self.space.untie(cable)
+        if self.is_wound:
+            self.space.space.remove(self.space.ropes[cable])
         self._pulls[cable] = 0.0
 
     def drive(self, speeds: ArrayLike) -> Array:
@@ -163,7 +167,7 @@ class PlanarSimulator(Simulator):
         moving = self.bases.moving
         if moving:
             self.space.place_bases(self.bases, self.dt)
-        self.space.step(self.dt)
+        self.space.space.step(self.dt)
         if moving:
             self.bases.advance()
             self._string()
@@ -176,9 +180,9 @@ class PlanarSimulator(Simulator):
 
     def _look(self) -> None:
         """Where the platform is about to be, and the cables there; plain floats, which are quicker than arrays."""
-        body, dt, reach = self.space.body, self.dt, self._reach
-        (x, y), (vx, vy), spin = body.position, body.velocity, body.angular_velocity
-        x, y, angle = x + vx * dt, y + vy * dt, body.angle + spin * dt
+        dt, reach = self.dt, self._reach
+        x, y, angle, vx, vy, spin = self.space.motion()
+        x, y, angle = x + vx * dt, y + vy * dt, angle + spin * dt
         if not (-reach < x < reach and -reach < y < reach and -math.tau < spin * dt < math.tau):
             self.diverge()
         c, s = math.cos(angle), math.sin(angle)

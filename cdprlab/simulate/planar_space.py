@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from functools import reduce
-from itertools import chain, permutations
+from itertools import permutations
 from struct import Struct
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arrays import Array
 from ..mechanics.statics import wrench_matrix
 from ..robot import Base
 from ..robot.parts import DECK_HEIGHT
@@ -34,26 +35,42 @@ class PlanarSpace:
     pymunk : the module
     start : the platform's pose
     iterations : of the constraint solver
+    order : in which the solver takes the ropes, a rope of length zero each from a reel to the platform; empty: no ropes
     """
 
-    def __init__(self, pymunk: Any, world: World, start: Pose, iterations: int) -> None:
-        self._pymunk, robot = pymunk, world.robot
-        self._ropes: list[Any] = []
-        self._cut: set[int] = set()
-        self._put, self._batch = pymunk.batch.set_space_bodies, pymunk.batch.Buffer()
-        self._field = pymunk.batch.BodyFields.VELOCITY
-        self.space = pymunk.Space()
-        self.space.gravity, self.space.iterations = (0.0, -robot.gravity), iterations
-        body = self.body = pymunk.Body(robot.mass, float(robot.platform.inertia))
-        body.position = (start.position + start.rotation @ robot.platform.center_of_mass).tolist()
+    def __init__(self, pymunk: Any, world: World, start: Pose, iterations: int, order: Sequence[int]) -> None:
+        self._pymunk, self._batch, robot, platform = pymunk, pymunk.batch, world.robot, world.robot.platform
+        space = self.space = pymunk.Space()
+        space.gravity, space.iterations = (0.0, -robot.gravity), iterations
+        body = self.body = pymunk.Body(robot.mass, float(platform.inertia))
+        body.position = (start.position + start.rotation @ platform.center_of_mass).tolist()
         body.angle = float(start.angle)
-        outline = robot.platform.center - robot.platform.center_of_mass + _CORNERS * robot.platform.size
-        self.space.add(body, self._solid(body, outline))
+        space.add(body, self._solid(body, platform.center - platform.center_of_mass + _CORNERS * platform.size))
         if robot.motion_pattern == "1T":
-            self._run_on_a_rail(float(start.position[1]))
-        self._make_scene(world)
+            # The cables control x alone: a rail along x carries the rest.
+            body.moment, height = math.inf, float(start.position[1])
+            rail = pymunk.GrooveJoint(space.static_body, body, (-1e3, height), (1e3, height), (0, 0))
+            rail.error_bias = 0.0
+            space.add(rail)
+        ground, floor = space.static_body, world.scene.floor_height
+        space.add(self._solid(ground, [(x, floor + y) for x in (-1e3, 1e3) for y in (-1.0, 0.0)]))
+        for box in world.scene.boxes:
+            turn = Pose([0.0, 0.0], angle=box.yaw).rotation
+            space.add(self._solid(ground, box.position + _CORNERS * box.size @ turn.T))
         self._bases = [self._base_body(base) for base in robot.bases]
-        self.step = self.space.step
+        self.ropes = [self._rope(anchor) for anchor in robot.anchor_points - platform.center_of_mass] if order else []
+        space.add(*[self.ropes[i] for i in order])
+        # What is read and set every step, in one call each, in the engine's order: what moves, then what does not, as
+        # it was added. Setting the reels one by one would take twice the time.
+        fields = pymunk.batch.BodyFields
+        self._motion = fields.POSITION | fields.ANGLE | fields.VELOCITY | fields.ANGULAR_VELOCITY
+        self._velocity, self._seen, self._set = fields.VELOCITY, pymunk.batch.Buffer(), pymunk.batch.Buffer()
+        self._batch.get_space_bodies(space, self._motion, self._seen)
+        self._numbers, self._unpack = self._seen.float_buf(), Struct("6d").unpack_from
+        self._still = [0.0, 0.0] * (1 + len(self._bases))   # the ground, and bases, which `place_bases` drives
+        rows = Struct(f"{2 + len(self._still) + 2 * len(self.ropes)}d")
+        self._pack, self._velocities = rows.pack_into, bytearray(rows.size)
+        self._set.set_float_buf(self._velocities)
 
     def clear(self) -> None:
         """Take everything out of the space. pymunk aborts where Python frees a body while pymunk frees its space."""
@@ -65,74 +82,26 @@ class PlanarSpace:
             body.velocity, body.angular_velocity = (vx, vy), spin
             body.position, body.angle = (x - vx * dt, y - vy * dt), heading - spin * dt
             self.space.reindex_shapes_for_body(body)
-        for rope, place in zip(self._ropes, bases.exits.tolist()):
+        for rope, place in zip(self.ropes, bases.exits.tolist()):
             rope.a.position = place
 
-    def tie(self, exits: list[list[float]], anchors: list[list[float]], order: Iterable[int]) -> None:
-        """A rope of length zero from a reel at each exit point to the platform, anchors from its center of mass.
+    def motion(self) -> tuple[float, ...]:
+        """The platform's x, y, angle and their rates [m, rad, m/s, rad/s]."""
+        self._seen.clear()
+        self._batch.get_space_bodies(self.space, self._motion, self._seen)
+        return self._unpack(self._numbers)
 
-        order : in which the solver takes them
-        """
-        for exit_point, anchor in zip(exits, anchors):
-            reel = self._pymunk.Body(body_type=self._pymunk.Body.STATIC)
-            reel.position = exit_point
-            rope = self._pymunk.SlideJoint(reel, self.body, (0, 0), anchor, 0.0, 0.0)
-            rope.error_bias = 0.0
-            self._ropes.append(rope)
-        self._order = tuple(order)
-        for i in self._order:
-            self.space.add(self._ropes[i].a, self._ropes[i])
-        # In the engine's order: what moves, then what does not, as it was added.
-        rows = Struct(f"{2 * (2 + len(self._bases) + len(self._ropes))}d")
-        self._still = [0.0, 0.0] * (1 + len(self._bases))   # the ground, and bases, which `place_bases` drives
-        self._pack, self._velocities = rows.pack_into, bytearray(rows.size)
-        self._batch.set_float_buf(self._velocities)
-
-    def untie(self, cable: int) -> None:
-        """Take a rope out."""
-        if self._ropes:
-            self.space.remove(self._ropes[cable])
-            self._cut.add(cable)
-
-    def reel(self, speeds: list[tuple[float, float]], velocity: tuple[float, float]) -> None:
-        """Set the reels' speeds [m/s], all at once, which costs half as much as one after the other.
-
-        velocity : of the platform, which stays as it is [m/s]
-        """
-        self._pack(self._velocities, 0, *velocity, *self._still,
-                   *chain.from_iterable([speeds[i] for i in self._order]))
-        self._put(self.space, self._field, self._batch)
-
-    def rope_tensions(self, dt: float) -> list[float]:
-        """What each rope pulled during the last step [N]."""
-        if self._cut:
-            return [0.0 if i in self._cut else rope.impulse / dt for i, rope in enumerate(self._ropes)]
-        return [rope.impulse / dt for rope in self._ropes]
+    def reel(self, velocity: tuple[float, float], speeds: list[float]) -> None:
+        """Set the reels' speeds, x and y of one after the other; the platform keeps its velocity [m/s]."""
+        self._pack(self._velocities, 0, *velocity, *self._still, *speeds)
+        self._batch.set_space_bodies(self.space, self._velocity, self._set)
 
     def contact_force(self, dt: float) -> float:
         """Sum of the normal forces on the platform during the last step [N]."""
-        total = 0.0
-
-        def add(arbiter: Any) -> None:
-            nonlocal total
-            total += abs(arbiter.total_impulse.dot(arbiter.contact_point_set.normal)) / dt
-
-        self.body.each_arbiter(add)
-        return total
-
-    def _run_on_a_rail(self, height: float) -> None:
-        """In 1T the cables control x alone: a rail along x carries the rest."""
-        self.body.moment = math.inf
-        rail = self._pymunk.GrooveJoint(self.space.static_body, self.body, (-1e3, height), (1e3, height), (0, 0))
-        rail.error_bias = 0.0
-        self.space.add(rail)
-
-    def _make_scene(self, world: World) -> None:
-        ground, floor = self.space.static_body, world.scene.floor_height
-        self.space.add(self._solid(ground, [(x, floor + y) for x in (-1e3, 1e3) for y in (-1.0, 0.0)]))
-        for box in world.scene.boxes:
-            turn = Pose([0.0, 0.0], angle=box.yaw).rotation
-            self.space.add(self._solid(ground, box.position + _CORNERS * box.size @ turn.T))
+        forces: list[float] = []
+        self.body.each_arbiter(lambda arbiter: forces.append(
+            abs(arbiter.total_impulse.dot(arbiter.contact_point_set.normal)) / dt))
+        return sum(forces)
 
     def _base_body(self, base: Base) -> Any:
         """Kinematic: it drives as told and no cable moves it. Its deck, over the footprint, is solid."""
@@ -142,6 +111,14 @@ class PlanarSpace:
             left, right = sorted(base.footprint[:, 0].tolist())
             self.space.add(self._solid(body, [(left, 0.0), (right, 0.0), (right, DECK_HEIGHT), (left, DECK_HEIGHT)]))
         return body
+
+    def _rope(self, anchor: Array) -> Any:
+        """From a reel of its own to a point of the platform seen from its center of mass."""
+        reel = self._pymunk.Body(body_type=self._pymunk.Body.STATIC)
+        self.space.add(reel)
+        rope = self._pymunk.SlideJoint(reel, self.body, (0, 0), anchor.tolist(), 0.0, 0.0)
+        rope.error_bias = 0.0
+        return rope
 
     def _solid(self, body: Any, corners: ArrayLike) -> Any:
         shape = self._pymunk.Poly(body, np.asarray(corners, dtype=float).tolist())
