@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -56,9 +56,8 @@ def plot_tracking(run: Run) -> Figure:
     with house_style():
         rows = _tracking_rows(run)
         figure = Figure(figsize=(8.0, 1.6 + 2 * rows), layout="constrained")
-        _tracking_panels(figure, figure.subplots(rows), run)
-        figure.alt_text = f"Tracking of {_subject(run)}. {_tracking_in_words(run)}"
-        return figure
+        _tracking_panels(figure.subplots(rows), run)
+        return _told(figure, run, "Tracking", _tracking_in_words(run))
 
 
 def plot_tensions(run: Run) -> Figure:
@@ -68,9 +67,19 @@ def plot_tensions(run: Run) -> Figure:
     """
     with house_style():
         figure = Figure(figsize=(8.0, 6.4), layout="constrained")
-        _tension_panels(figure, figure.subplots(2, height_ratios=[2, 1]), run)
-        figure.alt_text = f"Cable tensions of {_subject(run)}. {_tensions_in_words(run)}"
-        return figure
+        _tension_panels(figure.subplots(2, height_ratios=[2, 1]), run)
+        return _told(figure, run, "Cable tensions", _tensions_in_words(run))
+
+
+def plot_run(run: Run) -> Figure:
+    """Both of them side by side."""
+    with house_style():
+        figure = Figure(figsize=(13.0, 7.8), layout="constrained")
+        rows = _tracking_rows(run)
+        grid = figure.add_gridspec(rows, 2, wspace=0.06)
+        _tracking_panels([figure.add_subplot(grid[row, 0]) for row in range(rows)], run)
+        _tension_panels([figure.add_subplot(grid[:-1, 1]), figure.add_subplot(grid[-1, 1])], run)
+        return _told(figure, run, "Overview", f"{_tracking_in_words(run)} {_tensions_in_words(run)}")
 
 
 def save_figure(figure: matplotlib.figure.Figure, path: str | Path) -> Path:
@@ -98,22 +107,17 @@ def checked_path(path: str | Path, ending: str = "") -> Path:
 
 
 # --- figures and panels -----------------------------------------------------------------------------------
-def plot_run(run: Run) -> Figure:
-    """Both of them side by side."""
-    with house_style():
-        figure = Figure(figsize=(13.0, 7.8), layout="constrained")
-        rows = _tracking_rows(run)
-        grid = figure.add_gridspec(rows, 2, wspace=0.06)
-        _tracking_panels(figure, [figure.add_subplot(grid[row, 0]) for row in range(rows)], run)
-        _tension_panels(figure, [figure.add_subplot(grid[:-1, 1]), figure.add_subplot(grid[-1, 1])], run)
-        figure.alt_text = f"Overview of {_subject(run)}. {_tracking_in_words(run)} {_tensions_in_words(run)}"
-        return figure
+def _told(figure: Figure, run: Run, what: str, words: str) -> Figure:
+    """A figure with title and description."""
+    title, method = f"{run.world.title} · task {run.task}", run.method.replace("_", " ")
+    fitted_title(figure, f"{title} · {method}")
+    figure.alt_text = (f"{what} of {run.world.title}, task {run.task}, {method}, cables as {run.cables}, "
+                       f"{run.time[-1]:.3g} s. {words}")
+    return figure
 
 
-def _share_time(figure: Figure, axes: Sequence[Axes], run: Run) -> None:
-    """Title, one time axis for panels above each other."""
-    method = run.method.replace("_", " ")
-    fitted_title(figure, f"{run.world.title} · task {run.task} · {method}")
+def _share_time(axes: Sequence[Axes], run: Run) -> None:
+    """One time axis for panels above each other."""
     end = float(run.time[-1]) if len(run.time) and run.time[-1] > 0 else 1.0
     for panel in axes:
         panel.set_xlim(0.0, end)
@@ -127,9 +131,9 @@ def _tracking_rows(run: Run) -> int:
     return 3 if run.errors.shape[1] > run.world.robot.dimension else 2
 
 
-def _tracking_panels(figure: Figure, axes: Sequence[Axes], run: Run) -> None:
+def _tracking_panels(axes: Sequence[Axes], run: Run) -> None:
     d = run.world.robot.dimension
-    _share_time(figure, axes, run)
+    _share_time(axes, run)
     _position_panel(axes[0], run)
     _error_panel(axes[1], run.time, 1e3 * run.errors[:, :d], axis_names(d), "position error [mm]",
                  "Position error, reference − actual")
@@ -141,41 +145,36 @@ def _tracking_panels(figure: Figure, axes: Sequence[Axes], run: Run) -> None:
 
 def _position_panel(panel: Axes, run: Run) -> None:
     actual, wanted, names = run.poses.position, run.reference.pose.position, axis_names(run.world.robot.dimension)
-    for axis, color in zip(range(actual.shape[1]), AXIS_COLORS):
-        panel.plot(run.time, wanted[:, axis], color=color, linewidth=6, alpha=0.28, solid_capstyle="butt",
-                   label=f"_reference {names[axis]}")
+    draw_lines(panel, run.time, wanted, names, [LineStyle(color, "solid") for color in AXIS_COLORS], linewidth=6,
+               alpha=0.28, solid_capstyle="butt")
     draw_lines(panel, run.time, actual, names, AXIS_STYLES)
-    panel.set_ylabel("position [m]")
-    panel.set_title("Position of P")
+    panel.set(ylabel="position [m]", title="Position of P")
     handles = [Line2D([], [], color=INK, linewidth=6, alpha=0.28, label="reference"),
                Line2D([], [], color=INK, label="actual")]
     _legend_above(panel, handles)
-    label_ends(panel, actual.T, names, AXIS_COLORS)
+    label_ends(panel, actual, names, AXIS_COLORS)
 
 
 def _error_panel(panel: Axes, time: Array, errors: Array, names: Sequence[str], label: str, title: str) -> None:
     colors = AXIS_COLORS if errors.shape[1] > 1 else (INK,)
     draw_lines(panel, time, errors, names, list(map(LineStyle, colors, AXIS_DASHES)), linewidth=1.4)
-    norm = np.linalg.norm(errors, axis=1)
-    handles = []
     if errors.shape[1] > 1:
-        panel.plot(time, norm, color=INK, linewidth=1.0, linestyle=(0, (1, 1.5)), label="norm")
-        handles = [Line2D([], [], color=INK, linewidth=1.0, linestyle=(0, (1, 1.5)), label="norm")]
+        _legend_above(panel, panel.plot(time, np.linalg.norm(errors, axis=1), color=INK, linewidth=1.0,
+                                        linestyle=(0, (1, 1.5)), label="norm"))
     _around_zero(panel)
-    panel.set_ylabel(label)
-    panel.set_title(title)
-    _legend_above(panel, handles)
-    label_ends(panel, errors.T, names, colors)
+    panel.set(ylabel=label, title=title)
+    label_ends(panel, errors, names, colors)
 
 
 # --- tensions ---------------------------------------------------------------------------------------------
-def _tension_panels(figure: Figure, axes: Sequence[Axes], run: Run) -> None:
+def _tension_panels(axes: Sequence[Axes], run: Run) -> None:
     """Tensions above; below what measured ones differ by, or how slack ropes are that were wound to lengths."""
     above, below = axes
-    _share_time(figure, axes, run)
+    _share_time(axes, run)
     wound = run.commanded_lengths is not None
     every = max(1, len(run.time) // _MARKERS)
-    for cable, (shown, measured, below_it) in enumerate(zip(_shown(run).T, run.measured_tensions.T, _below(run).T)):
+    cables = range(run.world.robot.n_cables)
+    for cable, shown, measured, below_it in zip(cables, _shown(run).T, run.measured_tensions.T, _below(run).T):
         color, dashes = cable_style(cable)
         above.plot(run.time, shown, color=color, linestyle=dashes, label=f"cable {cable + 1}")
         if not wound:
@@ -199,7 +198,7 @@ def _tension_panels(figure: Figure, axes: Sequence[Axes], run: Run) -> None:
     _draw_limits(above, run)
     _legend_above(above, handles)
     # The differences all but coincide: names pushed apart would point nowhere, so the panel above names the lines.
-    label_cables(above, _shown(run))
+    label_ends(above, _shown(run), [str(k + 1) for k in cables], [cable_style(k).color for k in cables])
 
 
 def _shown(run: Run) -> Array:
@@ -245,11 +244,6 @@ def _draw_limits(panel: Axes, run: Run) -> None:
 
 
 # --- in words ---------------------------------------------------------------------------------------------
-def _subject(run: Run) -> str:
-    method = run.method.replace("_", " ")
-    return f"{run.world.title}, task {run.task}, {method}, cables as {run.cables}, {run.time[-1]:.3g} s"
-
-
 def _tracking_in_words(run: Run) -> str:
     d = run.world.robot.dimension
     off, turned = (1e3 * np.linalg.norm(errors, axis=1) for errors in (run.errors[:, :d], run.errors[:, d:]))
@@ -277,11 +271,10 @@ def fitted_title(figure: Any, title: str) -> None:
     figure.suptitle(title, x=0.01, ha="left", fontsize=size, color=INK)
 
 
-def _legend_above(panel: Axes, handles: Sequence[Any]) -> None:
+def _legend_above(panel: Axes, handles: list[Any]) -> None:
     """A legend on the title's line, where no data can be."""
-    if handles:
-        panel.legend(handles=list(handles), loc="lower right", bbox_to_anchor=(1.0, 0.995), ncols=len(handles),
-                     borderaxespad=0.1, handlelength=1.8, columnspacing=1.2)
+    panel.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 0.995), ncols=len(handles),
+                 borderaxespad=0.1, handlelength=1.8, columnspacing=1.2)
 
 
 def _around_zero(panel: Axes) -> None:
@@ -305,17 +298,11 @@ def mark_level(panel: Axes, level: float, words: str = "", place: float = 0.005,
                    textcoords="offset points", fontsize=9, color=INK)
 
 
-def label_cables(panel: Axes, lines: Array) -> None:
-    """Each cable's number at the right end of its line; lines : (N, m)."""
-    cables = range(lines.shape[1])
-    label_ends(panel, lines.T, [f"{k + 1}" for k in cables], [cable_style(k).color for k in cables])
-
-
-def label_ends(panel: Axes, lines: Iterable[Array], names: Sequence[str], colors: Sequence[str]) -> None:
-    """Each line's name at its right end, pushed apart where ends coincide."""
+def label_ends(panel: Axes, lines: Array, names: Sequence[str], colors: Sequence[str]) -> None:
+    """The name of each column (N, k) at its line's right end, pushed apart where ends coincide."""
     low, high = panel.get_ylim()
     panel.set_ylim(low, high)
-    ends = np.array([[low, *line[np.isfinite(line)]][-1] for line in lines])
+    ends = np.array([[low, *line[np.isfinite(line)]][-1] for line in lines.T])
     points = panel.bbox.height * 72 / panel.figure.dpi  # before the layout, which leaves panels no lower
     gap = min(14 / points, 1 / len(names))
     heights = spread_apart(np.clip((ends - low) / (high - low), 0, 1), gap)
@@ -325,17 +312,15 @@ def label_ends(panel: Axes, lines: Iterable[Array], names: Sequence[str], colors
 
 
 def spread_apart(heights: Array, gap: float) -> Array:
-    """Heights moved apart to at least ``gap``, in the same order and about the same places."""
+    """Heights moved apart to at least ``gap``, in the same order and as little as can be, all of them from 0 to 1.
+
+    >>> spread_apart(np.array([0.5, 0.5, 0.1]), 0.2)
+    array([0.4, 0.6, 0.1])
+    """
+    from scipy.optimize import isotonic_regression
+
     order = np.argsort(heights, kind="stable")
     steps = gap * np.arange(len(heights))
-    placed = heights[order].copy()
-    for _ in range(200):
-        overlap = gap - np.diff(placed)
-        push = np.where(overlap > 1e-6, overlap / 2, 0.0)
-        placed[:-1] -= push
-        placed[1:] += push
-    placed = np.maximum.accumulate(placed - steps) + steps
-    placed += max(-placed[0], 0.0) - max(placed[-1] - 1.0, 0.0)
-    spread = np.empty_like(placed)
-    spread[order] = placed
+    spread = np.empty_like(heights)
+    spread[order] = steps + np.clip(isotonic_regression(heights[order] - steps).x, 0.0, 1.0 - steps[-1])
     return spread

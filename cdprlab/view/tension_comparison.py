@@ -7,48 +7,61 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..arrays import Array
+from ..run.compare import TensionComparison
 from .plots import Figure, fitted_title
-from .style import BLUE, GREY, INK, VERMILION, WARNING, cable_style, house_style
+from .style import INK, SKY, VERMILION, WARNING, cable_style, house_style
 
 _COLUMNS = 3
-_NUMBERS = (("energy", "∫‖τ‖² dt [N² s]", 1.0, True), ("largest_step", "largest step [N]", 1.0, True),
-            ("margin", "least distance to a limit [N]", 1.0, False), ("solve_time", "time per solve [µs]", 1e6, True))
+_NUMBERS = (("energy", "∫‖τ‖² dt [N² s]", 1.0), ("largest_step", "largest step [N], hatched: a jump", 1.0),
+            ("margin", "least distance to a limit [N]", 1.0), ("solve_time", "time per solve [µs]", 1e6))
 
 
-def plot_tension_comparison(table: Any) -> Figure:
+def plot_tension_comparison(table: TensionComparison) -> Figure:
     """Tensions over time, one panel a method on common axes; below, energy, largest step, margin and time per solve.
 
     table : TensionComparison
     """
+    count, names = len(table.method), [name.replace("_", " ") for name in table.method]
+    heights = 2.3 * -(-count // _COLUMNS), 1.6 + 0.26 * count
     with house_style():
-        rows = -(-len(table.method) // _COLUMNS)
-        figure = Figure(figsize=(13.0, 2.3 * rows + 1.0 + 1.6 + 0.26 * len(table.method)), layout="constrained")
+        figure = Figure(figsize=(13.0, sum(heights) + 1.0), layout="constrained")
         fitted_title(figure, f"{table.world.title} · task {table.task} · tension distributions")
-        halves: Any = figure.subfigures(2, 1, height_ratios=[2.3 * rows, 1.6 + 0.26 * len(table.method)])
+        halves: Any = figure.subfigures(2, 1, height_ratios=heights)
         above, below = halves
-        panels = above.subplots(rows, _COLUMNS, sharex=True, sharey=True, squeeze=False).ravel()
-        for k, panel in enumerate(panels):
-            _tensions(panel, table, k) if k < len(table.method) else panel.set_axis_off()
-        _common_axes(panels[:len(table.method)], table)
-        charts = below.subplots(1, len(_NUMBERS), sharey=True)
-        for chart, (name, label, factor, logarithmic) in zip(charts, _NUMBERS):
-            _numbers(chart, table, factor * getattr(table, name), label, logarithmic, jumps=name == "largest_step")
-        charts[0].set_yticks(range(len(table.method)), [name.replace("_", " ") for name in table.method])
-        charts[0].set_ylim(len(table.method) - 0.5, -0.5)
+        panels = above.subplots(-(-count // _COLUMNS), _COLUMNS, sharex=True, sharey=True, squeeze=False).ravel()
+        for k, (panel, name) in enumerate(zip(panels, names)):
+            panel.set_title(name, fontsize=11)
+            _tensions(panel, table, k)
+        for panel in panels[count:]:
+            panel.set_axis_off()
+        _common_axes(panels[:count], table)
+        above.legend(handles=[*panels[0].get_lines(), Patch(color=WARNING, label="infeasible")],
+                     loc="outside upper right", ncols=table.tensions.shape[2] + 2, handlelength=1.9,
+                     columnspacing=1.1, fontsize=9)
+        for chart, (column, label, factor) in zip(below.subplots(1, len(_NUMBERS), sharey=True), _NUMBERS):
+            values = factor * getattr(table, column)
+            bars = chart.barh(names, np.nan_to_num(values), 0.6, color=SKY, edgecolor=INK, linewidth=0.6)
+            chart.bar_label(bars, [f"{value:.3g}" if np.isfinite(value) else "never feasible" for value in values],
+                            padding=4, fontsize=8.5)
+            if column == "largest_step":
+                for bar, continuous in zip(bars, table.continuous):
+                    bar.set_hatch("" if continuous else "///")
+            chart.margins(x=0.25)
+            chart.grid(axis="y", visible=False)
+            chart.set_xlabel(label)
+        below.axes[0].invert_yaxis()
         figure.alt_text = _in_words(table)
         return figure
 
 
-def _tensions(panel: Axes, table: Any, k: int) -> None:
-    for cable in range(table.tensions.shape[2]):
+def _tensions(panel: Axes, table: TensionComparison, k: int) -> None:
+    for cable, tensions in enumerate(table.tensions[k].T):
         color, dashes = cable_style(cable)
-        panel.plot(table.time, table.tensions[k, :, cable], color=color, linestyle=dashes, linewidth=1.2,
-                   label=f"cable {cable + 1}")
-    panel.set_title(table.method[k].replace("_", " "), fontsize=11)
+        panel.plot(table.time, tensions, color=color, linestyle=dashes, linewidth=1.2, label=f"{cable + 1}")
+    panel.axhline(float(table.world.robot.tension_min.max()), color=INK, linewidth=1.0, linestyle=(0, (1, 2)),
+                  label=r"$\tau_\mathrm{min}$")
     bad = ~table.feasible[k]
     if bad.any():
         panel.fill_between(table.time, 0, 1, where=bad, step="mid", color=WARNING, zorder=0, linewidth=0,
@@ -57,51 +70,20 @@ def _tensions(panel: Axes, table: Any, k: int) -> None:
                         color=VERMILION)
 
 
-def _common_axes(panels: Sequence[Axes], table: Any) -> None:
+def _common_axes(panels: Sequence[Axes], table: TensionComparison) -> None:
     """One range for all, that of the usable tensions: what breaks limits leaves the picture, not the scale."""
     usable = table.tensions[table.feasible]
     top = float(usable.max()) if usable.size else float(np.nanmax(table.tensions))
     panels[0].set_xlim(float(table.time[0]), float(table.time[-1]))
     panels[0].set_ylim(-0.03 * top, 1.08 * top)
-    for k, panel in enumerate(panels):
-        panel.axhline(float(table.world.robot.tension_min.max()), color=INK, linewidth=1.0, linestyle=(0, (1, 2)))
-        if k % _COLUMNS == 0:
-            panel.set_ylabel("tension [N]")
-        if k + _COLUMNS >= len(panels):
-            panel.set_xlabel("time [s]")
-            panel.tick_params(labelbottom=True)
-    cables = [Line2D([], [], color=cable_style(i).color, linestyle=cable_style(i).linestyle, label=f"{i + 1}")
-              for i in range(table.tensions.shape[2])]
-    notes: list[Any] = [Line2D([], [], color=INK, linewidth=1.0, linestyle=(0, (1, 2)), label=r"$\tau_\mathrm{min}$"),
-                        Patch(color=WARNING, label="infeasible")]
-    figure = panels[0].figure
-    figure.legend(handles=cables + notes, loc="outside upper right", ncols=len(cables) + 2, title=None,
-                  handlelength=1.9, columnspacing=1.1, fontsize=9)
+    for panel in panels[::_COLUMNS]:
+        panel.set_ylabel("tension [N]")
+    for panel in panels[-_COLUMNS:]:
+        panel.set_xlabel("time [s]")
+        panel.tick_params(labelbottom=True)
 
 
-def _numbers(chart: Axes, table: Any, values: Array, label: str, logarithmic: bool, jumps: bool) -> None:
-    rows = np.arange(len(values))
-    known = np.isfinite(values)
-    jumping = known & ~np.asarray(table.continuous) if jumps else np.zeros(len(values), dtype=bool)
-    chart.hlines(rows, 0, 1, transform=chart.get_yaxis_transform(), color="#DDE1E6", linewidth=0.8, zorder=0)
-    chart.plot(values[known & ~jumping], rows[known & ~jumping], "o", color=BLUE, markersize=7)
-    chart.plot(values[jumping], rows[jumping], "D", color=VERMILION, markersize=7, label="jumps")
-    if logarithmic and known.any() and 0 < 10 * values[known].min() < values[known].max():
-        chart.set_xscale("log")
-    for row in rows[known]:
-        chart.annotate(f"{values[row]:.3g}", (values[row], row), xytext=(7, 0), textcoords="offset points",
-                       fontsize=8.5, color=INK, va="center")
-    for row in rows[~known]:
-        chart.annotate("never feasible", (0.02, row), xycoords=chart.get_yaxis_transform(), fontsize=8.5, color=GREY,
-                       va="center")
-    chart.margins(x=0.25)
-    chart.grid(axis="y", visible=False)
-    chart.set_xlabel(label)
-    if jumping.any():
-        chart.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1)
-
-
-def _in_words(table: Any) -> str:
+def _in_words(table: TensionComparison) -> str:
     parts = []
     for row in table.rows():
         name = row["method"].replace("_", " ")
