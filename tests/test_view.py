@@ -336,7 +336,9 @@ def test_the_whole_robot_is_in_the_picture(name, size):
     world = cl.load_world(name)
     drawing, picture = solid_drawing(world, size)
     places = pixels_of(drawing, np.concatenate([world.robot.exit_points, world.pose.position[None]]))
-    assert (places >= 0).all() and (places <= size).all()
+    letters = drawing.axes.transData.transform([text.get_position() for text in drawing.axes.texts] or [[0, 0]])
+    for shown in (places, pixels_of(drawing, drawing.points), letters):     # bases and the world's axes too
+        assert (shown >= 0).all() and (shown <= size).all()
     room = np.array([drawing.axes.bbox.width, drawing.axes.bbox.height])
     assert (np.ptp(pixels_of(drawing, drawing.points), axis=0) / room).max() > 0.8      # and it fills the picture
     drawing.move(world.pose, [100.0] * world.robot.n_cables)

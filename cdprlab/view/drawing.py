@@ -21,6 +21,7 @@ from .depth import Blocks, lightness
 from .outlines import (
     EMPTY,
     Solid,
+    box_corners,
     box_faces,
     floor_height,
     floor_tiles,
@@ -35,6 +36,9 @@ from .style import AXIS_COLORS, FLOOR, INK, SHADOW, STEEL, TRAIL, cable_style, t
 
 HALO = (withStroke(linewidth=3, foreground="white"),)
 SLACK_DASHES = (0, (2.5, 1.5))
+
+_BEYOND = 1.25
+"""How far out the letter of an axis stands, in lengths of its arm."""
 
 
 class RobotDrawing:
@@ -53,11 +57,14 @@ class RobotDrawing:
                  solid: bool = False, also: ArrayLike = ()) -> None:
         self.axes, self.robot, self.scene, self.solid = axes, robot, scene or EMPTY, solid
         more = np.reshape(np.asarray(also, dtype=float), (-1, robot.dimension))
-        self.points = np.concatenate([landmarks(robot, self.scene, poses), more])
+        points = np.concatenate([landmarks(robot, self.scene, poses), more])
+        # The world's axes stand at the lowest corner, where they are in nobody's way: they show directions.
+        self._corner, self._arm = points.min(axis=0), 0.07 * float(np.linalg.norm(np.ptp(points, axis=0)))
+        letters = self._corner + _BEYOND * self._arm * np.eye(robot.dimension)
+        self.points = np.concatenate([points, letters, self._corner[None]])
         self.view = Projection(self.points, azimuth)
         self.pose = poses[0] if poses.batch_shape else poses
         self.limits = tension_limits(robot)
-        self._arm = 0.14 * self.view.radius
         self._frame_axes()
         self._make_artists()
         self._fractions = self._label_places()
@@ -78,8 +85,7 @@ class RobotDrawing:
         tiles = floor_tiles(self.points, floor_height(self.robot, self.scene))
         self._floor.set_verts(self.view.flat(tiles))
         if self._world_axes:
-            # At the lowest corner, where they are in nobody's way: they show directions.
-            self._place_axes(self._world_axes, self.points.min(axis=0), np.eye(3))
+            self._place_axes(self._world_axes, self._corner, np.eye(3))
 
     def drive(self, robot: Robot) -> None:
         """The same robot with its bases elsewhere; ``move`` shows them there.
@@ -168,7 +174,7 @@ class RobotDrawing:
         lines, names = parts
         tips = self.view.flat(origin + self._arm * rotation.T)
         lines.set_segments([np.stack([self.view.flat(origin), tip]) for tip in tips])
-        for name, place in zip(names, self.view.flat(origin + 1.25 * self._arm * rotation.T)):
+        for name, place in zip(names, self.view.flat(origin + _BEYOND * self._arm * rotation.T)):
             name.set_position(place)
 
     # --- artists, made once ---------------------------------------------------------------------------
@@ -179,7 +185,8 @@ class RobotDrawing:
             reach = 0.53 * float(((high - low) / room).max()) * room
         else:
             # Room for a walk all around, and in the plane for labels beyond the last point.
-            low, high = self.view.bounds(_hull_box(self.points), np.arange(-180.0, 180.0, 15.0))
+            around = box_corners(np.ptp(self.points, axis=0), Pose(self.view.center))
+            low, high = self.view.bounds(around, np.arange(-180.0, 180.0, 15.0))
             reach = (high - low) / 2 + 0.07 * float((high - low).max())
             self.axes.set_aspect("equal")
         (left, bottom), (right, top) = (low + high) / 2 - reach, (low + high) / 2 + reach
@@ -244,10 +251,3 @@ class RobotDrawing:
             chosen.append(float(candidates[best]))
             placed = np.concatenate([placed, spots[best:best + 1]])
         return np.array(chosen)
-
-
-def _hull_box(points: Array) -> Array:
-    """Corners of the upright box around points, and the points."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    corners = np.stack(np.meshgrid(*np.stack([low, high], axis=1)), axis=-1).reshape(-1, points.shape[1])
-    return np.concatenate([points, corners])

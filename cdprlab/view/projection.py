@@ -57,8 +57,6 @@ class Projection:
 
     def bounds(self, points: Array, azimuths: ArrayLike) -> Array:
         """(2, 2) lowest and highest picture coordinates over a walk around."""
-        if points.shape[-1] == 2:
-            return np.stack([points.min(axis=0), points.max(axis=0)])
         views = [Projection(points, azimuth, self.elevation) for azimuth in np.asarray(azimuths).tolist()]
         seen = np.concatenate([view.flat(points) for view in views])
         return np.stack([seen.min(axis=0), seen.max(axis=0)])

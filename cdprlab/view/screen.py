@@ -102,7 +102,7 @@ def sized_figure(width: int, height: int, scale: float | None = None) -> Figure:
 def robot_axes(figure: Figure, dimension: int, bottom: float = 0.0, top: float = 1.0) -> Any:
     """Axes over the whole width between two heights; planar ones with room for their ticks."""
     width, height = figure.get_size_inches()
-    left, below, above = (0.65 / width, 0.5 / height, 0.05 / height) if dimension == 2 else (0.0, 0.0, 0.0)
+    left, below, above = (0.75 / width, 0.5 / height, 0.05 / height) if dimension == 2 else (0.0, 0.0, 0.0)
     return figure.add_axes((left, bottom + below, 1 - 1.1 * left, top - bottom - below - above))
 
 
