@@ -141,23 +141,21 @@ def _judged(robot: Robot, speeds: Array, scale: Array, limits: Array, method: st
         excess = np.abs(speeds) - limits * (1 + _TOLERANCE)
     feasible = np.asarray((excess <= 0).all(axis=-1))
     kept = np.where(feasible[..., None], np.clip(speeds, -limits, limits), speeds)
-    reasons = np.empty(feasible.shape, dtype=object)
-    for index in np.ndindex(feasible.shape):
-        reasons[index] = "" if feasible[index] else _reason(robot, speeds[index], limits, float(scale[index]))
-    single = feasible.ndim == 0
-    return TwistResolution(frozen(kept[..., :p].copy()), frozen(kept[..., p:].copy()),
-                           bool(feasible) if single else feasible, float(scale) if single else frozen(scale), method,
-                           reasons[()] if single else reasons)
+    reasons = np.full(feasible.shape, "", dtype=object)
+    for index in map(tuple, np.argwhere(~feasible)):
+        reasons[index] = _reason(robot, speeds[index], limits, scale[index])
+    return TwistResolution(frozen(kept[..., :p].copy()), frozen(kept[..., p:].copy()), feasible[()], frozen(scale)[()],
+                           method, reasons[()])
 
 
 def _reason(robot: Robot, speeds: Array, limits: Array, scale: float) -> str:
     worst = int(np.argmax(np.abs(speeds) / np.where(limits > 0, limits, np.inf)))  # held directions do not move
     p = 3 * len(robot.bases)
+    who, unit = f"cable {worst - p + 1} would run at", "m/s"
     if worst < p:
-        who = f"base {robot.bases[worst // 3].name!r} would drive {('θ', 'ρ₁', 'ρ₂')[worst % 3]} at"
-    else:
-        who = f"cable {worst - p + 1} would run at"
-    unit = "rad/s" if worst < p and worst % 3 == 0 else "m/s"
+        base, way = divmod(worst, 3)
+        who = f"base {robot.bases[base].name!r} would drive {('θ', 'ρ₁', 'ρ₂')[way]} at"
+        unit = ("rad/s", "m/s", "m/s")[way]
     able = ("the twist can be reached: use method 'quadratic_program'" if scale >= 1
             else f"the largest feasible twist is {scale:.4g} times the wanted one")
     return f"{who} {abs(speeds[worst]):.4g} {unit}, allowed {limits[worst]:.4g}; {able}"

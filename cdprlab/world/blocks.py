@@ -12,6 +12,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, model_validator
+from pydantic import NonNegativeFloat as NotNegative
+from pydantic import PositiveFloat as Positive
 
 from ..arrays import frozen
 from ..errors import InvalidInput, Location, under
@@ -46,14 +48,14 @@ def _ordered(limits: list[float]) -> list[float]:
     return limits
 
 
-Positive = Annotated[float, Field(gt=0)]
-NotNegative = Annotated[float, Field(ge=0)]
-Vector = Annotated[list[float], Field(min_length=2, max_length=3), AfterValidator(_sized)]
-Planar = Annotated[list[float], Field(min_length=2, max_length=2)]
-Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
-Edges = Annotated[list[Positive], Field(min_length=2, max_length=3), AfterValidator(_sized)]
-SpatialEdges = Annotated[list[Positive], Field(min_length=3, max_length=3)]
-Limits = Annotated[list[NotNegative], Field(min_length=2, max_length=2), AfterValidator(_ordered)]
+_TWO, _THREE = Field(min_length=2, max_length=2), Field(min_length=3, max_length=3)
+_TWO_OR_THREE = Field(min_length=2, max_length=3)
+Vector = Annotated[list[float], _TWO_OR_THREE, AfterValidator(_sized)]
+Edges = Annotated[list[Positive], _TWO_OR_THREE, AfterValidator(_sized)]
+Planar = Annotated[list[float], _TWO]
+Triple = Annotated[list[float], _THREE]
+SpatialEdges = Annotated[list[Positive], _THREE]
+Limits = Annotated[list[NotNegative], _TWO, AfterValidator(_ordered)]
 
 
 class Block(BaseModel):
@@ -239,7 +241,7 @@ class BasePoseBlock(Block):
 class BaseSpeedBlock(Block):
     rotation: NotNegative = 0.0
     """about the vertical [rad/s]; 0 holds it"""
-    translation: Annotated[list[NotNegative], Field(min_length=2, max_length=2)] = [0.0, 0.0]
+    translation: Annotated[list[NotNegative], _TWO] = [0.0, 0.0]
     """along the base's own axes [m/s]; 0 holds a direction"""
 
     def words(self, d: int) -> Words:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import io
 import pickle
 import re
@@ -56,15 +55,15 @@ def plain(value: Any) -> Any:
     return value
 
 
-def styled(value: Any, *, root: bool = True) -> Any:
+def styled(value: Any) -> Any:
     """Plain data as it reads best in YAML: what fits on a line in braces or brackets, the rest indented; no None."""
     if isinstance(value, dict):
-        node: Any = CommentedMap((key, styled(item, root=False)) for key, item in value.items() if item is not None)
+        node: Any = CommentedMap((key, styled(item)) for key, item in value.items() if item is not None)
     elif isinstance(value, list):
-        node = CommentedSeq(styled(item, root=False) for item in value)
+        node = CommentedSeq(styled(item) for item in value)
     else:
         return value
-    if not root and len(str(value)) <= 110:
+    if len(str(value)) <= 110:
         node.fa.set_flow_style()
     return node
 
@@ -89,7 +88,7 @@ def overlay(node: Any, before: dict[str, Any], after: dict[str, Any]) -> None:
             for i, (one, other) in enumerate(zip(old or [], value)):
                 overlay(own(entries, i), one, other)
             del entries[len(value):]
-            entries.extend(styled(block, root=False) for block in value[len(entries):])
+            entries.extend(styled(block) for block in value[len(entries):])
         else:
             node[key] = changed(node.get(key), value)
 
@@ -97,7 +96,7 @@ def overlay(node: Any, before: dict[str, Any], after: dict[str, Any]) -> None:
 def own(node: Any, key: str | int) -> Any:
     """The block at ``key``, to be changed: a copy if others refer to it (YAML anchors)."""
     if node[key].yaml_anchor() is not None:
-        node[key] = copy.deepcopy(node[key])
+        node[key] = copied(node[key])
         node[key].yaml_set_anchor(None)
     return node[key]
 
@@ -106,7 +105,7 @@ def changed(old: Any, value: Any) -> Any:
     """``value``, as a change of ``old`` where that is a list of the same length: its style and comments stay."""
     both_lists = isinstance(old, list) and isinstance(value, list)
     if not both_lists or len(old) != len(value) or old.yaml_anchor() is not None:
-        return styled(value, root=False)
+        return styled(value)
     for i, number in enumerate(value):
         if old[i] != number:
             old[i] = changed(old[i], number)
