@@ -129,8 +129,8 @@ def test_fewer_cables_can_be_asked_for():
 def test_the_designer_judges_the_brief_with_every_edit():
     designer = course.robot_designer(cl.World.from_dict(eight()), BRIEF)
     assert "The brief is met" in designer.text
-    designer.edit(("cables", 0, "exit_point", 0), 5.0)
-    assert "The brief is not met" in designer.text and "✗" in designer._brief.value
-    designer.undo()
+    designer.do(designer.session.edit, ("cables", 0, "exit_point", 0), 5.0)
+    assert "The brief is not met" in designer.text and "✗" in designer.brief.value
+    designer.undo.click()
     assert "The brief is met" in designer.text
     designer.close()

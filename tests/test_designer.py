@@ -348,46 +348,46 @@ def designer(request):
 
 
 def test_every_group_shows_its_fields_and_every_choice_answers(designer):
-    for group in designer._groups.options:
-        designer._groups.value = group
-    designer._groups.value = "cables"
+    for group in designer.groups.options:
+        designer.groups.value = group
+    designer.groups.value = "cables"
     for cable in range(designer.world.robot.n_cables):
-        designer._cables.value = cable
-        first = designer._form.entries["exit point A", "x"].value
+        designer.cables.value = cable
+        first = designer.form.entries["exit point A", "x"].value
         assert first == pytest.approx(designer.world.robot.cables[cable].exit_point[0])
-    for plane in designer._planes.options:
-        designer._planes.value = plane
+    for plane in designer.planes.options:
+        designer.planes.value = plane
     for end in (-180, 180):
-        designer._eye.value = end
+        designer.eye.value = end
         assert designer.picture.startswith(b"\x89PNG")
     assert designer.session.history.past == ()
 
 
 def test_typing_edits_and_a_mistake_is_shown_beside_the_fields(designer):
     picture = designer.picture
-    designer._form.entries["exit point A", "x"].value += 0.25
-    assert designer.picture != picture and designer._undo.description == "Undo: cable 1: exit_point[1]"
-    x, good = designer._form.entries["tension limits", "min"], designer.world
+    designer.form.entries["exit point A", "x"].value += 0.25
+    assert designer.picture != picture and designer.undo.description == "Undo: cable 1: exit_point[1]"
+    x, good = designer.form.entries["tension limits", "min"], designer.world
     x.value = 1e9
-    assert 'role="alert"' in designer._message.value and "cable 1: tension" in designer._message.value
+    assert 'role="alert"' in designer.message.value and "cable 1: tension" in designer.message.value
     assert designer.world is good
-    designer._undo.click()
-    assert designer.picture == picture and 'role="alert"' not in designer._message.value
-    assert designer._form.entries["tension limits", "min"].value == good.robot.tension_min[0]
-    designer._redo.click()
+    designer.undo.click()
+    assert designer.picture == picture and 'role="alert"' not in designer.message.value
+    assert designer.form.entries["tension limits", "min"].value == good.robot.tension_min[0]
+    designer.redo.click()
     assert contents(designer.world) == contents(good)
 
 
 def test_the_text_of_the_world_file_can_be_edited(designer):
-    designer._groups.value = "world file"
-    designer._text.value = designer._text.value.replace("mass:", "mass: 77.5  #", 1)
-    designer._parts["world file"].children[1].click()
+    designer.groups.value = "world file"
+    designer.file_text.value = designer.file_text.value.replace("mass:", "mass: 77.5  #", 1)
+    designer.apply.click()
     assert designer.world.robot.mass == 77.5
-    assert f'download="{designer.world.name}.yaml"' in designer._download.value
+    assert f'download="{designer.world.name}.yaml"' in designer.download.value
 
 
 def test_pictures_and_slice_have_words(designer):
-    assert "cable 1 marked" in designer._image.value and "% are held" in designer._slice.value
+    assert "cable 1 marked" in designer.image.value and "% are held" in designer.slice.value
     assert designer._repr_mimebundle_()
 
 
@@ -395,9 +395,9 @@ def test_a_design_is_simulated_and_played():
     designer = course.robot_designer("planar_point")
     run = designer.simulate(method="barycenter", kp=50.0, kd=20.0)
     assert run.method == "barycenter" and run.world is designer.world
-    assert designer.player.run is run and len(designer._below.children) == 2
-    designer.edit(("motion_pattern",), "1R2T")
-    assert designer.simulate(method="no_such_method") is None and "no_such_method" in designer._message.value
+    assert designer.player.run is run and len(designer.below.children) == 2
+    designer.do(designer.session.edit, ("motion_pattern",), "1R2T")
+    assert designer.simulate(method="no_such_method") is None and "no_such_method" in designer.message.value
     designer.close()
     designer.close()
 

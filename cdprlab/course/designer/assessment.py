@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...arrays import Array
+from ...arrays import Array, Flags
 from ...mechanics.cables import cable_lengths
 from ...mechanics.statics import gravity_wrench, stiffness, tipping_moments, wrench_matrix
 from ...robot import Robot
@@ -43,8 +42,8 @@ class Slice(NamedTuple):
 
     plane: str
     grid: PoseGrid
-    held: NDArray[np.bool_]
-    clear: NDArray[np.bool_]
+    held: Flags
+    clear: Flags
 
     @property
     def area(self) -> float:
@@ -58,12 +57,14 @@ class Assessment(NamedTuple):
     warnings : what is wrong, most serious first, each a sentence
     tensions : TensionDistribution at the start, None where a cable has no direction
     stiffness : (n, n) at the start, None where nothing holds it
+    least_stiffness : its smallest eigenvalue, arm 1 m, NaN where nothing holds the start [N/m]
     slice : Slice
     """
 
     warnings: tuple[str, ...]
     tensions: TensionDistribution | None
     stiffness: Array | None
+    least_stiffness: float
     slice: Slice
 
 
@@ -76,17 +77,21 @@ def assess(world: World, plane: str = "x–y") -> Assessment:
     >>> assess(cl.load_world("caroca"), "x–z").warnings
     ()
     """
-    robot, pose = world.robot, world.pose
+    robot, pose, found = world.robot, world.pose, workspace_slice(world, plane)
     limp = cable_lengths(robot, pose) < 1e-9
     if limp.any():
         where = f"{cable_names(limp).capitalize()} has no length at the start: its anchor point is on its exit point."
-        return Assessment((where,), None, None, workspace_slice(world, plane))
+        return Assessment((where,), None, None, np.nan, found)
     W, w_e = wrench_matrix(robot, pose), gravity_wrench(robot, pose)
     held = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max, "quadratic_program")
-    K = stiffness(robot, pose, held.tensions, stretch(robot)) if held.feasible else None
-    warnings = (*_rank(robot, W), *_equilibrium(W, w_e, held), *_tipping(world, held), *_interference(world),
-                *_stability(world, held), *_ground(world))
-    return Assessment(warnings, held, K, workspace_slice(world, plane))
+    K, least, tipping = None, np.nan, {}
+    if held.feasible:
+        K = stiffness(robot, pose, held.tensions, stretch(robot))
+        least = float(smallest_stiffness(robot, pose, held.tensions, stretch(robot)))
+        tipping = tipping_moments(robot, pose, held.tensions)
+    warnings = (*_rank(robot, W), *_equilibrium(W, w_e, held), *_tipping(tipping), *_interference(world),
+                *_stability(least), *_ground(world))
+    return Assessment(warnings, held, K, least, found)
 
 
 def stretch(robot: Robot) -> float:
@@ -128,7 +133,7 @@ def slice_grid(world: World, plane: str) -> PoseGrid:
     return PoseGrid(axes, pose)
 
 
-def _clear(world: World, poses: Pose) -> NDArray[np.bool_]:
+def _clear(world: World, poses: Pose) -> Flags:
     """In the plane cables run in layers: they cross in the picture, not in the machine."""
     spatial = world.robot.dimension == 3
     criterion = InterferenceFree(CLEARANCE, world.scene.boxes, cables=spatial, platform=False)
@@ -158,12 +163,11 @@ def _equilibrium(W: Array, w_e: Array, held: TensionDistribution) -> Iterator[st
                "Move the start, the exit points or the anchor points.")
 
 
-def _tipping(world: World, held: TensionDistribution) -> Iterator[str]:
-    if held.feasible and world.robot.bases:
-        for name, moments in tipping_moments(world.robot, world.pose, held.tensions).items():
-            if (moments > 0).any():
-                yield (f"Base {name!r} tips at the start: the cables turn it over an edge of its footprint with "
-                       f"{float(moments.max()):.3g} N m more than its weight holds.")
+def _tipping(tipping: dict[str, Array]) -> Iterator[str]:
+    for name, moments in tipping.items():
+        if (moments > 0).any():
+            yield (f"Base {name!r} tips at the start: the cables turn it over an edge of its footprint with "
+                   f"{float(moments.max()):.3g} N m more than its weight holds.")
 
 
 def _interference(world: World) -> Iterator[str]:
@@ -183,12 +187,10 @@ def _interference(world: World) -> Iterator[str]:
             yield f"Interference: cable {i + 1} is {_gap(gaps[i])} from {box.name or 'a ' + box.kind} at the start."
 
 
-def _stability(world: World, held: TensionDistribution) -> Iterator[str]:
-    if held.feasible:
-        least = float(smallest_stiffness(world.robot, world.pose, held.tensions, stretch(world.robot)))
-        if least <= 0:
-            yield (f"Not stable at the start: the smallest eigenvalue of the stiffness is {least:.3g} N/m; a small "
-                   "push is not pushed back.")
+def _stability(least: float) -> Iterator[str]:
+    if least <= 0:
+        yield (f"Not stable at the start: the smallest eigenvalue of the stiffness is {least:.3g} N/m; a small "
+               "push is not pushed back.")
 
 
 def _ground(world: World) -> Iterator[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
@@ -54,11 +53,9 @@ def value_at(world: World, path: Path) -> Any:
     """
     found: Any = contents(world)
     for part in path:
-        if isinstance(found, Mapping):
-            found = found.get(part)
-        elif isinstance(found, list) and isinstance(part, int) and part < len(found):
+        try:
             found = found[part]
-        else:
+        except (KeyError, IndexError, TypeError):
             return None
     return found
 
@@ -74,7 +71,7 @@ def edited(world: World, path: Path, value: Any) -> World:
     >>> heavier.robot.mass, heavier.to_dict()["platform"]["mass"]
     (200.0, 200.0)
     """
-    before, after = contents(world), copy.deepcopy(contents(world))
+    before, after = contents(world), copied(contents(world))
     node: Any = after
     for part in path[:-1]:
         if isinstance(part, str) and node.get(part) is None:
@@ -125,7 +122,7 @@ def on_base(world: World, cable: int, name: str | None) -> World:
     if name is not None:
         base = world.robot.base(name)
         point = (point - base.origin) @ base.rotation
-    after = copy.deepcopy(contents(world))
+    after = copied(contents(world))
     after["cables"][cable] |= {"base": name, "exit_point": plain(point)}
     return _rewritten(world, contents(world), after)
 

@@ -58,8 +58,6 @@ class Place(NamedTuple):
     base: int = 0
 
 
-FIRST = Place()
-
 GROUPS = {
     "cables": ("cables.{cable}.exit_point", "cables.{cable}.anchor_point", "cables.{cable}.tension",
                "cables.{cable}.speed", "cables.{cable}.base"),
@@ -82,19 +80,20 @@ _LABELS = {"exit_point": "exit point A", "anchor_point": "anchor point B", "tens
 _PARTS = {"tension": ("min", "max"), "rpy": ("roll", "pitch", "yaw"), "translation": ("ρ₁", "ρ₂")}
 
 
-def rows(world: World, group: str, place: Place = FIRST) -> list[Row]:
+def rows(world: World, group: str, place: Place) -> list[Row]:
     """The rows of a group for a world as it is.
 
     Raises InvalidInput for an unknown group.
 
     >>> import cdprlab as cl
-    >>> [row.label for row in rows(cl.load_world("planar_rigid"), "cables")]
+    >>> [row.label for row in rows(cl.load_world("planar_rigid"), "cables", Place())]
     ['exit point A', 'anchor point B', 'tension limits', 'speed limit']
     """
     if group not in GROUPS:
         raise InvalidInput(f"there is no group {group!r}; there are {', '.join(GROUPS)}")
-    paths = [words.format(**place._asdict()).split(".") for words in GROUPS[group]]
-    return [row for path in paths for row in _rows(world, tuple(int(p) if p.isdigit() else p for p in path))]
+    index = {"{cable}": place.cable, "{base}": place.base}
+    paths = [tuple(index.get(part, part) for part in words.split(".")) for words in GROUPS[group]]
+    return [row for path in paths for row in _rows(world, path)]
 
 
 def shown(field: Field, world: World) -> Any:

@@ -10,12 +10,8 @@ from ...mechanics.cables import cable_lengths
 from ...mechanics.statics import wrench_matrix
 from ...view.style import WARNING
 from ...view.text_table import fixed, text_table
-from ...workspace.stability import smallest_stiffness
 from ...world import World
 from .assessment import Assessment, Slice, stretch
-
-_STIFFNESS = {"x": "x", "y": "y", "z": "z", "rx": "about x", "ry": "about y", "rz": "about z", "ry′": "about y′",
-              "rz′": "about z′"}
 
 
 def report(world: World, found: Assessment) -> str:
@@ -43,14 +39,13 @@ def report(world: World, found: Assessment) -> str:
 
 def _stiffness(world: World, found: Assessment) -> list[str]:
     robot = world.robot
-    if found.stiffness is None or found.tensions is None:
+    if found.stiffness is None:
         return ["Stiffness: none, nothing holds the start."]
     assumed = "" if robot.elasticity else " assumed"
-    values = [f"  {_STIFFNESS[row]:<9} {value:10.3g} {'N m/rad' if row.startswith('r') else 'N/m'}"
+    values = [f"  {row.replace('r', 'about '):<9} {value:10.3g} {'N m/rad' if row.startswith('r') else 'N/m'}"
               for row, value in zip(robot.pattern.rows, np.diag(found.stiffness))]
-    least = float(smallest_stiffness(robot, world.pose, found.tensions.tensions, stretch(robot)))
     return [f"Stiffness, EA = {stretch(robot):g} N{assumed}:", *values,
-            f"  smallest eigenvalue, arm 1 m: {least:.3g} N/m"]
+            f"  smallest eigenvalue, arm 1 m: {found.least_stiffness:.3g} N/m"]
 
 
 def in_words(found: Slice) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
 from pathlib import Path as FilePath
-from typing import Any, Concatenate, NamedTuple, ParamSpec
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,17 +21,14 @@ from .edits import Path, contents, edited, opened, with_entry, without_entry
 from .fields import Field, Place, typed
 from .history import History
 
-Entries = ParamSpec("Entries")
 
-
-def verb(work: Callable[Concatenate[DesignSession, Entries], None]) -> Callable[
-        Concatenate[DesignSession, Entries], bool]:
+def verb(work: Callable[..., None]) -> Callable[..., bool]:
     """What the session does, so that it says whether it worked.
 
     What cdprlab refuses on purpose becomes the session's ``mistake``, and nothing is changed.
     """
     @wraps(work)
-    def told(session: DesignSession, /, *entries: Entries.args, **named: Entries.kwargs) -> bool:
+    def told(session: DesignSession, *entries: Any, **named: Any) -> bool:
         try:
             work(session, *entries, **named)
         except CdprError as error:
@@ -105,9 +102,9 @@ class DesignSession:
     @verb
     def add_cable(self) -> None:
         """A copy of the cable being edited, at the end; it is then edited."""
-        m = self.world.robot.n_cables
         world = with_entry(self.world, "cables", contents(self.world)["cables"][self.place.cable])
-        self._become(world, f"cable {m + 1} added", self.place._replace(cable=m))
+        m = world.robot.n_cables
+        self._become(world, f"cable {m} added", self.place._replace(cable=m - 1))
 
     @verb
     def remove_cable(self) -> None:
