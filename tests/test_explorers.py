@@ -14,10 +14,10 @@ import cdprlab as cl
 from cdprlab import course
 from cdprlab.course import Choice, Explorer, Slider, pose_explorer, run_player
 from cdprlab.course.explorers.posing import ROW_NAMES
+from cdprlab.course.text_table import text_table
 from cdprlab.errors import InvalidInput
 from cdprlab.view.drawing import RobotDrawing
 from cdprlab.view.projection import Projection
-from cdprlab.view.text_table import text_table
 from robots import ROBOTS
 
 SUBJECTS = {**ROBOTS, **{name: (lambda name=name: cl.load_world(name)) for name in cl.world_names()}}

@@ -5,8 +5,8 @@ import pytest
 from test_explorers import planar_world
 
 import cdprlab as cl
+from cdprlab.course.explorers.scene import RobotScene, legend_html
 from cdprlab.errors import InvalidInput
-from cdprlab.view.scene import RobotScene, legend_html
 from cdprlab.view.style import OBSTACLE, SLACK_COLOR, tension_colors
 
 SPATIAL = [name for name in cl.world_names() if cl.load_world(name).robot.dimension == 3]

@@ -16,11 +16,11 @@ from ..mechanics.cables import cable_lengths
 from ..mechanics.statics import gravity_wrench, wrench_matrix
 from ..robot import Robot, box_inertia
 from ..robot.pose import Pose
-from ..view.text_table import cable_names, in_brackets
 from ..workspace.capacity import best_tensions
 from ..workspace.grids import low_discrepancy_poses
 from ..workspace.interference import cable_distances, cable_pairs, obstacle_distances, piercing_cables
 from ..world import World, load_world
+from .text_table import cable_names, in_brackets
 
 _ROUNDING = 1e-6
 _AXES = ("f_x", "f_y", "f_z", "m_x", "m_y", "m_z")

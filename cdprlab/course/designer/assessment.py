@@ -14,11 +14,11 @@ from ...robot import Robot
 from ...robot.pose import Pose
 from ...tensions import TensionDistribution, distribute_tensions
 from ...view.outlines import floor_height, platform_corners
-from ...view.text_table import cable_names
 from ...workspace import InterferenceFree, PoseGrid, WrenchFeasible, workspace
 from ...workspace.interference import cable_distances, cable_pairs, obstacle_distances, piercing_cables
 from ...workspace.stability import smallest_stiffness
 from ...world import World
+from ..text_table import cable_names
 
 CLEARANCE = 0.02
 """Cables nearer than this to anything are called near [m]."""

@@ -9,8 +9,8 @@ import numpy as np
 from ...mechanics.cables import cable_lengths
 from ...mechanics.statics import wrench_matrix
 from ...view.style import WARNING
-from ...view.text_table import fixed, text_table
 from ...world import World
+from ..text_table import fixed, text_table
 from .assessment import Assessment, Slice, stretch
 
 

@@ -9,10 +9,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...robot.pose import Pose
-from ...view.text_table import in_brackets
 from ..pictures.equilibrium import draw_panels, panels
 from ..props.letting_go import Motion, let_go
 from ..props.point_load import EXIT_POINTS, MASS, Equilibrium, equilibrium, point_load
+from ..text_table import in_brackets
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
 
 

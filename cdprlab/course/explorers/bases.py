@@ -16,8 +16,8 @@ from ...robot import Base, Robot
 from ...robot.pose import Pose
 from ...view.drawing import RobotDrawing
 from ...view.style import INK, cable_style
-from ...view.text_table import cable_names, cable_table, fixed
 from ...world import World
+from ..text_table import cable_names, cable_table, fixed
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
 from .posing import EYE, Posing, checked_world, draw_arrow, velocity
 

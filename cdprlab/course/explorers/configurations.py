@@ -17,9 +17,9 @@ from ...errors import InvalidInput
 from ...run import Run
 from ...run.switching import follow_sequence
 from ...view.style import GREY, INK
-from ...view.text_table import in_brackets
 from ...world import World
 from ..pictures.configuration_plan import WIDE_MARGIN, draw_room, fill_sequence, fill_triplet, in_words
+from ..text_table import in_brackets
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
 from .player import RunPlayer
 from .posing import checked_world

@@ -20,12 +20,12 @@ from ...mechanics.kinematics import forward_kinematics
 from ...robot.pose import Pose, rotation_vector
 from ...view.outlines import hanging
 from ...view.style import BLUE, GREY, INK, SKY, VERMILION, cable_style
-from ...view.text_table import fixed
 from ..pictures.panels import draw_exit_points
 from ..pictures.pose_estimates import outline
 from ..props.changed_cables import without_cable
 from ..props.pose_search import gauss_newton_path, six_cables
 from ..props.settling import Settled, hang
+from ..text_table import fixed
 from .explorer import Choice, Explorer, Slider, Values
 
 _SHOWN = 6

@@ -13,8 +13,8 @@ from ...robot.pose import Pose
 from ...tensions import TensionDistribution, distribute_tensions
 from ...view.drawing import RobotDrawing
 from ...view.style import INK, cable_style
-from ...view.text_table import in_brackets
 from ...world import World
+from ..text_table import in_brackets
 from .cable_bars import CableBars
 from .explorer import Explorer, Slider, Values, once_a_move
 

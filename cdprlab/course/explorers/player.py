@@ -16,7 +16,7 @@ from ...robot.pose import Pose
 from ...run import Run
 from ...view.drawing import RobotDrawing
 from ...view.style import GREY, INK, tension_colors
-from ...view.text_table import fixed, tension_text, text_table
+from ..text_table import fixed, tension_text, text_table
 from .cable_bars import CableBars
 from .explorer import Explorer, Slider, Values, movable
 
@@ -65,7 +65,7 @@ class RunPlayer(Explorer):
             self.drawing = RobotDrawing(above, self.world.robot, self.world.scene, _poses_to_hold(self.run))
             self.drawing.limits = self.limits
         else:
-            from ...view.scene import RobotScene
+            from .scene import RobotScene
 
             below = figure.subplots()
             self.scene = RobotScene(self.world, self.run.poses[0], self.run.measured_tensions[0], self.limits)

@@ -18,8 +18,8 @@ from ...robot.pose import Pose
 from ...view.drawing import RobotDrawing
 from ...view.outlines import EMPTY, floor_height
 from ...view.style import INK
-from ...view.text_table import cable_table, fixed
 from ...world import World
+from ..text_table import cable_table, fixed
 from .explorer import Explorer, Slider, Values
 
 EYE = Slider("azimuth", "seen from", "deg", -180.0, 180.0, 25.0, 5.0)

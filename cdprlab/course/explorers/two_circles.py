@@ -17,10 +17,10 @@ from ...robot import Robot
 from ...robot.pose import Pose
 from ...view.outlines import hanging
 from ...view.style import INK, SKY, cable_style
-from ...view.text_table import in_brackets
 from ..pictures.panels import draw_exit_points
 from ..props.point_load import circle_crossings, point_load
 from ..props.settling import Settled, hang
+from ..text_table import in_brackets
 from .explorer import Choice, Explorer, Slider, Values
 
 EXIT_POINTS = np.array([[0.0, 3.0], [5.0, 3.0]])

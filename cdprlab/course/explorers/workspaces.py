@@ -21,12 +21,12 @@ from ...robot.pose import Pose
 from ...view.drawing import RobotDrawing
 from ...view.outlines import floor_height
 from ...view.style import GREY, INK
-from ...view.text_table import cable_table, fixed
 from ...workspace.capacity import best_tensions
 from ...workspace.criterion import Criterion
 from ...workspace.tensions import DynamicEquilibrium, StaticEquilibrium, WrenchClosure, WrenchFeasible
 from ...world import World
 from ..props.changed_cables import every_cable
+from ..text_table import cable_table, fixed
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
 from .posing import Posing, checked_world
 

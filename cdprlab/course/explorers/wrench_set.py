@@ -16,9 +16,9 @@ from ...robot.pose import Pose
 from ...sets import Polytope, available_wrench_set
 from ...view.sets import axis_names
 from ...view.style import GREEN, INK, VERMILION
-from ...view.text_table import fixed, text_table
 from ...world import World
 from ..props.changed_cables import every_cable
+from ..text_table import fixed, text_table
 from .explorer import Explorer, Slider, Values, movable, once_a_move
 from .plane_sets import checked_set_world, set_patches
 from .posing import Posing

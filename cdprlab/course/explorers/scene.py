@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from PIL import ImageColor
 
-from ..arrays import Array
-from ..errors import InvalidInput
-from ..mechanics.cables import anchor_offsets
-from ..robot.pose import Pose
-from ..world import World
-from .outlines import box_faces, floor_height, floor_tiles, landmarks, platform_solids, surroundings
-from .style import AXIS_COLORS, FLOOR, INK, SLACK_COLOR, STEEL, TENSION_COLORS, tension_colors, tension_limits
-from .text_table import tension_text
+from ...arrays import Array
+from ...errors import InvalidInput
+from ...mechanics.cables import anchor_offsets
+from ...robot.pose import Pose
+from ...view.outlines import box_faces, floor_height, floor_tiles, landmarks, platform_solids, surroundings
+from ...view.style import AXIS_COLORS, FLOOR, INK, SLACK_COLOR, STEEL, TENSION_COLORS, tension_colors, tension_limits
+from ...world import World
+from ..text_table import tension_text
 
 
 class RobotScene:
