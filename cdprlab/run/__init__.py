@@ -1,9 +1,10 @@
 """The closed loop: reference, controller, tension distribution, engine; and the log of what happened."""
 
+from ..simulate import WOUND
 from .distributor import INFEASIBLE
 from .log import Log, save_record
 from .loop import Progress
 from .record import Run
-from .start import WOUND, Cuts, run
+from .start import Cuts, run
 
 __all__ = ["INFEASIBLE", "WOUND", "Cuts", "Log", "Progress", "Run", "run", "save_record"]

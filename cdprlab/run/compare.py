@@ -161,9 +161,8 @@ def step_shrinks(robot: Robot, path: Trajectory, span: Array, solve: Solver, ste
 
 
 def _line(row: dict[str, Any]) -> tuple[str, ...]:
-    numbers = [f"{row[name]:.4g}" if np.isfinite(row[name]) else "–" for name in
-               ("smallest", "largest", "energy", "largest_step")]
-    margin = f"{row['margin']:.4g}" if np.isfinite(row["margin"]) else "–"
+    *numbers, margin = [f"{row[name]:.4g}".replace("nan", "–") for name in
+                        ("smallest", "largest", "energy", "largest_step", "margin")]
     continuous = ("yes" if row["continuous"] else "no") if row["feasible_share"] else "–"
     return (str(row["method"]), f"{100 * row['feasible_share']:.0f} %", *numbers, continuous, margin,
             f"{1e6 * row['solve_time']:.1f}")

@@ -14,16 +14,14 @@ from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
 from ..mechanics.statics import wrench_matrix
 from ..mechanics.trajectory import Reference
-from ..simulate import Simulator, open_simulator
+from ..simulate import WOUND, Simulator, open_simulator
+from ..simulate.simulator import cable_indices
 from ..world import World
 from .controllers import ComputedTorque, Controller
 from .distributor import Distributor
 from .drive import Drive
 from .loop import LengthCommand, Progress, TensionCommand, counted, fly
 from .record import Run
-
-WOUND = ("length", "elastic")
-"""Cable models that take lengths, not tensions: winches wind by inverse kinematics of the reference."""
 
 Cuts = Mapping[float, ArrayLike]
 """Time [s] → the cables cut then, by index from 0."""
@@ -139,15 +137,8 @@ def _cut_steps(cut: Cuts, m: int, steps: int, period: float) -> dict[int, list[i
         step = int(np.ceil(at / period - 1e-9))
         if not 0 <= step < steps:
             raise InvalidInput(f"a cut must fall within the run, 0 to {steps * period:g} s, got {at:g} s")
-        due.setdefault(step, []).extend(_indices(cables, m))
+        due.setdefault(step, []).extend(cable_indices(cables, m))
     return due
-
-
-def _indices(cables: ArrayLike, m: int) -> list[int]:
-    given = np.atleast_1d(np.asarray(cables)).ravel().tolist()
-    if any(isinstance(i, bool) or not isinstance(i, int) or not 0 <= i < m for i in given):
-        raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {given}")
-    return given
 
 
 def _describe(controller: Any) -> str:

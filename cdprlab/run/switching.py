@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Flags, as_array, as_number, frozen
+from ..arrays import Flags, as_array, as_number, frozen
 from ..configurations.measured import hanging_position
 from ..configurations.sequence import ConfigurationSequence
 from ..configurations.winding import Winding, winding_plan
@@ -18,7 +18,7 @@ from ..robot import Robot
 from ..robot.pose import Pose
 from ..simulate import open_simulator
 from ..world import World
-from .loop import LengthCommand, Progress, counted, fly
+from .loop import LengthCommand, fly
 from .record import Run
 
 TAUT = 1.0
@@ -27,7 +27,7 @@ TAUT = 1.0
 
 def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: float = 0.2, speed: float = 0.2,
                     reeling: float = 0.05, length_errors: ArrayLike = 0.0, exit_errors: ArrayLike = 0.0,
-                    cables: str = "length", dt: float = 1e-3, progress: Progress | None = None) -> Run:
+                    cables: str = "length") -> Run:
     """Lead a point mass along a sequence by rope lengths alone, in the engine.
 
     world : what the planner knows; sequence : from `plan_configurations`
@@ -35,7 +35,7 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
     speed, reeling : the load's largest, and of slack taken up and let out [m/s]
     length_errors : (m,) or one number: ropes are really this much longer than the winches believe [m]
     exit_errors : (m, 3) or one number: where the exit points really are, minus where they are believed [m]
-    cables : "length" or "elastic"; dt : engine step [s]
+    cables : "length" or "elastic"
     Returns Run; its reference is the planned motion, its errors what the load was off, and ``taut_cables`` reads off
     which cables carried.
     Raises InvalidInput, SimulationDiverged.
@@ -46,17 +46,20 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
     >>> bool(follow_sequence(world, best, slack=0.05).position_errors.max() < 1e-5)
     True
     """
-    plan = winding_plan(world.robot, sequence, slack, speed, reeling, dt)
+    plan = winding_plan(world.robot, sequence, slack, speed, reeling)
     m = world.robot.n_cables
-    longer = as_array(np.broadcast_to(np.asarray(length_errors, dtype=float), (m,)), "length_errors", (m,), "m")
+    longer = as_array(np.broadcast_to(length_errors, (m,)), "length_errors", (m,), "m")
     real = dataclasses.replace(world, robot=_displaced(world.robot, exit_errors))
-    steps = len(plan.time)
-    with open_simulator(real, cables, dt) as engine:
-        _hang(engine, plan.lengths[0] + longer)
-        log, elapsed = fly(engine, LengthCommand(), counted((plan.lengths + longer).tolist(), steps, progress))
-    settings = {"slack": float(slack), "speed": float(speed), "reeling": float(reeling)}
+    with open_simulator(real, cables) as engine:
+        # At rest where these ropes hold the load; those that are slack there are let out at their winches' speed.
+        lengths = plan.lengths[0] + longer
+        engine.reset(Pose(hanging_position(engine.robot, lengths)[0]))
+        while not engine.wind(lengths):
+            pass
+        log, elapsed = fly(engine, LengthCommand(), (plan.lengths + longer).tolist())
+    dt, settings = engine.dt, {"slack": float(slack), "speed": float(speed), "reeling": float(reeling)}
     run = Run.of(log, _motion(plan, dt), at_end=True, world=real, task="sequence", method="cable_configurations",
-                 cables=cables, time=frozen(plan.time), real_time_factor=steps * dt / elapsed, dt=dt,
+                 cables=cables, time=frozen(plan.time), real_time_factor=len(plan.time) * dt / elapsed, dt=dt,
                  control_period=dt, settings=settings)
     return dataclasses.replace(run, commanded_lengths=frozen(plan.lengths))
 
@@ -80,8 +83,8 @@ class Trial(NamedTuple):
 
 
 def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *, slack: float = 0.2, speed: float = 0.2,
-               reeling: float = 0.05, length_error: float = 0.01, exit_error: float = 0.02, seed: int = 0,
-               progress: Progress | None = None) -> list[Trial]:
+               reeling: float = 0.05, length_error: float = 0.01, exit_error: float = 0.02,
+               seed: int = 0) -> list[Trial]:
     """The same sequence followed by robots whose ropes and exit points are off, drawn evenly within the errors.
 
     world, sequence, slack, speed, reeling : as `follow_sequence`
@@ -93,7 +96,7 @@ def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *, sl
     as_number(trials, "trials", "", positive=True)
     plan = winding_plan(world.robot, sequence, slack, speed, reeling)
     found = []
-    for k in range(trials):
+    for _ in range(trials):
         longer = rng.uniform(-length_error, length_error, m)
         displaced = rng.uniform(-exit_error, exit_error, (m, 3))
         try:
@@ -102,8 +105,6 @@ def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *, sl
             found.append(_judged(run, plan))
         except SimulationDiverged:
             found.append(Trial(np.inf, np.inf, np.inf))
-        if progress is not None:
-            progress(k + 1, trials)
     return found
 
 
@@ -122,17 +123,10 @@ def _longest(true: Any) -> int:
 
 def _displaced(robot: Robot, exit_errors: ArrayLike) -> Robot:
     shape = (robot.n_cables, 3)
-    errors = as_array(np.broadcast_to(np.asarray(exit_errors, dtype=float), shape), "exit_errors", shape, "m")
+    errors = as_array(np.broadcast_to(exit_errors, shape), "exit_errors", shape, "m")
     cables = tuple(dataclasses.replace(cable, exit_point=cable.exit_point + error)
                    for cable, error in zip(robot.cables, errors))
     return dataclasses.replace(robot, cables=cables)
-
-
-def _hang(engine: Any, lengths: Array) -> None:
-    """At rest where these ropes hold the load; those that are slack there are let out at their winches' speed."""
-    engine.reset(Pose(hanging_position(engine.robot, lengths)[0]))
-    while not engine.wind(lengths):
-        pass
 
 
 def _motion(plan: Winding, dt: float) -> Reference:

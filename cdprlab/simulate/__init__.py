@@ -9,10 +9,10 @@ import numpy as np
 from ..errors import InvalidInput
 from ..world import World
 from .planar import PlanarSimulator
-from .simulator import Simulator
+from .simulator import WOUND, Simulator
 from .spatial import SpatialSimulator
 
-__all__ = ["CABLE_MODELS", "Simulator", "open_simulator"]
+__all__ = ["CABLE_MODELS", "WOUND", "Simulator", "open_simulator"]
 
 CABLE_MODELS = {
     "tension": "the tension is commanded; spatial: point-to-point constraint cables under torque, and measured",

@@ -26,18 +26,17 @@ class Boxes:
         self._boxes: dict[str, tuple[int, Array]] = {}           # body, size
         self._grips: dict[str, tuple[int, Array]] = {}           # constraint, rotation seen from the platform
 
-    def add(self, name: str, position: ArrayLike, size: ArrayLike, mass: float, yaw: float = 0.0,
-            friction: float = 0.5) -> None:
+    def add(self, name: str, position: ArrayLike, size: ArrayLike, mass: float, friction: float = 0.5) -> None:
         """Put a loose box into the world.
 
-        position : (3,) of its center [m]; size : (3,) [m]; mass : [kg]; yaw : [rad]
+        position : (3,) of its center [m]; size : (3,) [m]; mass : [kg]
         friction : the box's factor of the coefficient of friction; boards and floor have 0.5
         """
         if name in self._boxes:
             raise InvalidInput(f"there is a box {name!r} already")
         extent = as_array(size, "size", (3,), "m")
-        body = self._bullet.add_box(extent, as_array(position, "position", (3,), "m"), yaw, mass)
-        self._bullet.engine.changeDynamics(body, -1, lateralFriction=friction, physicsClientId=self._bullet.client)
+        body = self._bullet.add_box(extent, as_array(position, "position", (3,), "m"), 0.0, mass)
+        self._bullet.changeDynamics(body, -1, lateralFriction=friction)
         self._boxes[name] = body, extent
 
     def pose(self, name: str) -> Pose:
@@ -54,7 +53,7 @@ class Boxes:
             return
         body, platform, bullet = self._body(name), self._platform, self._bullet
         # What is held must not also push: platform and box overlap where the box lies in the tray.
-        bullet.engine.setCollisionFilterPair(platform, body, -1, -1, 0, physicsClientId=bullet.client)
+        bullet.setCollisionFilterPair(platform, body, -1, -1, 0)
         seen = bullet.placed(platform)[1].T @ bullet.placed(body)[1]
         self._grips[name] = bullet.fix(platform, -1, body, -1), seen
 
@@ -67,7 +66,7 @@ class Boxes:
             raise InvalidInput(f"box {name!r} is not gripped; gripped are {', '.join(self._grips) or 'none'}")
         grip, seen = self._grips[name]
         pivot = seen.T @ -as_array(stroke, "stroke", (3,), "m")
-        self._bullet.engine.changeConstraint(grip, jointChildPivot=pivot.tolist(), physicsClientId=self._bullet.client)
+        self._bullet.changeConstraint(grip, jointChildPivot=pivot.tolist())
 
     def is_gripped(self, name: str) -> bool:
         """Whether a box is held at the platform."""
@@ -77,7 +76,7 @@ class Boxes:
         """Let these boxes go, or all of them."""
         for name in names or tuple(self._grips):
             if name in self._grips:
-                self._bullet.engine.removeConstraint(self._grips.pop(name)[0], physicsClientId=self._bullet.client)
+                self._bullet.removeConstraint(self._grips.pop(name)[0])
 
     def _body(self, name: str) -> int:
         if name not in self._boxes:

@@ -8,7 +8,7 @@ import math
 import os
 import sys
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,11 +25,18 @@ Link = tuple[float, int, list[float], list[float], int, int, list[int]]
 class Bullet(NamedTuple):
     """One client of PyBullet (DIRECT mode, no window), in which a world's bodies live.
 
-    engine : the module; client : which every call names, in the loop by position: keywords take twice the time
+    What the engine can do is asked of it by the engine's names, functions bound to this client. In the loop they are
+    the module's own, and the client stands in its position: keywords take twice the time.
+
+    engine : the module; client : its number
     """
 
     engine: Any
     client: int
+
+    def __getattr__(self, name: str) -> Any:
+        found = getattr(self.engine, name)
+        return partial(found, physicsClientId=self.client) if callable(found) else found
 
     @classmethod
     def connect(cls) -> Bullet:
@@ -40,23 +47,22 @@ class Bullet(NamedTuple):
 
     def placed(self, body: int, link: int = -1) -> tuple[Array, Array]:
         """Center of mass [m] and rotation of a link, or of a body's base (−1)."""
-        place, turn = (self.engine.getBasePositionAndOrientation(body, self.client) if link < 0 else
-                       self.engine.getLinkState(body, link, 0, 1, self.client)[:2])
-        return np.array(place), np.array(self.engine.getMatrixFromQuaternion(turn)).reshape(3, 3)
+        place, turn = (self.getBasePositionAndOrientation(body) if link < 0 else
+                       self.getLinkState(body, link, computeForwardKinematics=1)[:2])
+        return np.array(place), np.array(self.getMatrixFromQuaternion(turn)).reshape(3, 3)
 
     def add_box(self, size: Array, position: Array, yaw: float, mass: float = 0.0) -> int:
         """A solid box, which nothing moves if it has no mass."""
-        b = self.engine
-        shape = b.createCollisionShape(b.GEOM_BOX, halfExtents=(size / 2).tolist(), physicsClientId=self.client)
-        return int(b.createMultiBody(mass, shape, basePosition=position.tolist(), physicsClientId=self.client,
-                                     baseOrientation=b.getQuaternionFromEuler([0, 0, yaw])))
+        shape = self.createCollisionShape(self.GEOM_BOX, halfExtents=(size / 2).tolist())
+        return int(self.createMultiBody(mass, shape, basePosition=position.tolist(),
+                                        baseOrientation=self.getQuaternionFromEuler([0, 0, yaw])))
 
     def fix(self, a: int, link_a: int, b: int, link_b: int) -> int:
         """A constraint that holds b at a as they are now; frames are in centers of mass."""
         (pa, ra), (pb, rb) = self.placed(a, link_a), self.placed(b, link_b)
-        return int(self.engine.createConstraint(
-            a, link_a, b, link_b, self.engine.JOINT_FIXED, [0, 0, 0], (ra.T @ (pb - pa)).tolist(), [0, 0, 0],
-            parentFrameOrientation=quaternion_of(ra.T @ rb), physicsClientId=self.client))
+        return int(self.createConstraint(
+            a, link_a, b, link_b, self.JOINT_FIXED, [0, 0, 0], (ra.T @ (pb - pa)).tolist(), [0, 0, 0],
+            parentFrameOrientation=quaternion_of(ra.T @ rb)))
 
     def add_chain(self, links: list[Link], joints: list[float], position: Array | None = None,
                   turn: list[float] = STRAIGHT) -> int:
@@ -64,23 +70,23 @@ class Bullet(NamedTuple):
 
         joints : their values; position, turn : of its base, which is fixed
         """
-        b, client, n = self.engine, self.client, len(links)
+        n = len(links)
         mass, shapes, places, turns, parents, kinds, axes = map(list, zip(*links))
-        body = int(b.createMultiBody(
+        body = int(self.createMultiBody(
             0, -1, basePosition=ORIGIN if position is None else position.tolist(), baseOrientation=turn,
             linkMasses=mass, linkCollisionShapeIndices=shapes, linkVisualShapeIndices=[-1] * n, linkPositions=places,
             linkOrientations=turns, linkInertialFramePositions=[ORIGIN] * n,
             linkInertialFrameOrientations=[STRAIGHT] * n, linkParentIndices=parents, linkJointTypes=kinds,
-            linkJointAxis=axes, physicsClientId=client))
+            linkJointAxis=axes))
         # Joints start with motors of 1000 N that would hold the robot in place.
-        b.setJointMotorControlArray(body, list(range(n)), b.VELOCITY_CONTROL, forces=[0] * n, physicsClientId=client)
+        self.setJointMotorControlArray(body, list(range(n)), self.VELOCITY_CONTROL, forces=[0] * n)
         # The default of 100 m/s caps the tension at 100 m_tip/dt. In a call of its own: given together with
         # a link's other settings, Bullet applies all of them to the base.
-        b.changeDynamics(body, -1, maxJointVelocity=1e9, physicsClientId=client)
+        self.changeDynamics(body, -1, maxJointVelocity=1e9)
         for link in range(-1, n):
-            b.changeDynamics(body, link, linearDamping=0, angularDamping=0, jointDamping=0, physicsClientId=client)
+            self.changeDynamics(body, link, linearDamping=0, angularDamping=0, jointDamping=0)
         for joint, value in enumerate(joints):
-            b.resetJointState(body, joint, value, physicsClientId=client)
+            self.resetJointState(body, joint, value)
         return body
 
 

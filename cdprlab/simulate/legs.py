@@ -28,10 +28,9 @@ class Legs:
 
     def __init__(self, bullet: Bullet, legs: list[Leg], platform: int, pivots: Array) -> None:
         self._bullet, self._legs = bullet, legs
-        b = bullet.engine
         # The platform as parent; pivots are in center-of-mass frames, and the tip's mass is its origin.
-        self._ties = [int(b.createConstraint(platform, -1, leg, tip, b.JOINT_POINT2POINT, ORIGIN, pivot, ORIGIN,
-                                             physicsClientId=bullet.client))
+        self._ties = [int(bullet.createConstraint(platform, -1, leg, tip, bullet.JOINT_POINT2POINT,
+                                                  ORIGIN, pivot, ORIGIN))
                       for (leg, tip), pivot in zip(legs, pivots.tolist())]
 
     def pull(self, tensions: Array) -> None:
@@ -53,13 +52,13 @@ class Legs:
 
     def cut(self, cable: int) -> None:
         """Untie one from the platform."""
-        self._bullet.engine.removeConstraint(self._ties[cable], physicsClientId=self._bullet.client)
+        self._bullet.removeConstraint(self._ties[cable])
         self._ties[cable] = -1
 
     def remove(self) -> None:
         """Take them out of the world, with whatever they are part of."""
         for body in dict.fromkeys(body for body, _ in self._legs):   # takes its constraints along
-            self._bullet.engine.removeBody(body, physicsClientId=self._bullet.client)
+            self._bullet.removeBody(body)
         self._legs, self._ties = [], []
 
 
@@ -76,7 +75,7 @@ def fixed_leg(bullet: Bullet, exit_point: Array, anchor: Array, middle: Array, t
 def leg_links(bullet: Bullet, tip_mass: float, first: int, parent: int, place: list[float],
               turn: list[float]) -> list[Link]:
     """The links of a leg whose first one has this number, at a place of its parent."""
-    slide, swing = bullet.engine.JOINT_PRISMATIC, bullet.engine.JOINT_REVOLUTE
+    slide, swing = bullet.JOINT_PRISMATIC, bullet.JOINT_REVOLUTE
     # All the mass sits at the tip without inertia: the constraint's three rows then decouple.
     return [(0.0, -1, place, turn, parent, swing, [1, 0, 0]),
             (0.0, -1, ORIGIN, STRAIGHT, first + 1, swing, [0, 1, 0]),
@@ -85,7 +84,7 @@ def leg_links(bullet: Bullet, tip_mass: float, first: int, parent: int, place: l
 
 def leg_joints(bullet: Bullet, aim: list[float], vector: Array) -> list[float]:
     """Joint values (a, b, ρ) with Rx(a) Ry(b) [0, 0, ρ] = vector, in the leg's base frame, which is turned by aim."""
-    axes = np.array(bullet.engine.getMatrixFromQuaternion(aim)).reshape(3, 3)
+    axes = np.array(bullet.getMatrixFromQuaternion(aim)).reshape(3, 3)
     length = float(np.linalg.norm(vector))
     x, y, z = (axes.T @ vector / length).tolist()
     return [math.atan2(-y, z), math.asin(x), length]

@@ -139,11 +139,11 @@ class PlanarSimulator(Simulator):
 
     @property
     def wrench_matrix(self) -> Array:  # type: ignore[override]
-        c, s = self._turn
-        x, y = self._arm
-        rows = [(ux, uy, (bx * c - by * s + x) * uy - (bx * s + by * c + y) * ux)
-                for (ux, uy), (bx, by) in zip(self._directions, self._anchors)]
-        return np.array(rows).T[:self.world.robot.n_dof]
+        from ..compiled.columns import cables
+
+        robot = self.world.robot
+        _, W = cables(self.bases.exits, robot.anchor_points, self.position[None], self.rotation[None])
+        return W[0, :robot.n_dof]
 
     def sample(self) -> tuple[float, ...]:
         c, s = self._turn

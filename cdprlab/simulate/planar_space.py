@@ -146,15 +146,12 @@ def solving_order(world: World) -> tuple[tuple[int, ...], int]:
         lengths = np.maximum((rows**2).sum(axis=1), 1e-12)[:, None, None]
         steps.append(np.eye(robot.n_dof) - rows[:, :, None] * rows[:, None, :] / lengths)
     projections = np.array(steps)                                          # (poses, m, n, n)
-    few = len(ropes) <= _MOST_ORDERED
-    orders = [(0, *rest) for rest in permutations(ropes[1:])] if few else [tuple(ropes)]
+    orders = ([(0, *rest) for rest in permutations(ropes[1:])] if len(ropes) <= _MOST_ORDERED else
+              [tuple(ropes)])
     rates = [float(np.abs(np.linalg.eigvals(reduce(np.matmul, np.moveaxis(projections[:, order], 1, 0)))).max())
              for order in orders]
     best = int(np.argmin(np.round(rates, 6)))
-    return orders[best], _rounds(rates[best], len(ropes) >= robot.n_dof)
-
-
-def _rounds(rate: float, enough: bool) -> int:
-    if rate > 1 - 1e-9:   # fewer ropes than freedoms: some error is nobody's
-        return _MOST_ITERATIONS if enough else 30
-    return int(np.clip(math.ceil(math.log(1e-6) / math.log(max(rate, 1e-6))), 10, _MOST_ITERATIONS))
+    if rates[best] > 1 - 1e-9:   # fewer ropes than freedoms: some error is nobody's
+        return orders[best], _MOST_ITERATIONS if len(ropes) >= robot.n_dof else 30
+    rounds = math.ceil(math.log(1e-6) / math.log(max(rates[best], 1e-6)))
+    return orders[best], min(max(rounds, 10), _MOST_ITERATIONS)

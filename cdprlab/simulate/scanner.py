@@ -16,8 +16,7 @@ def ray_distances(simulator: SpatialSimulator, origin: Array, directions: Array,
     origin : (3,) of the scanner [m]; directions : (b, 3) unit vectors; reach : [m]
     """
     ends = origin + reach * directions
-    b, client = simulator.bullet
-    hits = b.rayTestBatch(np.broadcast_to(origin, ends.shape).tolist(), ends.tolist(), physicsClientId=client)
+    hits = simulator.bullet.rayTestBatch(np.broadcast_to(origin, ends.shape).tolist(), ends.tolist())
     share = np.array([hit[2] for hit in hits])
     return np.where([hit[0] >= 0 for hit in hits], reach * share, np.inf)
 
@@ -29,13 +28,10 @@ class Bystander:
     """
 
     def __init__(self, simulator: SpatialSimulator, place: Array, radius: float) -> None:
-        self._engine, self._client = simulator.bullet
-        shape = self._engine.createCollisionShape(self._engine.GEOM_CYLINDER, radius=radius, height=_TALL,
-                                                  physicsClientId=self._client)
-        self._body = self._engine.createMultiBody(0, shape, basePosition=[*place, _TALL / 2],
-                                                  physicsClientId=self._client)
+        b = self._bullet = simulator.bullet
+        shape = b.createCollisionShape(b.GEOM_CYLINDER, radius=radius, height=_TALL)
+        self._body = b.createMultiBody(0, shape, basePosition=[*place, _TALL / 2])
 
     def put(self, place: Array) -> None:
         """Stand there."""
-        self._engine.resetBasePositionAndOrientation(self._body, [*place, _TALL / 2], [0, 0, 0, 1],
-                                                     physicsClientId=self._client)
+        self._bullet.resetBasePositionAndOrientation(self._body, [*place, _TALL / 2], [0, 0, 0, 1])

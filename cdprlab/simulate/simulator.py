@@ -17,6 +17,9 @@ from ..robot.pose import Pose
 from ..world import World
 from .state import State
 
+WOUND = ("length", "elastic")
+"""Cable models that take lengths, not tensions: winches wind by inverse kinematics of the reference."""
+
 
 class Simulator(ABC):
     """One robot in one engine; several may live in one process. Use it in a ``with`` block, or close it.
@@ -39,7 +42,7 @@ class Simulator(ABC):
 
     def __init__(self, world: World, cables: str, dt: float) -> None:
         self.world, self.cables, self.dt = world, cables, float(dt)
-        self.is_wound = cables in ("length", "elastic")
+        self.is_wound = cables in WOUND
         self.paid_out: list[float] = []
         self._most = (world.robot.speed_max * self.dt).tolist()   # wound in one step
 
@@ -59,6 +62,10 @@ class Simulator(ABC):
     @abstractmethod
     def sever(self, cable: int) -> None:
         """Cut a cable that is whole, given by index."""
+
+    @abstractmethod
+    def sample(self) -> Sequence[float]:
+        """Position, rotation (row by row), twist, lengths and tensions as one row of a log."""
 
     @abstractmethod
     def contact_force(self) -> float:
@@ -124,9 +131,7 @@ class Simulator(ABC):
     def cut(self, cables: ArrayLike | None = None) -> None:
         """Cut cables by index from 0 (default all): they carry nothing until the next reset."""
         m = self.world.robot.n_cables
-        for i in range(m) if cables is None else np.atleast_1d(np.asarray(cables, dtype=int)).tolist():
-            if not 0 <= i < m:
-                raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {i}")
+        for i in range(m) if cables is None else cable_indices(cables, m):
             if i not in self.cut_cables:
                 self.cut_cables.add(i)
                 self.sever(i)
@@ -156,12 +161,6 @@ class Simulator(ABC):
         return State(self.steps * self.dt, self.robot, self.position, self.rotation, self.twist, self.tensions,
                      self.world.scene, self.rope_lengths, tuple(self.loose_boxes()))
 
-    def sample(self) -> Sequence[float]:
-        """Position, rotation (row by row), twist, lengths and tensions as one row of a log."""
-        row: list[float] = np.concatenate([self.position, self.rotation.ravel(), self.twist, self.lengths,
-                                           self.tensions]).tolist()
-        return row
-
     def diverge(self) -> None:
         """Raise SimulationDiverged, which names the cable that pulls hardest."""
         pulls = np.where(np.isfinite(self.tensions), np.abs(self.tensions), np.inf)
@@ -176,3 +175,11 @@ class Simulator(ABC):
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def cable_indices(cables: ArrayLike, m: int) -> list[int]:
+    """Which of m cables are to be cut; raises InvalidInput unless they are indices from 0."""
+    given = np.ravel(cables).tolist()
+    if any(isinstance(i, bool) or not isinstance(i, int) or not 0 <= i < m for i in given):
+        raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {given}")
+    return given

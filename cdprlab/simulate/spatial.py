@@ -60,7 +60,7 @@ class SpatialSimulator(Simulator):
         # Threshold 0: the default ends the iterations early, at a moment that depends on the motion.
         self._set(fixedTimeStep=self.dt, numSolverIterations=solver_iterations or (50 if bodies else 5),
                   solverResidualThreshold=0)
-        self.bullet.engine.setGravity(0, 0, -robot.gravity, physicsClientId=self.bullet.client)
+        self.bullet.setGravity(0, 0, -robot.gravity)
         self._substeps = 1
         self.platform = self._add_platform()
         self._add_scene()
@@ -71,12 +71,12 @@ class SpatialSimulator(Simulator):
 
     # --- the interface ----------------------------------------------------------------------------
     def place(self, start: Pose) -> None:
-        b, client, robot = self.bullet.engine, self.bullet.client, self.world.robot
+        b, robot = self.bullet, self.world.robot
         self.boxes.release()
         if self._legs is not None:
             self._legs.remove()
-        b.resetBasePositionAndOrientation(self.platform, *self._frame.body_pose(start), physicsClientId=client)
-        b.resetBaseVelocity(self.platform, [0, 0, 0], [0, 0, 0], physicsClientId=client)
+        b.resetBasePositionAndOrientation(self.platform, *self._frame.body_pose(start))
+        b.resetBaseVelocity(self.platform, [0, 0, 0], [0, 0, 0])
         self._exits = robot.exit_points
         self._present: Robot | None = None
         self._legs = None if self.cables == "force" else self._add_legs(start)
@@ -131,7 +131,7 @@ class SpatialSimulator(Simulator):
             self._legs.cut(cable)
 
     def contact_force(self) -> float:
-        contacts = self.bullet.engine.getContactPoints(bodyA=self.platform, physicsClientId=self.bullet.client)
+        contacts = self.bullet.getContactPoints(bodyA=self.platform)
         return float(sum(contact[9] for contact in contacts))
 
     def loose_boxes(self) -> Iterable[tuple[Pose, Array]]:
@@ -143,7 +143,7 @@ class SpatialSimulator(Simulator):
 
     def close(self) -> None:
         if self.bullet.client >= 0:
-            self.bullet.engine.disconnect(physicsClientId=self.bullet.client)
+            self.bullet.disconnect()
             self.bullet = self.bullet._replace(client=-1)
 
     def carry(self, robot: Robot) -> None:
@@ -203,9 +203,9 @@ class SpatialSimulator(Simulator):
         b, client = self.bullet
         force = wrench[:3].tolist()
         # Applied at P as a world point, so that Bullet adds the moment about the center of mass.
-        b.applyExternalForce(self.platform, -1, force, self.position.tolist(), b.WORLD_FRAME, physicsClientId=client)
+        b.applyExternalForce(self.platform, -1, force, self.position.tolist(), b.WORLD_FRAME, client)
         if wrench[3:].any():
-            b.applyExternalTorque(self.platform, -1, wrench[3:].tolist(), b.WORLD_FRAME, physicsClientId=client)
+            b.applyExternalTorque(self.platform, -1, wrench[3:].tolist(), b.WORLD_FRAME, client)
 
     def _read(self) -> None:
         b, client = self.bullet
@@ -227,7 +227,7 @@ class SpatialSimulator(Simulator):
         self.whole_wrenches, self.directions, self.wrench_matrix = W, W[:3].T, robot.pattern.project(W, self.rotation)
 
     def _set(self, **parameters: float) -> None:
-        self.bullet.engine.setPhysicsEngineParameter(**parameters, physicsClientId=self.bullet.client)
+        self.bullet.setPhysicsEngineParameter(**parameters)
 
     # --- building ---------------------------------------------------------------------------------
     def _wound_at_rest(self) -> list[float]:
@@ -241,21 +241,20 @@ class SpatialSimulator(Simulator):
         return wound
 
     def _add_platform(self) -> int:
-        b, client, body = self.bullet.engine, self.bullet.client, self.world.robot.platform
+        b, body = self.bullet, self.world.robot.platform
         offset, turn = self._frame.to_body(body.center), quaternion_of(self._frame.axes.T)
         shape = b.createCollisionShape(b.GEOM_BOX, halfExtents=(body.size / 2).tolist(),
-                                       collisionFramePosition=offset.tolist(), collisionFrameOrientation=turn,
-                                       physicsClientId=client)
-        platform = b.createMultiBody(body.mass, shape, physicsClientId=client)
+                                       collisionFramePosition=offset.tolist(), collisionFrameOrientation=turn)
+        platform = b.createMultiBody(body.mass, shape)
         # Bullet's default damping of 0.04 would triple the tracking error.
         b.changeDynamics(platform, -1, localInertiaDiagonal=self._frame.principal.tolist(), linearDamping=0,
-                         angularDamping=0, activationState=b.ACTIVATION_STATE_DISABLE_SLEEPING, physicsClientId=client)
+                         angularDamping=0, activationState=b.ACTIVATION_STATE_DISABLE_SLEEPING)
         return int(platform)
 
     def _add_scene(self) -> None:
-        b, client, scene = self.bullet.engine, self.bullet.client, self.world.scene
-        floor = b.createCollisionShape(b.GEOM_PLANE, physicsClientId=client)
-        b.createMultiBody(0, floor, basePosition=[0, 0, scene.floor_height], physicsClientId=client)
+        b, scene = self.bullet, self.world.scene
+        floor = b.createCollisionShape(b.GEOM_PLANE)
+        b.createMultiBody(0, floor, basePosition=[0, 0, scene.floor_height])
         for box in scene.boxes:
             self.bullet.add_box(box.size, box.position, box.yaw)
 

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array, frozen
 from ..errors import InvalidInput
 from ..robot import Base, Robot
+from ..robot.parts import box_inertia
 from .bullet import ORIGIN, STRAIGHT, Bullet, Link, turn_z_to
 from .legs import Leg, leg_joints, leg_links
 
@@ -115,8 +116,7 @@ class SpatialBases:
         loads = {}
         for base, body, feet, frame in zip(self._robot.bases, self.bodies, self._feet, self._frames):
             force = np.zeros(len(feet))
-            contacts = self._bullet.engine.getContactPoints(bodyA=body, linkIndexA=_BODY,
-                                                            physicsClientId=self._bullet.client)
+            contacts = self._bullet.getContactPoints(bodyA=body, linkIndexA=_BODY)
             if contacts:
                 points = (np.array([contact[5] for contact in contacts]) - frame[:, 3]).dot(frame[:, :3])
                 nearest = ((points[:, None] - feet)**2).sum(axis=2).argmin(axis=1)
@@ -150,7 +150,7 @@ class SpatialBases:
     def uncouple(self) -> None:
         """Open the link; the second base stands where it then is."""
         if self.is_coupled:
-            self._bullet.engine.removeConstraint(self._link, physicsClientId=self._bullet.client)
+            self._bullet.removeConstraint(self._link)
             self._targets[1] = self.poses[1].tolist()
             self._link = -1
 
@@ -182,30 +182,25 @@ def _add_base(bullet: Bullet, base: Base, exits: Array, anchors: Array, middle: 
         links += leg_links(bullet, tip_mass, len(links), _BODY + 1, (exit_point - base.center_of_mass).tolist(), aim)
         joints += leg_joints(bullet, aim, anchor - exit_point)
     body = bullet.add_chain(links, joints)
-    inertia = _inertia(base)
-    bullet.engine.changeDynamics(body, _BODY, localInertiaDiagonal=inertia, physicsClientId=bullet.client)
-    bullet.engine.changeDynamics(body, _BODY, lateralFriction=0.0, physicsClientId=bullet.client)
+    # Of a box over the footprint, twice as high as its center of mass.
+    size = *np.ptp(base.footprint, axis=0), 2 * base.center_of_mass[2]
+    inertia = box_inertia(base.mass, size).diagonal().tolist()
+    bullet.changeDynamics(body, _BODY, localInertiaDiagonal=inertia)
+    bullet.changeDynamics(body, _BODY, lateralFriction=0.0)
     return body
 
 
 def _standing(bullet: Bullet, base: Base) -> list[Link]:
     """Links of a base without legs."""
-    b, com, n = bullet.engine, base.center_of_mass, len(base.footprint)
-    wheels = b.createCollisionShapeArray(
-        shapeTypes=[b.GEOM_SPHERE] * n, radii=[_WHEEL] * n, physicsClientId=bullet.client,
+    com, n = base.center_of_mass, len(base.footprint)
+    wheels = bullet.createCollisionShapeArray(
+        shapeTypes=[bullet.GEOM_SPHERE] * n, radii=[_WHEEL] * n,
         collisionFramePositions=[[x - com[0], y - com[1], _WHEEL - com[2]] for x, y in base.footprint.tolist()])
-    slide, swing = b.JOINT_PRISMATIC, b.JOINT_REVOLUTE
+    slide, swing = bullet.JOINT_PRISMATIC, bullet.JOINT_REVOLUTE
     free = [(slide, [1, 0, 0]), (slide, [0, 1, 0]), (swing, [0, 0, 1]),
             (slide, [0, 0, 1]), (swing, [1, 0, 0]), (swing, [0, 1, 0])]
     links: list[Link] = [(0.0, -1, ORIGIN, STRAIGHT, k, kind, axis) for k, (kind, axis) in enumerate(free)]
-    return [*links, (base.mass, wheels, com.tolist(), STRAIGHT, _BODY, b.JOINT_FIXED, [0, 0, 1])]
-
-
-def _inertia(base: Base) -> list[float]:
-    """Of a uniform box over the footprint, twice as high as its center of mass [kg m²]."""
-    x, y = np.ptp(base.footprint, axis=0)
-    z = 2 * base.center_of_mass[2]
-    return (base.mass / 12 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])).tolist()
+    return [*links, (base.mass, wheels, com.tolist(), STRAIGHT, _BODY, bullet.JOINT_FIXED, [0, 0, 1])]
 
 
 def _mounted(robot: Robot) -> tuple[Array, Array]:
