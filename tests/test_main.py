@@ -79,6 +79,7 @@ def test_workspace_writes_map_table_and_data(arguments, criterion, tmp_path, cap
     (["workspace", "caroca", "--criterion", "magic"], "unknown criterion 'magic'"),
     (["workspace", "caroca", "--criterion", "tipping_safe"], "this robot has none"),
     (["workspace", "planar_rigid", "--plane", "xy"], "choose a plane in space"),
+    (["workspace", "planar_rigid", "--rpy", "0", "0", "1"], "takes angle="),
     (["workspace", "caroca", "--push", "-3"], "must not be negative"),
     (["run", "carroca"], "did you mean 'caroca'"),
     (["run", "caroca", "--task", "none"], "there are default"),

@@ -49,6 +49,10 @@ CRITERIA: dict[str, Callable[[World, argparse.Namespace], Criterion]] = {
 }
 
 
+_HELD = {"xy": 2, "xz": 1, "yz": 0}
+"""Plane → the axis that it cuts."""
+
+
 def add_workspace_command(commands: Any) -> None:
     """Add the command to a parser's."""
     parser = commands.add_parser("workspace", help="judge poses over a plane or a volume; write map, table, data")
@@ -116,24 +120,20 @@ def _box(world: World, size: float) -> Array:
 
 
 def _grid(world: World, options: argparse.Namespace) -> PoseGrid:
-    robot, d = world.robot, world.robot.dimension
-    frame = world.scene.frame
-    low, high = (robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)) if frame is None else frame.copy()
-    low, high = np.array(low), np.array(high)
-    low[-1] = min(low[-1], world.scene.floor_height) if d == 3 or high[-1] - low[-1] < 0.1 * np.ptp(low) else low[-1]
-    names = axis_names(d)
+    exits, d, scene = world.robot.exit_points, world.robot.dimension, world.scene
+    low, high = np.array([exits.min(axis=0), exits.max(axis=0)] if scene.frame is None else scene.frame)
+    if d == 3 or high[-1] - low[-1] < 0.1 * np.ptp(low):
+        low[-1] = min(low[-1], scene.floor_height)
     if d == 3 and not options.volume:
-        plane = options.plane or "xz"
-        if len(plane) != 2 or not set(plane) <= set(names) or plane[0] == plane[1]:
-            raise InvalidInput(f"plane must be xy, xz or yz, got {plane!r}")
-        held = next(k for k, name in enumerate(names) if name not in plane)
+        plane = "".join(sorted(options.plane or "xz"))
+        if plane not in _HELD:
+            raise InvalidInput(f"plane must be {', '.join(_HELD)}, got {options.plane!r}")
+        held = _HELD[plane]
         low[held] = high[held] = (low[held] + high[held]) / 2 if options.at is None else options.at
     elif options.plane or (d == 2 and options.at is not None):
         raise InvalidInput("plane and at choose a plane in space; this is " + ("the plane" if d == 2 else "a volume"))
     step = options.step or float((high - low).max()) / (30 if options.volume and d == 3 else 100)
-    if d == 2:
-        return position_grid(low, high, step, angle=options.angle or 0.0)
-    return position_grid(low, high, step, rpy=options.rpy)
+    return position_grid(low, high, step, rpy=options.rpy, angle=options.angle)
 
 
 def _table(world: World, grid: PoseGrid, criterion: Criterion, found: Judgement, jobs: int) -> dict[str, str]:
