@@ -12,12 +12,13 @@ from generated import write_tables
 from joblib import Parallel, delayed
 
 import cdprlab as cl
-from cdprlab.configurations import Configuration, plan_configurations, slack_length
+from cdprlab.configurations import Configuration, plan_configurations
 from cdprlab.configurations.accuracy import position_sensitivity
 from cdprlab.configurations.region import region
 from cdprlab.configurations.sequence import location_score
 from cdprlab.configurations.sides import FORMS
 from cdprlab.course.pictures.configuration_plan import plot_sequences
+from cdprlab.course.props.slack import slack_length
 from cdprlab.errors import InvalidInput
 from cdprlab.run.switching import try_errors
 from cdprlab.view import save_figure

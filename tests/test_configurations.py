@@ -14,13 +14,13 @@ from cdprlab.configurations import (
     plan_configurations,
     plan_detour,
     reset_by_marks,
-    slack_length,
     taut_configurations,
 )
 from cdprlab.configurations.accuracy import position_sensitivity
 from cdprlab.configurations.region import region
 from cdprlab.configurations.sequence import location_score
 from cdprlab.configurations.sides import FORMS, side_range
+from cdprlab.course.props.slack import slack_length
 from cdprlab.errors import InvalidInput
 
 EXITS = np.array([[0.12, 0.08, 3.10], [2.78, 0.11, 3.10], [2.79, 2.29, 3.10], [-0.08, 2.18, 3.10]])

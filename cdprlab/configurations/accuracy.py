@@ -45,13 +45,11 @@ def _direction_range(vectors: Array, radius: float) -> tuple[Array, Array]:
     near = np.maximum(np.abs(vectors) - radius, 0.0)
     far = np.abs(vectors) + radius
 
-    def end(values: Array, others: Array) -> Array:
+    def end(values: Array, sizes: Array) -> Array:
+        squares = sizes**2
+        others = squares.sum(axis=-1, keepdims=True) - squares
         return values / np.sqrt(np.maximum(values**2 + others, np.finfo(float).tiny))
 
-    def rest(sizes: Array) -> Array:
-        squares = sizes**2
-        return squares.sum(axis=-1, keepdims=True) - squares
-
     low, high = vectors - radius, vectors + radius
-    return (np.where(low > 0, end(low, rest(far)), end(low, rest(near))),
-            np.where(high < 0, end(high, rest(far)), end(high, rest(near))))
+    return (np.where(low > 0, end(low, far), end(low, near)),
+            np.where(high < 0, end(high, far), end(high, near)))

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..robot import Robot
-from .configuration import Configuration, as_position, triplets
+from .configuration import as_position, triplets
 from .region import Region, region
 from .sequence import UNSAFE_CHANGE, ConfigurationSequence, location_score, plan_configurations
 
@@ -44,33 +44,30 @@ def plan_detour(robot: Robot, start: ArrayLike, goal: ArrayLike, *, position_unc
                    exit_uncertainty=exit_uncertainty)
     S, G = as_position(start), as_position(goal)
     plan(S, G)  # says what is wrong with the ends, if anything
-    regions = {c: region(robot.exit_points[c.indices], exit_uncertainty, position_uncertainty)
-               for c in triplets(robot)}
-    inner = _safe_start(regions, S), _safe_start(regions, G)
-    if inner[0] is None or inner[1] is None:
+    regions = [region(robot.exit_points[c.indices], exit_uncertainty, position_uncertainty) for c in triplets(robot)]
+    first, last = _safe_start(regions, S), _safe_start(regions, G)
+    if first is None or last is None:
         return None
-    core = _between(lambda a, b: [sequence for sequence in plan(a, b) if sequence.safe], inner[0], inner[1], regions)
+    core = _between(lambda a, b: [sequence for sequence in plan(a, b) if sequence.safe], first, last, regions)
     return core and _with_ends(core, S, G, robot)
 
 
-def _safe_start(regions: dict[Configuration, Region], position: Array) -> Array | None:
+def _safe_start(regions: list[Region], position: Array) -> Array | None:
     """The nearest position at the same height that is certainly inside a triplet."""
     if _certain(regions, position):
         return position
     turns = np.linspace(0, 2 * np.pi, 73)[:-1]
-    for radius in np.arange(_STEP, _FARTHEST, _STEP):
-        for x, y in zip(np.cos(turns) * radius, np.sin(turns) * radius):
-            if _certain(regions, position + [x, y, 0]):
-                return position + np.array([x, y, 0])
-    return None
+    circle = np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
+    near = (position + radius * way for radius in np.arange(_STEP, _FARTHEST, _STEP) for way in circle)
+    return next((place for place in near if _certain(regions, place)), None)
 
 
-def _certain(regions: dict[Configuration, Region], position: Array) -> set[Configuration]:
-    return {c for c, known in regions.items() if known.certainty(position)[0] > 0}
+def _certain(regions: list[Region], position: Array) -> bool:
+    return any(known.certainty(position)[0] > 0 for known in regions)
 
 
 def _between(safe: Callable[[Array, Array], list[ConfigurationSequence]], S: Array, G: Array,
-             regions: dict[Configuration, Region]) -> ConfigurationSequence | None:
+             regions: list[Region]) -> ConfigurationSequence | None:
     if direct := safe(S, G):
         return direct[0]
     side = np.array([-(G - S)[1], (G - S)[0], 0.0])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,11 +13,7 @@ from ..errors import InvalidInput
 from ..robot import Robot
 from .accuracy import position_sensitivity
 from .classify import certainty
-from .configuration import Configuration, as_position, few_cables, triplets
-
-_GROWTH = 1.1
-_SLACKS = tuple(1e-3 * _GROWTH**k for k in range(88))
-"""Tried in turn, a millimeter to four meters [m]."""
+from .configuration import Configuration, few_cables
 
 
 def compatible_configurations(robot: Robot, lengths: ArrayLike, length_error: float = 0.01, *,
@@ -44,43 +41,6 @@ def compatible_configurations(robot: Robot, lengths: ArrayLike, length_error: fl
                                                                                   "exit_uncertainty", "m")
     return tuple(chosen for chosen in candidates
                  if _possible(robot.exit_points, rho, chosen.indices, error, exit_uncertainty))
-
-
-def slack_length(robot: Robot, position: ArrayLike, configuration: Iterable[int], length_error: float = 0.01, *,
-                 exit_uncertainty: float = 0.0) -> float:
-    """The smallest length, added to every other cable, that leaves only one configuration compatible [m].
-
-    position : (3,) or a Pose [m]; configuration : three cables, numbered from 1
-    length_error : ± of each measured length [m]; exit_uncertainty : half width of the box around each A_i [m]
-    Raises InvalidInput where no such length up to 4 m exists: the position is too near the triangle's edge.
-    Source: Ramadour and Merlet 2014, section VI, where it is 0.20 m throughout.
-
-    >>> import cdprlab as cl
-    >>> robot = cl.load_world("point_mass").robot
-    >>> 0.02 < slack_length(robot, [0.5, 0.1, 1.0], (1, 2, 3)) < 0.2
-    True
-    """
-    chosen, M = Configuration(configuration), as_position(position)
-    if chosen not in triplets(robot):
-        raise InvalidInput(f"configuration must be three of the cables 1 to {robot.n_cables}, got {tuple(chosen)}")
-    rho = np.linalg.norm(robot.exit_points - M, axis=1)
-    others = np.ones(robot.n_cables)
-    others[chosen.indices] = 0.0
-
-    def certain(slack: float) -> bool:
-        found = compatible_configurations(robot, rho + slack * others, length_error, exit_uncertainty=exit_uncertainty)
-        return found == (chosen,)
-
-    # Certainty may end again at longer slack, where another triplet's cables just meet: the first that is certain.
-    high = next((slack for slack in _SLACKS if certain(slack)), None)
-    if high is None:
-        raise InvalidInput(f"no slack makes {chosen} certain at {M.tolist()} with lengths known to ± {length_error:g} "
-                           "m: the position is too near an edge of its triangle")
-    low = high / _GROWTH
-    while high - low > 1e-4:  # a tenth of a millimetre: winches do not know better
-        middle = (low + high) / 2
-        low, high = (low, middle) if certain(middle) else (middle, high)
-    return high
 
 
 def reset_by_marks(readings: ArrayLike, marks: Iterable[tuple[int, float]]) -> Array:
@@ -124,10 +84,10 @@ def hanging_position(robot: Robot, lengths: ArrayLike) -> tuple[Array, Configura
     rho = as_array(lengths, "lengths", (robot.n_cables,), "m")
     found = []
     for chosen in candidates:
-        place = _below(exits[chosen.indices], rho[chosen.indices], 0.0)
+        M = _lowest(exits[chosen.indices], rho[chosen.indices])
         # 1e-9 m: a rope that is taut as well is not too short.
-        if place is not None and (np.linalg.norm(exits - place[0], axis=1) <= rho + 1e-9).all():
-            found.append((place[0], chosen))
+        if M is not None and (np.linalg.norm(exits - M, axis=1) <= rho + 1e-9).all():
+            found.append((M, chosen))
     if not found:
         raise InvalidInput(f"no point is within reach of all ropes of lengths {rho.tolist()} m")
     # The first, of fewest ropes, where several hold the same point: the others are just not slack.
@@ -149,44 +109,24 @@ def _possible(exits: Array, rho: Array, chosen: Indices, error: float, exit_unce
 
 def _below(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:
     """Where one, two or three taut cables hold a load, and how far off that may be; None where they cannot."""
-    if len(rho) == 1:
-        return exits[0] - [0, 0, rho[0]], error
-    return _below_two(exits, rho, error) if len(rho) == 2 else _below_three(exits, rho, error)
-
-
-def _below_two(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:
-    """In the vertical plane of both exits, the lower of the two meeting points."""
-    a, edge = exits[0], exits[1] - exits[0]
-    across = np.linalg.norm(edge[:2])
-    if across == 0:
-        return None
-    plane = np.array([edge[:2] @ edge[:2] / across, edge[2]])
-    corners = [_lower_meeting(plane, rho + error * np.array(signs)) for signs in
-               ((0, 0), (1, 1), (1, -1), (-1, 1), (-1, -1))]
-    points = np.array([point for point in corners if point is not None])
+    if len(rho) == 3:
+        return _below_three(exits, rho, error)
+    shifts = [np.zeros(len(rho)), *product((1.0, -1.0), repeat=len(rho))]
+    found = [_lowest(exits, rho + error * np.array(signs)) for signs in shifts]
+    points = np.array([M for M in found if M is not None]).reshape(-1, 3)
     # Between the exits, or as good as: a cable beyond would have to push.
-    inside = [0 <= share <= across for share in points[:, 0]] if len(points) else []
-    if not any(inside):
+    across = (exits[-1] - exits[0])[:2]
+    along = (points - exits[0])[:, :2] @ across
+    if not ((along >= 0) & (along <= across @ across)).any():
         return None
     middle = points.mean(axis=0)
-    flat = np.append(edge[:2] / across * middle[0], middle[1])
-    return a + flat, float(np.abs(points - middle).max())
-
-
-def _lower_meeting(b: Array, rho: Array) -> Array | None:
-    """Lower intersection of circles about 0 and b in a vertical plane."""
-    d = float(np.hypot(*b))
-    along = (d**2 + rho[0]**2 - rho[1]**2) / (2 * d)
-    height = rho[0]**2 - along**2
-    if height < 0:
-        return None
-    unit, normal = b / d, np.array([b[1], -b[0]]) / d
-    return unit * along + normal * np.sqrt(height)
+    off = points - middle
+    return middle, float(np.maximum(np.linalg.norm(off[:, :2], axis=1), np.abs(off[:, 2])).max())
 
 
 def _below_three(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:
     """The lower point at these lengths, and a bound for its error (a fixed point of sensitivity times length error)."""
-    M = _trilaterate(exits, rho)
+    M = _lowest(exits, rho, nearest=True)
     if M is None:
         return None
     radius = 0.0
@@ -200,18 +140,17 @@ def _below_three(exits: Array, rho: Array, error: float) -> tuple[Array, float] 
     return M, radius
 
 
-def _trilaterate(exits: Array, rho: Array) -> Array | None:
-    a, b, c = exits
-    x = (b - a) / np.linalg.norm(b - a)
-    y = (c - a) - x * (x @ (c - a))
-    if not y.any():
+def _lowest(exits: Array, rho: Array, nearest: bool = False) -> Array | None:
+    """The lowest point at these distances from one, two or three exits; None where there is none.
+
+    nearest : lengths that just do not meet are off by their error, the nearest point between the exits stands for them
+    """
+    edges = exits[1:] - exits[0]
+    levels = (rho[0]**2 - rho[1:]**2 + (edges**2).sum(axis=1)) / 2
+    solved, _, rank, _ = np.linalg.lstsq(edges, np.column_stack([levels, edges[:, 2]]))
+    foot, upward = solved.T
+    down = upward - [0.0, 0.0, 1.0]      # what the exits' line or plane leaves of the way down
+    size, square = np.linalg.norm(down), rho[0]**2 - foot @ foot
+    if rank < len(edges) or size < 1e-9 or (square < 0 and not nearest):
         return None
-    y = y / np.linalg.norm(y)
-    u = (rho[0]**2 - rho[1]**2 + (b - a) @ (b - a)) / (2 * np.linalg.norm(b - a))
-    v = (rho[0]**2 - rho[2]**2 + (c - a) @ (c - a) - 2 * u * (x @ (c - a))) / (2 * (y @ (c - a)))
-    # Lengths that just do not meet are off by their error: the nearest point in the plane stands for them.
-    depth = np.sqrt(max(0.0, rho[0]**2 - u**2 - v**2))
-    down = np.cross(x, y)
-    down = -down if down[2] > 0 else down
-    point: Array = a + u * x + v * y + depth * down
-    return point
+    return np.asarray(exits[0] + foot + np.sqrt(max(square, 0.0)) / size * down)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -26,6 +25,10 @@ _EDGE = 1e-9  # m² and m³: a way along an edge is in both triangles
 _GRID, _ZOOMS = 101, 4
 
 Step = tuple[Array, Configuration]
+
+_Chain = tuple[Configuration, ...]
+_Places = list[tuple[float, float, bool]]
+"""First and last share of the way at which each change may be, and whether it is safe there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +74,7 @@ class _Way:
     end: Array
     position_uncertainty: float
     exit_uncertainty: float
+    method: str
 
     @cached_property
     def nominal(self) -> dict[Configuration, tuple[float, float]]:
@@ -90,6 +94,13 @@ class _Way:
     def at(self, share: float | Array) -> Array:
         share = np.asarray(share)[..., None]
         return (1 - share) * self.start + share * self.end  # exact at both ends
+
+    def grade(self, chosen: Configuration, shares: Array) -> Array:
+        """Of a configuration at shares (…) of the way, larger is better: min d / max d, or minus its sensitivity."""
+        exits, places = self.robot.exit_points[chosen.indices], self.at(shares)
+        if self.method == "accuracy":
+            return -position_sensitivity(exits, places, self.position_uncertainty, self.exit_uncertainty)
+        return _plan_ratio(exits, places)
 
     def ends(self, windows: dict[Configuration, tuple[float, float]], end: int) -> set[Configuration]:
         """Configurations whose window holds S (0) or G (1)."""
@@ -145,38 +156,40 @@ def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike, method:
     """
     if method not in METHODS:
         raise InvalidInput(f"method must be one of {', '.join(METHODS)}, got {method!r}")
-    way = _Way(robot, as_position(start), as_position(goal), position_uncertainty, exit_uncertainty)
+    way = _Way(robot, as_position(start), as_position(goal), position_uncertainty, exit_uncertainty,
+               method)
     for name, end in (("start", 0), ("goal", 1)):
         if not way.ends(way.nominal, end):
             place = (way.start, way.end)[end].tolist()
             raise InvalidInput(f"no three cables hold a load at the {name} {place}: it must lie below the exit points "
                                "and, seen from above, between them")
     chains = _fewest_changes(way)
-    found = [sequence for chain in chains for sequence in _sequence(way, chain, method)]
+    found = [_sequence(way, chain, places) for chain, places in chains
+             if method == "stability" or all(safe for *_, safe in places)]
     if not found:
         logging.getLogger(__name__).warning(
             "no sequence: %s has no change where both configurations are certainly inside, which method 'accuracy' "
-            "asks for", ", ".join("→".join(map(str, chain)) for chain in chains))
+            "asks for", ", ".join("→".join(map(str, chain)) for chain, _ in chains))
     return sorted(found, key=lambda sequence: (not sequence.safe if method == "accuracy" else 0, sequence.score))
 
 
-def _fewest_changes(way: _Way) -> list[tuple[Configuration, ...]]:
+def _fewest_changes(way: _Way) -> list[tuple[_Chain, _Places]]:
     """All chains of configurations from S to G of the smallest length; certain ends first, else nominal ones."""
     for ends in (way.certain, way.nominal):
         goals = way.ends(ends, 1)
-        chains: list[tuple[Configuration, ...]] = [(c,) for c in way.ends(ends, 0)]
+        chains: dict[_Chain, _Places] = {(c,): [] for c in way.ends(ends, 0)}
         for _ in range(len(way.nominal)):
-            if done := [chain for chain in chains if chain[-1] in goals]:
+            if done := [(chain, places) for chain, places in chains.items() if chain[-1] in goals]:
                 return sorted(done)
-            chains = [(*chain, new) for chain in chains for new in way.nominal
-                      if new not in chain and _places(way, (*chain, new)) is not None]
+            chains = {(*chain, new): places for chain in chains for new in way.nominal
+                      if new not in chain and (places := _places(way, (*chain, new))) is not None}
     return []
 
 
-def _places(way: _Way, chain: tuple[Configuration, ...]) -> list[tuple[float, float, bool]] | None:
-    """For each change of a chain the part of the way it may take, so that the changes come in order; None if none."""
+def _places(way: _Way, chain: _Chain) -> _Places | None:
+    """For each change of a chain where it may be, so that the changes come in order; None where it cannot."""
     overlaps = [way.overlap(old, new) for old, new in pairwise(chain)]
-    places: list[tuple[float, float, bool]] = []
+    places: _Places = []
     earliest = 0.0
     for k, overlap in enumerate(overlaps):
         if overlap is None:
@@ -189,27 +202,18 @@ def _places(way: _Way, chain: tuple[Configuration, ...]) -> list[tuple[float, fl
     return places
 
 
-def _sequence(way: _Way, chain: tuple[Configuration, ...], method: str) -> Iterator[ConfigurationSequence]:
-    places = _places(way, chain)
-    if places is None or (method == "accuracy" and not all(safe for *_, safe in places)):
-        return
-    grade = _distance_ratio if method == "stability" else _sensitivity
-    shares, reached = [], 0.0
+def _sequence(way: _Way, chain: _Chain, places: _Places) -> ConfigurationSequence:
+    share, points = 0.0, [(0.0, chain[0])]
     for (first, last, safe), old, new in zip(places, chain, chain[1:]):
-        reached = _switch(way, old, new, max(first, reached), last, safe, grade)
-        shares.append(reached)
-    points = [(share, c) for k, share in enumerate([0.0, *shares]) for c in chain[max(k - 1, 0):k + 1]]
+        share = _switch(way, old, new, max(first, share), last, safe)
+        points += [(share, old), (share, new)]
     points.append((1.0, chain[-1]))
-    steps = tuple((way.at(share), c) for share, c in points)
-    scores = [grade(way, c, np.array([share]))[0] for share, c in points]
+    grades = [float(way.grade(c, np.array(share))) for share, c in points]
+    scores = [-grade if way.method == "accuracy" else _from_ratio(grade) for grade in grades]
     changes = tuple(0 if safe else UNSAFE_CHANGE for *_, safe in places)
     certain = chain[0] in way.ends(way.certain, 0) and chain[-1] in way.ends(way.certain, 1)
-    if method == "stability":
-        locations = tuple(_from_ratio(ratio) for ratio in scores)
-        yield ConfigurationSequence(steps, locations, changes, certain and not any(changes), method)
-    else:
-        values = tuple(-float(score) for score in scores)
-        yield ConfigurationSequence(steps, values, changes, certain, method)
+    return ConfigurationSequence(tuple((way.at(share), c) for share, c in points), tuple(scores), changes,
+                                 certain and not any(changes), way.method)
 
 
 def location_score(exits: Array, position: Array) -> int:
@@ -229,8 +233,7 @@ def _from_ratio(ratio: float) -> int:
     return min(4, int(np.floor(5 * (1 - ratio) + 1e-9)))
 
 
-def _switch(way: _Way, old: Configuration, new: Configuration, first: float, last: float, safe: bool,
-            grade: Callable[[_Way, Configuration, Array], Array]) -> float:
+def _switch(way: _Way, old: Configuration, new: Configuration, first: float, last: float, safe: bool) -> float:
     """Where on the way to change, as a share of it."""
     if not safe:
         edge = way.shared_edge(old, new)
@@ -238,23 +241,13 @@ def _switch(way: _Way, old: Configuration, new: Configuration, first: float, las
     low, high = first, last
     for _ in range(_ZOOMS):  # both grades are smooth: a grid, then finer ones around its best point
         shares = np.linspace(low, high, _GRID)
-        best = float(shares[np.minimum(grade(way, old, shares), grade(way, new, shares)).argmax()])
+        best = float(shares[np.minimum(way.grade(old, shares), way.grade(new, shares)).argmax()])
         width = (high - low) / (_GRID - 1)
         low, high = max(first, best - width), min(last, best + width)
     return best
-
-
-def _distance_ratio(way: _Way, chosen: Configuration, shares: Array) -> Array:
-    return _plan_ratio(way.robot.exit_points[chosen.indices], way.at(shares))
 
 
 def _plan_ratio(exits: Array, positions: Array) -> Array:
     """(…) min d / max d over the plan distances from positions (…, 3) to a configuration's exits."""
     d = np.linalg.norm(positions[..., None, :2] - exits[:, :2], axis=-1)
     return d.min(axis=-1) / d.max(axis=-1)
-
-
-def _sensitivity(way: _Way, chosen: Configuration, shares: Array) -> Array:
-    """Minus the position sensitivity: larger is better, as with the ratio."""
-    return -position_sensitivity(way.robot.exit_points[chosen.indices], way.at(shares), way.position_uncertainty,
-                                 way.exit_uncertainty)

@@ -10,10 +10,9 @@ import numpy as np
 from ..arrays import Array, Flags, as_number
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
-from ..mechanics.trajectory import PEAK_SPEED, quintic, rest_to_rest
+from ..mechanics.trajectory import PEAK_SPEED, rest_to_rest
 from ..robot import Robot
 from ..robot.pose import Pose
-from .configuration import Configuration
 from .sequence import ConfigurationSequence
 
 
@@ -61,53 +60,30 @@ def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0
     if max(pace, reel) > robot.speed_max.min():
         raise InvalidInput(f"speed and reeling must not exceed the winches' {robot.speed_max.min():g} m/s, "
                            f"got {pace:g} and {reel:g} m/s")
-    pieces = list(_pieces(robot.n_cables, sequence, float(slack), pace, reel, step))
-    positions, loose = np.concatenate([piece[0] for piece in pieces]), np.concatenate([piece[1] for piece in pieces])
+    rows, flags = [], []
+    at = np.append(sequence.steps[0][0], np.zeros(robot.n_cables))
+    for end, taut in _legs(robot.n_cables, sequence, float(slack)):
+        way = end - at
+        duration = PEAK_SPEED * max(np.linalg.norm(way[:3]) / pace, np.abs(way[3:]).max() / reel)
+        count = int(np.ceil(duration / step))
+        # Rest to rest: a rope that is a little off becomes taut, or slack, while the winch is slow, and jerks nothing.
+        rows.append(at + rest_to_rest(np.arange(1, count + 1)[:, None] / max(count, 1)) * way)
+        flags.append(np.tile(taut, (count, 1)))
+        at = end
+    positions, loose = np.split(np.concatenate(rows), [3], axis=1)
     lengths = cable_lengths(robot, Pose(positions)) + loose
-    return Winding(np.arange(1.0, len(positions) + 1) * step, positions, lengths,
-                   np.concatenate([piece[2] for piece in pieces]))
+    return Winding(np.arange(1.0, len(positions) + 1) * step, positions, lengths, np.concatenate(flags))
 
 
-_Piece = tuple[Array, Array, Flags]
-"""Positions (k, 3), slack (k, m), whether taut (k, m)."""
-
-
-def _pieces(m: int, sequence: ConfigurationSequence, slack: float, speed: float, reeling: float,
-            dt: float) -> Iterator[_Piece]:
+def _legs(m: int, sequence: ConfigurationSequence, slack: float) -> Iterator[tuple[Array, Flags]]:
+    """Where each leg ends, position and slack of each cable in a row, and which cables the plan lets be taut on it."""
     place, chosen = sequence.steps[0]
+    held = np.isin(np.arange(m), chosen.indices)
     # Until the slack is out, chance decides which cables carry.
-    yield _reeled(place, np.zeros(m), slack * _loose(m, chosen), np.ones(m, dtype=bool), reeling, dt)
-    for here, now in sequence.steps[1:]:
-        if now == chosen:
-            yield _moved(place, here, slack * _loose(m, now), _held(m, now), speed, dt)
-        else:
-            both = _held(m, chosen) | _held(m, now)
-            before, after = slack * _loose(m, chosen), slack * _loose(m, now)
-            between = np.minimum(before, after)
-            yield _reeled(place, before, between, both, reeling, dt)
-            yield _reeled(place, between, after, both, reeling, dt)
-        place, chosen = here, now
-
-
-def _held(m: int, chosen: Configuration) -> Flags:
-    held = np.zeros(m, dtype=bool)
-    held[chosen.indices] = True
-    return held
-
-
-def _loose(m: int, chosen: Configuration) -> Array:
-    return np.where(_held(m, chosen), 0.0, 1.0)
-
-
-def _reeled(place: Array, before: Array, after: Array, taut: Flags, reeling: float, dt: float) -> _Piece:
-    steps = int(np.ceil(PEAK_SPEED * np.abs(after - before).max() / reeling / dt))
-    # Rest to rest: a rope that is a little off becomes taut, or slack, while the winch is slow, and jerks nothing.
-    shares = rest_to_rest(np.arange(1, steps + 1)[:, None] / max(steps, 1))
-    return np.tile(place, (steps, 1)), before + shares * (after - before), np.tile(taut, (steps, 1))
-
-
-def _moved(start: Array, end: Array, loose: Array, taut: Flags, speed: float, dt: float) -> _Piece:
-    duration = PEAK_SPEED * float(np.linalg.norm(end - start)) / speed
-    steps = max(1, int(np.ceil(duration / dt)))
-    path = quintic(Pose(start), Pose(end), steps * dt)(np.arange(1, steps + 1) * dt)
-    return path.pose.position, np.tile(loose, (steps, 1)), np.tile(taut, (steps, 1))
+    yield np.append(place, np.where(held, 0.0, slack)), np.ones(m, dtype=bool)
+    for place, chosen in sequence.steps[1:]:
+        new = np.isin(np.arange(m), chosen.indices)
+        both = held | new
+        yield np.append(place, np.where(both, 0.0, slack)), both
+        yield np.append(place, np.where(new, 0.0, slack)), both
+        held = new

@@ -34,11 +34,6 @@ class Frame(NamedTuple):
         return self.basis.shape[1]
 
     @property
-    def span(self) -> Array:
-        """(n, dimension) orthonormal directions of x in which the set extends."""
-        return np.asarray(np.linalg.qr(self.scales[:, None] * self.basis)[0])
-
-    @property
     def back(self) -> Array:
         """(dimension, n): z = back (x − center), and the support in direction d of z is that in direction d·back."""
         return self.basis.T / self.scales

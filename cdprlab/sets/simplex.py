@@ -7,10 +7,9 @@ small matrix products over the whole batch. Each answer is solved from its own a
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..arrays import Array, Flags, Indices
 
@@ -59,18 +58,19 @@ class Program:
         limits = b.reshape(-1, b.shape[-1])
         sizes = np.linalg.norm(A, axis=1)
         used = np.isfinite(limits).any(axis=0)
-        self._kept = used & (sizes > 1e-13 * max(sizes.max(initial=0.0), 1e-300))
-        self._empty = used & ~self._kept        # 0·q ≤ b: a condition on b alone
-        self._sizes = sizes[self._kept]
-        rows = A[self._kept] / self._sizes[:, None]
+        kept = used & (sizes > 1e-13 * max(sizes.max(initial=0.0), 1e-300))
+        rows, scaled = A[kept] / sizes[kept, None], limits[:, kept] / sizes[kept]
         _, s, vt = np.linalg.svd(rows, full_matrices=True)
         rank = int((s > 1e-11 * s.max(initial=0.0)).sum())
         self._span, self._free = vt[:rank].T, vt[rank:].T
         if rank == A.shape[1]:
             self._span = np.eye(rank)
-        self._rows = rows @ self._span
-        self._limits, self._scale = self._scaled(limits)
-        self.is_feasible, self._starts = self._vertices(limits)
+        scale = np.abs(np.where(np.isfinite(scaled), scaled, 0.0)).max(axis=1, initial=0.0)
+        self._scale = np.where(scale > 0, scale, 1.0)
+        self._rows, self._limits = rows @ self._span, scaled / self._scale[:, None]
+        # 0·q ≤ b is a condition on b alone.
+        self.is_feasible = np.asarray((limits[:, used & ~kept] >= -TOLERANCE * self._scale[:, None]).all(axis=1))
+        self._find_starts()
 
     def maximize(self, c: Array) -> Optima:
         """max c·q for each b and each row of c, (…, k)."""
@@ -78,8 +78,8 @@ class Program:
         goals = np.broadcast_to(c, (*batch, k)).reshape(-1, k)
         which = np.broadcast_to(np.arange(len(self._limits)).reshape(self.batch), batch).ravel()
         values, points = np.full(len(goals), -np.inf), np.full((len(goals), k), np.nan)
-        some = np.flatnonzero(self.is_feasible[which])
-        if some.size:
+        some = self.is_feasible[which]
+        if some.any():
             values[some], points[some] = self._walked(which[some], goals[some])
         return Optima(values.reshape(batch), points.reshape(*batch, k))
 
@@ -88,35 +88,23 @@ class Program:
         scale = self._scale[which]
         inner = goals @ self._span
         size = np.maximum(np.linalg.norm(goals, axis=1), 1e-300)
-        bounded, y = np.ones(len(goals), dtype=bool), np.zeros((len(goals), 0))
-        if self._rows.shape[1]:
-            rows = np.broadcast_to(self._rows, (len(goals), *self._rows.shape))
-            bounded, _, y = _walk(rows, self._limits[which], inner / size[:, None], self._starts[which])
-        if self._free.size:
-            bounded &= np.abs(goals @ self._free).max(axis=1) <= 1e-9 * size
+        rows = np.broadcast_to(self._rows, (len(goals), *self._rows.shape))
+        bounded, _, y = _walk(rows, self._limits[which], inner / size[:, None], self._starts[which])
+        bounded &= np.abs(goals @ self._free).max(axis=1, initial=0.0) <= 1e-9 * size
         points = (y * scale[:, None]) @ self._span.T
         values = np.where(bounded, (inner * y).sum(axis=1) * scale, np.inf)
         return values, np.where(bounded[:, None], points, np.nan)
 
-    def _vertices(self, limits: Array) -> tuple[Flags, Indices]:
-        """(B,) whether there is any point, and (B, k) active rows of one vertex each."""
-        b, k = self._limits, self._rows.shape[1]
-        feasible = np.asarray((limits[:, self._empty] >= -TOLERANCE * self._scale[:, None]).all(axis=1))
-        first = _independent_rows(self._rows) if k else np.zeros(0, dtype=int)
-        active = np.tile(first, (len(b), 1))
-        if k:
-            excess = b[:, first] @ np.linalg.inv(self._rows[first]).T @ self._rows.T - b
-            excess[:, first] = 0.0
-            out = np.flatnonzero(feasible & (excess.max(axis=1) > _TIE))
-            if out.size:
-                feasible[out], active[out] = self._first_vertices(b[out], active[out], excess[out])
-        return feasible, active
-
-    def _scaled(self, limits: Array) -> tuple[Array, Array]:
-        b = limits[:, self._kept] / self._sizes
-        scale = np.abs(np.where(np.isfinite(b), b, 0.0)).max(axis=1, initial=0.0)
-        scale = np.where(scale > 0, scale, 1.0)
-        return b / scale[:, None], scale
+    def _find_starts(self) -> None:
+        """(B, k) active rows of one vertex each, and whether there is any point."""
+        first = _independent_rows(self._rows)
+        self._starts = np.tile(first, (len(self._limits), 1))
+        excess = self._limits[:, first] @ np.linalg.inv(self._rows[first]).T @ self._rows.T - self._limits
+        excess[:, first] = 0.0
+        out = np.flatnonzero(self.is_feasible & (excess.max(axis=1, initial=0.0) > _TIE))
+        if out.size:
+            self.is_feasible[out], self._starts[out] = self._first_vertices(self._limits[out], self._starts[out],
+                                                                            excess[out])
 
     def _first_vertices(self, b: Array, active: Indices, excess: Array) -> tuple[Flags, Indices]:
         """Let the broken rows give way by s, and make s as small as it will be."""
@@ -145,19 +133,22 @@ def _walk(rows: Array, b: Array, c: Array, active: Indices, prefer: int = -1) ->
     count, r, k = rows.shape
     bounded, active, points = np.ones(count, dtype=bool), active.copy(), np.zeros((count, k))
     todo = np.arange(count)
-    for step in range(200 * (r + k)):
+    for step in range(200 * (r + k) + 1):
         A, limits, at = rows[todo], b[todo], active[todo]
         inverse = np.linalg.inv(np.take_along_axis(A, at[:, :, None], axis=1))
         q = (inverse @ np.take_along_axis(limits, at, axis=1)[:, :, None])[:, :, 0]
         points[todo] = q
         multipliers = (c[todo, None, :] @ inverse)[:, 0]
-        bland = step > 4 * (r + k)
-        leaving, improving = _leaving(multipliers, at, bland)
+        negative = multipliers < -_SLOPE
+        improving = negative.any(axis=1)
         if not improving.any():
             return bounded, active, points
+        bland = step > 4 * (r + k)
+        leaving = (np.where(negative, at, r) if bland else multipliers).argmin(axis=1)
         each = np.flatnonzero(improving)
         edge = -inverse[each, :, leaving[each]]
-        entering = _entering(A[each], limits[each], q[each], _unit(edge), at[each], bland, prefer)
+        unit = np.asarray(edge / np.linalg.norm(edge, axis=1)[:, None])
+        entering = _entering(A[each], limits[each], q[each], unit, at[each], bland, prefer)
         todo, slots = todo[each], leaving[each]
         bounded[todo] = entering >= 0
         blocked = entering >= 0
@@ -166,15 +157,6 @@ def _walk(rows: Array, b: Array, c: Array, active: Indices, prefer: int = -1) ->
         if not todo.size:
             return bounded, active, points
     raise AssertionError("a linear program did not end: Bland's rule visits no vertex twice")
-
-
-def _leaving(multipliers: Array, active: Indices, bland: bool) -> tuple[Indices, Flags]:
-    """Slot of the row to leave, and whether leaving one improves."""
-    negative = multipliers < -_SLOPE
-    improving = np.asarray(negative.any(axis=1))
-    if bland:
-        return np.where(negative, active, np.iinfo(np.int64).max).argmin(axis=1), improving
-    return multipliers.argmin(axis=1), improving
 
 
 def _entering(A: Array, b: Array, q: Array, edge: Array, active: Indices, bland: bool, prefer: int) -> Indices:
@@ -191,10 +173,6 @@ def _entering(A: Array, b: Array, q: Array, edge: Array, active: Indices, bland:
     if prefer >= 0:
         chosen = np.where(tied[:, prefer], prefer, chosen)
     return np.where(np.isfinite(shortest), chosen, -1)
-
-
-def _unit(vectors: NDArray[Any]) -> Array:
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1)[:, None])
 
 
 def _independent_rows(rows: Array) -> Indices:

@@ -65,7 +65,10 @@ def sliding_rows(robot: Robot, pose: Pose, friction: float, sides: int = 8) -> t
     if not isinstance(sides, int) or sides < 3:
         raise InvalidInput(f"sides must be a whole number of at least 3, got {sides!r}")
     pulls = -cable_directions(robot, one_pose(pose))      # on the bases
-    ways, share = _horizontal(robot.dimension, sides)
+    angles = 2 * np.pi * np.arange(sides) / sides
+    ways, share = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1), float(np.cos(np.pi / sides))
+    if robot.dimension == 2:
+        ways, share = np.array([[1.0, 0.0], [-1.0, 0.0]]), 1.0
     rows, limits = [np.zeros((0, robot.n_cables))], [np.zeros(0)]
     for k, base in enumerate(robot.bases):
         carried = np.array([carrier == k for carrier in robot.base_indices])
@@ -73,10 +76,3 @@ def sliding_rows(robot: Robot, pose: Pose, friction: float, sides: int = 8) -> t
         rows.append((pulls @ ways.T + share * mu * pulls[:, -1:]).T * carried)
         limits.append(np.full(len(ways), share * mu * base.mass * robot.gravity))
     return np.concatenate(rows), np.concatenate(limits)
-
-
-def _horizontal(dimension: int, sides: int) -> tuple[Array, float]:
-    if dimension == 2:
-        return np.array([[1.0, 0.0], [-1.0, 0.0]]), 1.0
-    angles = 2 * np.pi * np.arange(sides) / sides
-    return np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1), float(np.cos(np.pi / sides))

@@ -2,7 +2,7 @@
 
 from .certified import CertifiedWorkspace, certify
 from .criterion import Criterion, Judgement
-from .grids import PoseGrid, low_discrepancy_poses, position_grid, random_poses
+from .grids import PoseGrid, low_discrepancy_poses, position_grid
 from .interference import InterferenceFree
 from .orientations import AllOrientations, AnyOrientation
 from .refinement import RefinedWorkspace, refine
@@ -15,5 +15,5 @@ __all__ = [
     "AllOrientations", "AnyOrientation", "CertifiedWorkspace", "Criterion", "DynamicEquilibrium", "InterferenceFree",
     "Judgement", "PoseGrid", "RefinedWorkspace", "StaticEquilibrium", "StaticallyStable", "TippingSafe",
     "TwistFeasible", "WrenchClosure", "WrenchFeasible", "certify", "low_discrepancy_poses", "position_grid",
-    "random_poses", "refine", "workspace",
+    "refine", "workspace",
 ]

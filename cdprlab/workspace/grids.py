@@ -96,23 +96,12 @@ def position_grid(lower: ArrayLike, upper: ArrayLike, step: float, *, rpy: Array
     return PoseGrid(axes, Pose(low, rpy, angle=angle))
 
 
-def random_poses(lower: ArrayLike, upper: ArrayLike, count: int, seed: int = 0, *, turn: float = 0.0) -> Pose:
-    """Uniformly random positions in a box, turned by up to ``turn`` about each axis.
+def low_discrepancy_poses(lower: ArrayLike, upper: ArrayLike, count: int, seed: int = 0, *,
+                          turn: float = 0.0) -> Pose:
+    """Random positions in a box, spread evenly by a scrambled Halton sequence: shares converge almost as 1 / count.
 
     lower, upper : (d,) corners [m]
     turn : largest |roll|, |pitch|, |yaw|, or |angle| in the plane [rad]
-
-    >>> random_poses([0, 0, 0], [1, 1, 1], 5, seed=1).batch_shape
-    (5,)
-    """
-    low, high = corners(lower, upper)
-    return _spread(np.random.default_rng(seed).random((count, _unknowns(len(low)))), low, high, turn)
-
-
-def low_discrepancy_poses(lower: ArrayLike, upper: ArrayLike, count: int, seed: int = 0, *,
-                          turn: float = 0.0) -> Pose:
-    """As `random_poses`, spread evenly by a scrambled Halton sequence: shares converge almost as 1 / count.
-
     Source: Owen 2017, A randomized Halton algorithm.
 
     >>> low_discrepancy_poses([0, 0], [1, 2], 5).batch_shape
@@ -121,7 +110,11 @@ def low_discrepancy_poses(lower: ArrayLike, upper: ArrayLike, count: int, seed: 
     from scipy.stats import qmc
 
     low, high = corners(lower, upper)
-    return _spread(qmc.Halton(_unknowns(len(low)), rng=np.random.default_rng(seed)).random(count), low, high, turn)
+    d = len(low)
+    shares = qmc.Halton(3 if d == 2 else 6, rng=np.random.default_rng(seed)).random(count)
+    position = low + shares[:, :d] * (high - low)
+    angles = turn * (2 * shares[:, d:] - 1)
+    return Pose(position, angle=angles[:, 0]) if d == 2 else Pose(position, rpy=angles)
 
 
 def corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Array, Array]:
@@ -132,14 +125,3 @@ def corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Array, Array]:
         raise InvalidInput(f"lower and upper must be corners of 2 or 3 numbers, lower first [m], got {low.tolist()} "
                            f"and {high.tolist()}")
     return low, high
-
-
-def _unknowns(d: int) -> int:
-    return 3 if d == 2 else 6
-
-
-def _spread(shares: Array, low: Array, high: Array, turn: float) -> Pose:
-    d = len(low)
-    position = low + shares[:, :d] * (high - low)
-    angles = turn * (2 * shares[:, d:] - 1)
-    return Pose(position, angle=angles[:, 0]) if d == 2 else Pose(position, rpy=angles)

@@ -14,6 +14,10 @@ from .grids import PoseGrid
 _PATHS = tuple(permutations(range(3)))
 """Six tetrahedra of a cube, one for each way from its lowest corner to its highest along the edges."""
 
+_CUTS = ((1, ((0, 1), (0, 2), (0, 3))), (3, ((0, 3), (1, 3), (2, 3))),
+         (2, ((0, 2), (0, 3), (1, 3))), (2, ((0, 2), (1, 3), (1, 2))))
+"""Triangles by the number of corners inside, which come first: the edges that each triangle's corners lie on."""
+
 
 def border_triangles(grid: PoseGrid, judgement: Judgement) -> Array:
     """Triangles of the surface around the poses inside, closed at the grid's ends.
@@ -56,10 +60,7 @@ def signed(judgement: Judgement) -> Array:
 
 def _tetrahedra(points: Array, field: Array, path: tuple[int, ...]) -> Array:
     """Triangles in one of each cube's six tetrahedra."""
-    corner, corners = np.zeros(3, dtype=int), [np.zeros(3, dtype=int)]
-    for axis in path:
-        corner = corner + np.eye(3, dtype=int)[axis]
-        corners.append(corner)
+    corners = np.cumsum([np.zeros(3, dtype=int), *np.eye(3, dtype=int)[list(path)]], axis=0)
     n = np.array(field.shape) - 1
     parts = [tuple(slice(c[a], n[a] + c[a]) for a in range(3)) for c in corners]
     values = np.stack([field[part].ravel() for part in parts], axis=1)
@@ -71,23 +72,13 @@ def _tetrahedra(points: Array, field: Array, path: tuple[int, ...]) -> Array:
     places = np.take_along_axis(places, order[..., None], axis=1)
     count = (values > 0).sum(axis=1)
     found = []
-    for above, cuts in ((1, [((0, 1), (0, 2), (0, 3))]), (3, [((0, 3), (1, 3), (2, 3))]),
-                        (2, [((0, 2), (0, 3), (1, 3)), ((0, 2), (1, 3), (1, 2))])):
+    for above, edges in _CUTS:
         v, p = values[count == above], places[count == above]
-        for edges in cuts:
-            triangle = np.stack([_crossing(v, p, a, b) for a, b in edges], axis=1)
-            found.append(_outward(triangle, p[:, 3] - p[:, 0]))
+        a, b = np.transpose(edges)
+        share = v[:, a] / (v[:, a] - v[:, b])
+        triangles = p[:, a] + share[..., None] * (p[:, b] - p[:, a])
+        normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        inward = (normals * (p[:, 3] - p[:, 0])).sum(axis=1) < 0
+        triangles[inward] = triangles[inward][:, [0, 2, 1]]
+        found.append(triangles)
     return np.concatenate(found)
-
-
-def _crossing(values: Array, places: Array, a: int, b: int) -> Array:
-    share = values[:, a] / (values[:, a] - values[:, b])
-    return np.asarray(places[:, a] + share[:, None] * (places[:, b] - places[:, a]))
-
-
-def _outward(triangles: Array, way: Array) -> Array:
-    """Turned round where they look the wrong way."""
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    wrong = (normals * way).sum(axis=1) < 0
-    triangles[wrong] = triangles[wrong][:, [0, 2, 1]]
-    return triangles

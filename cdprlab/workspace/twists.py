@@ -43,17 +43,17 @@ class TwistFeasible(Criterion):
         columns, n = moving_columns(robot, self.moving), robot.n_dof
         J, bases = jacobian(robot, poses), base_speeds(robot)[columns]
         if self.twists is not None:
-            wanted = np.atleast_2d(as_array(self.twists, "twists", (n,), "m/s, rad/s", batch=True))
-        else:   # the twist set is convex and symmetric: a box is in it where half of its corners are
-            corners = box_loads(np.zeros((1, n)), box_half_widths(self.half_widths, n, "m/s, rad/s"))
-            wanted = corners[:(len(corners) + 1) // 2]
-        rates = J @ wanted.T
+            wanted, half = as_array(self.twists, "twists", (n,), "m/s, rad/s", batch=True).reshape(-1, n), np.zeros(n)
+        else:
+            wanted, half = np.zeros((1, n)), box_half_widths(self.half_widths, n, "m/s, rad/s")
         if bases.any():
             B = np.broadcast_to(base_jacobian(robot, poses, self.pivot)[..., columns], (*J.shape[:-1], len(columns)))
-            spare = np.array([min(speed_margin(each, b, robot.speed_max, bases) for each in pose.T)
-                              for pose, b in zip(rates, B)])
+            if half.any():  # the twist set is convex and symmetric: a box is in it where half of its corners are
+                wanted = np.array_split(box_loads(wanted, half), 2)[0]
+            spare = np.array([min(speed_margin(each, b, robot.speed_max, bases) for each in wanted @ j.T)
+                              for j, b in zip(J, B)])
         else:
-            spare = (robot.speed_max - np.abs(rates).max(axis=-1)).min(axis=-1)
+            spare = (robot.speed_max - np.abs(J @ wanted.T).max(axis=-1) - np.abs(J) @ half).min(axis=-1)
         limited = robot.speed_max[np.isfinite(robot.speed_max)]
         return Judgement(spare >= -ROUNDING * limited.max(initial=1.0), spare)
 

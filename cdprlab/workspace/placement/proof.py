@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 
@@ -70,7 +69,7 @@ def _lift(robot: Robot, pose: Pose, load: Array) -> str:
     if robot.n_dof < d:
         return ""
     rises = cable_vectors(robot, pose)[:, -1]
-    lifting = np.array([rise > 0 or bool(_ways(robot, k)[-1].any()) for rise, k in zip(rises, robot.base_indices)])
+    lifting = np.array([rise > 0 or bool(_ways(robot, k)[:, -1].any()) for rise, k in zip(rises, robot.base_indices)])
     able = float(robot.tension_max[lifting].sum())
     if -load[d - 1] <= able:
         return ""
@@ -80,67 +79,42 @@ def _lift(robot: Robot, pose: Pose, load: Array) -> str:
 
 def largest_share(robot: Robot, pose: Pose, load: Array, tipping: bool) -> float:
     """An upper bound on the share λ ≤ 1 of ``load`` that any placement can balance; −1 where not even λ = 0."""
-    pulls = _pulls(robot, pose, load)
-    ones = np.broadcast_to(np.eye(robot.dimension), (robot.n_cables, robot.dimension, robot.dimension))
-    arms = np.swapaxes(cross(anchor_offsets(robot, pose)[:, None], ones), 1, 2)     # force → moment about P
-    exerted = robot.pattern.basis(pose.rotation).T @ np.einsum(
-        "ifd,idv->fv", np.concatenate([ones, arms], axis=1), pulls.forces)
-    rows, sides = [pulls.rows], [pulls.sides]
+    m, d = robot.n_cables, robot.dimension
+    # What cables can pull wherever their bases stand: f = y @ forces, three entries of y a cable.
+    pulls, bounds = np.zeros((m, m, 3, d)), np.full((m, 3, 2), [-np.inf, np.inf])
+    for i, (u, k) in enumerate(zip(cable_directions(robot, pose), robot.base_indices)):
+        ways = _ways(robot, k)
+        pulls[i, i, :1 + len(ways)] = [u, *ways]
+        bounds[i, 0] = (0.0, np.inf) if len(ways) else (robot.tension_min[i], robot.tension_max[i])
+    forces = pulls.reshape(m, 3 * m, d)
+    moments = cross(anchor_offsets(robot, pose)[:, None], forces)
+    exerted = robot.pattern.basis(pose.rotation).T @ np.concatenate([forces, moments], axis=-1).sum(axis=0).T
+    # |f_i| ≤ τ_max as a polytope around the ball: what it does not hold, the ball does not.
+    normals = _normals(d, load)
+    rows = [np.swapaxes(forces @ normals.T, 1, 2).reshape(-1, 3 * m)]
+    sides = [np.repeat(robot.tension_max, len(normals))]
     for k, base in enumerate(robot.bases) if tipping else ():
-        if len(base.footprint) and not (robot.dimension == 2 and base.speed_max[0]):   # the plane turns footprints up
+        if len(base.footprint) and not (d == 2 and base.speed_max[0]):   # the plane turns footprints up
             edges, spare = standing_rows(robot, k, cable_vectors(robot, pose)[:, -1])
-            rows.append(np.einsum("eid,idv->ev", edges, pulls.forces))
+            rows.append(np.einsum("eid,ivd->ev", edges, forces))
             sides.append(spare)
     A = np.pad(np.concatenate(rows), ((0, 0), (0, 1)))
     share, _ = largest_last(A, np.concatenate(sides), np.column_stack([exerted, load]), np.zeros(robot.n_dof),
-                            [*zip(pulls.least, pulls.most), (0.0, 1.0)])
+                            [*bounds.reshape(-1, 2), (0.0, 1.0)])
     if np.isnan(share):   # no answer is no proof
         return 1.0
     return max(share, -1.0)
 
 
-class _Pulls(NamedTuple):
-    """What the cables can pull wherever their bases stand: f = forces @ y with least ≤ y ≤ most, rows @ y ≤ sides.
-
-    forces : (m, d, 3 m), three columns a cable
-    least, most : (3 m,)
-    rows, sides : (f, 3 m), (f,) |f_i| ≤ τ_max as a polytope around the ball: what it does not hold, the ball does not
-    """
-
-    forces: Array
-    least: Array
-    most: Array
-    rows: Array
-    sides: Array
-
-
-def _pulls(robot: Robot, pose: Pose, load: Array) -> _Pulls:
-    m, d = robot.n_cables, robot.dimension
-    cones, least, most = np.zeros((m, d, m, 3)), np.full((m, 3), -np.inf), np.full((m, 3), np.inf)
-    least[:, 0] = 0.0
-    driven = []
-    for i, (u, k) in enumerate(zip(cable_directions(robot, pose), robot.base_indices)):
-        ways = _ways(robot, k)
-        cones[i, :, i, 0] = u
-        cones[i, :, i, 1:1 + ways.shape[1]] = ways
-        if ways.size:
-            driven.append(i)
-        else:
-            least[i, 0], most[i, 0] = robot.tension_min[i], robot.tension_max[i]
-    forces, normals = cones.reshape(m, d, 3 * m), _normals(d, load)
-    return _Pulls(forces, least.ravel(), most.ravel(), (normals @ forces[driven]).reshape(-1, 3 * m),
-                  np.repeat(robot.tension_max[driven], len(normals)))
-
-
 def _ways(robot: Robot, k: int) -> Array:
-    """(d, 0 to 2) directions in which a base takes its exit points along; a turning one swings them any way."""
+    """(0 to 2, d) directions in which a base takes its exit points along; a turning one swings them any way."""
     d = robot.dimension
     if k < 0:
-        return np.zeros((d, 0))
+        return np.zeros((0, d))
     base = robot.bases[k]
     if base.speed_max[0] > 0:
-        return np.eye(d)[:, :2]
-    return np.asarray(base.rotation[:, :2][:, base.speed_max[1:] > 0])
+        return np.eye(d)[:2]
+    return np.asarray(base.rotation.T[:2][base.speed_max[1:] > 0])
 
 
 def _normals(d: int, load: Array) -> Array:
