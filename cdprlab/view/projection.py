@@ -10,29 +10,30 @@ from ..arrays import Array
 _DISTANCE = 3.5
 """Of the eye, in radii of what is seen: near enough for depth, far enough for parallel edges to look it."""
 
+_ELEVATION = 22.0
+"""[deg] Of the eye above the horizon."""
+
 
 class Projection:
     """A camera that looks at the middle of some points.
 
     points : (k, d) everything that shall be seen [m]; planar points stay as they are
     azimuth : where the eye stands, 0 on the −y side, counter-clockwise from above [deg]
-    elevation : of the eye above the horizon [deg]
 
     >>> view = Projection(np.array([[0.0, 0.0, 0.0], [2.0, 2.0, 2.0]]))
     >>> view.flat(np.array([1.0, 1.0, 1.0]))
     array([0., 0.])
     """
 
-    def __init__(self, points: Array, azimuth: float = 25.0, elevation: float = 22.0) -> None:
+    def __init__(self, points: Array, azimuth: float = 25.0) -> None:
         self.center = (points.min(axis=0) + points.max(axis=0)) / 2
         self.radius = max(float(np.linalg.norm(points - self.center, axis=1).max()), 1e-3)
-        self.elevation = elevation
         self.turn(azimuth)
 
     def turn(self, azimuth: float) -> None:
         """Walk around: ``azimuth`` [deg]."""
         self.azimuth = azimuth
-        a, e = np.deg2rad([azimuth, self.elevation])
+        a, e = np.deg2rad([azimuth, _ELEVATION])
         right = np.array([np.cos(a), np.sin(a), 0.0])
         towards_eye = np.array([np.sin(a) * np.cos(e), -np.cos(a) * np.cos(e), np.sin(e)])
         self.axes = np.stack([right, np.cross(towards_eye, right), towards_eye])
@@ -57,6 +58,6 @@ class Projection:
 
     def bounds(self, points: Array, azimuths: ArrayLike) -> Array:
         """(2, 2) lowest and highest picture coordinates over a walk around."""
-        views = [Projection(points, azimuth, self.elevation) for azimuth in np.asarray(azimuths).tolist()]
+        views = [Projection(points, azimuth) for azimuth in np.asarray(azimuths).tolist()]
         seen = np.concatenate([view.flat(points) for view in views])
         return np.stack([seen.min(axis=0), seen.max(axis=0)])
