@@ -28,6 +28,7 @@ from ..robot import (
     Winch,
     box_inertia,
     check_order,
+    turned_to,
 )
 from ..robot.pose import Pose
 from .model import Box, PickAndPlace, Scene, Task
@@ -307,12 +308,11 @@ class ShelfBlock(Block):
         """The boards and the two side walls, 2 cm thick."""
         thickness = 0.02
         depth, width, height = self.size
-        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        turn, foot = turned_to(self.yaw, 3), np.array([*self.position, 0.0])
         walls = [((0.0, side * (width - thickness) / 2, height / 2), (depth, thickness, height)) for side in (-1, 1)]
         boards = [((0.0, 0.0, level - thickness / 2), (depth, width, thickness)) for level in self.levels]
-        for (x, y, z), size in walls + boards:
-            place = np.array([self.position[0] + c * x - s * y, self.position[1] + s * x + c * y, z])
-            yield Box(place, np.array(size), self.yaw, "box", self.name)
+        for center, size in walls + boards:
+            yield Box(foot + turn @ center, np.array(size), self.yaw, "box", self.name)
 
 
 class SceneBlock(Block):

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from ..arrays import Array
 from ..errors import InvalidInput
 from ..mechanics.trajectory import Trajectory, quintic
-from ..robot.pose import Pose
+from ..robot.pose import Pose, turned_to
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,9 +24,7 @@ class Box:
     @property
     def pose(self) -> Pose:
         """Of its center."""
-        if len(self.size) == 2:
-            return Pose(self.position, angle=self.yaw)
-        return Pose(self.position, rpy=[0, 0, self.yaw])
+        return Pose.of(self.position, turned_to(self.yaw, self.size.size))
 
 
 @dataclass(frozen=True, eq=False)

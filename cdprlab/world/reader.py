@@ -87,13 +87,13 @@ _WANTED = {"dict_type": "must be a block of keys", "model_type": "must be a bloc
 
 def _existing(document: Any, location: Location) -> Iterator[str | int]:
     node = document
-    for place, part in enumerate(location):
-        inside = part in node if isinstance(node, Mapping) else isinstance(node, list | tuple) and isinstance(part, int)
-        if inside:
+    for place, part in enumerate(location, 1):
+        try:
             node = node[part]
-            yield part
-        elif place == len(location) - 1 and isinstance(node, Mapping):
-            yield part
+        except (KeyError, TypeError):
+            if place < len(location) or not isinstance(node, Mapping):
+                continue
+        yield part
 
 
 def _distinct(found: list[_Mistake]) -> list[_Mistake]:
