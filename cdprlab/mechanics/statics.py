@@ -81,6 +81,20 @@ def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: Ar
     return elastic + np.swapaxes(basis, -1, -2) @ geometric @ basis
 
 
+def moment_slope(arm: Array, force: Array) -> Array:
+    """[f]× [r]×, in the plane −r · f: how the moment r × f of a force grows as its arm turns, dr = dφ × r.
+
+    arm, force : (…, d)
+    Returns (…, 3, 3), or (…, 1, 1) in the plane.
+
+    >>> moment_slope(np.array([0.0, 2.0]), np.array([0.0, 3.0]))
+    array([[-6.]])
+    """
+    if arm.shape[-1] == 2:
+        return -(arm * force).sum(axis=-1)[..., None, None]
+    return cross_matrix(force) @ cross_matrix(arm)
+
+
 class TippingRows(NamedTuple):
     """One row per footprint edge: ``matrix @ tensions + offset ≤ 0`` where the base stands.
 
@@ -175,15 +189,11 @@ def _geometric_stiffness(r: Array, u: Array, tau: Array, lengths: Array) -> Arra
     """Σ τ_i K_i in full twist coordinates: from du = −(I − u uᵀ)/l (dp + dφ × r) and dr = dφ × r."""
     d = r.shape[-1]
     swing = (np.eye(d) - u[..., :, None] * u[..., None, :]) * (tau / lengths)[..., None, None]
-    if d == 2:
-        arm = np.stack([-r[..., 1], r[..., 0]], axis=-1)[..., None]   # dφ × r = arm dφ
-        turn = -tau[..., None, None] * (r * u).sum(axis=-1)[..., None, None]
-    else:
-        arm = -cross_matrix(r)
-        turn = tau[..., None, None] * (cross_matrix(u) @ cross_matrix(r))
+    # dφ × r = arm dφ
+    arm = np.stack([-r[..., 1], r[..., 0]], axis=-1)[..., None] if d == 2 else -cross_matrix(r)
     moves = np.concatenate([np.broadcast_to(np.eye(d), swing.shape), arm], axis=-1)
     full = np.swapaxes(moves, -1, -2) @ swing @ moves
-    full[..., d:, d:] -= turn
+    full[..., d:, d:] -= tau[..., None, None] * moment_slope(r, u)
     return full.sum(axis=-3)
 
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from ..arrays import Array, as_number
 from ..errors import InvalidInput
-from ..mechanics.statics import gravity_wrench, stiffness, wrench_matrix
+from ..mechanics.statics import gravity_wrench, moment_slope, stiffness, wrench_matrix
 from ..robot import Robot
-from ..robot.pose import Pose, cross_matrix
+from ..robot.pose import Pose
 from ..tensions import distribute_tensions
 from .criterion import Criterion, Judgement
 
@@ -76,14 +76,10 @@ def smallest_stiffness(robot: Robot, poses: Pose, tensions: Array, axial_stiffne
 
 def weight_stiffness(robot: Robot, poses: Pose) -> Array:
     """−d w_g / dx: what the weight adds when the platform turns and its center of mass is not at P (…, n, n)."""
-    d = robot.dimension
-    arm = poses.rotation @ robot.platform.center_of_mass
-    full = np.zeros((*poses.batch_shape, 3 if d == 2 else 6, 3 if d == 2 else 6))
-    pull = robot.mass * robot.gravity
-    if d == 2:
-        full[..., 2, 2] = -pull * arm[..., 1]
-    else:
-        # m = (R c) × f, d(R c) = dφ × R c, hence dm = [f]× [R c]× dφ
-        full[..., 3:, 3:] = -cross_matrix(np.array([0.0, 0.0, -pull])) @ cross_matrix(arm)
+    d, n = robot.dimension, 3 * (robot.dimension - 1)
+    weight = np.zeros(d)
+    weight[-1] = -robot.mass * robot.gravity
+    full = np.zeros((*poses.batch_shape, n, n))
+    full[..., d:, d:] = -moment_slope(poses.rotation @ robot.platform.center_of_mass, weight)
     basis = robot.pattern.basis(poses.rotation)
     return np.asarray(np.swapaxes(basis, -1, -2) @ full @ basis)

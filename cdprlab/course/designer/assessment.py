@@ -102,6 +102,8 @@ def stretch(robot: Robot) -> float:
 def workspace_slice(world: World, plane: str = "x–y") -> Slice:
     """The plane's poses within the box of exit points and floor, judged at the start's orientation."""
     robot = world.robot
+    if robot.dimension == 2:
+        plane = PLANES[0]
     grid = slice_grid(world, plane)
     poses = grid.poses
     directed = (cable_lengths(robot, poses) > 1e-9).all(axis=-1)
@@ -110,27 +112,29 @@ def workspace_slice(world: World, plane: str = "x–y") -> Slice:
         held[directed] = workspace(robot, poses[directed], WrenchFeasible(), margin=False).inside
     if held.any():
         clear[held] = _clear(world, poses[held])
-    return Slice(plane if robot.dimension == 3 else PLANES[0], grid, held, clear)
+    return Slice(plane, grid, held, clear)
 
 
 def slice_grid(world: World, plane: str) -> PoseGrid:
     """Centers of the cells of a plane through the start."""
-    robot, pose = world.robot, world.pose
-    low, high = robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)
-    low[-1] = min(low[-1], floor_height(robot, world.scene))
+    low, high = exit_box(world)
     # Exit points on one line, or in one place, have no box: it gets some width.
-    width = 0.3 * float((high - low).max()) or 1.0
-    level = np.maximum(width - (high - low), 0) / 2
-    low, high = low - level, high + level
-    names = PLANES[0] if robot.dimension == 2 else plane
-    chosen = ["xyz".index(name) for name in names.split("–")]
-    largest = float((high - low)[chosen].max())
-    places = _FEW_PLACES if robot.n_cables - robot.n_dof > 2 else _PLACES
+    size = np.maximum(high - low, 0.3 * (high - low).max() or 1.0)
+    chosen = ["xyz".index(name) for name in plane.split("–")]
+    places = _FEW_PLACES if world.robot.n_cables - world.robot.n_dof > 2 else _PLACES
     axes = {}
     for k in chosen:
-        count = max(2, round(places * float(high[k] - low[k]) / largest))
-        axes["xyz"[k]] = low[k] + (np.arange(count) + 0.5) / count * (high[k] - low[k])
-    return PoseGrid(axes, pose)
+        count = max(2, round(places * size[k] / size[chosen].max()))
+        axes["xyz"[k]] = (low[k] + high[k] - size[k]) / 2 + (np.arange(count) + 0.5) / count * size[k]
+    return PoseGrid(axes, world.pose)
+
+
+def exit_box(world: World) -> tuple[Array, Array]:
+    """Opposite corners (d,) of the box around all exit points, down to the floor [m]."""
+    robot = world.robot
+    low = robot.exit_points.min(axis=0)
+    low[-1] = floor_height(robot, world.scene)
+    return low, robot.exit_points.max(axis=0)
 
 
 def _clear(world: World, poses: Pose) -> Flags:

@@ -26,17 +26,18 @@ class Form:
         self.box = ipywidgets.VBox([], layout={"width": "21em"})
         self.entries: dict[tuple[str, str], Any] = {}
         self._fields: dict[tuple[str, str], Field] = {}
+        self._kinds: list[Any] = []
         self._quiet = False
 
     def show(self, rows: list[Row], world: World) -> None:
         """Fill the form with the fields' values."""
         fields = {(row.label, field.label): field for row in rows for field in row.fields}
-        others = [(key, field[2:]) for key, field in fields.items()] != [(key, field[2:]) for key, field
-                                                                          in self._fields.items()]
+        kinds = [(key, field[2:]) for key, field in fields.items()]
         self._fields = fields
         self._quiet = True
         try:
-            if others:
+            if kinds != self._kinds:
+                self._kinds = kinds
                 for part in self.box.children:
                     dismiss(part)
                 self.entries = {}

@@ -16,7 +16,7 @@ from ...run.controllers import ComputedTorque
 from ...world import World, load_world
 from ...world.document import place_text
 from ..brief import Brief, Verdict
-from .assessment import PLANES, Assessment, assess
+from .assessment import PLANES, Assessment, assess, exit_box
 from .edits import Path, contents, edited, opened, with_entry, without_entry
 from .fields import Field, Place, typed
 from .history import History
@@ -131,9 +131,7 @@ class DesignSession:
     @verb
     def frame_exits(self) -> None:
         """A frame around all exit points, down to the floor."""
-        points = self.world.robot.exit_points
-        low, high = points.min(axis=0), points.max(axis=0)
-        low[-1] = min(low[-1], self.world.scene.floor_height)
+        low, high = exit_box(self.world)
         self._become(edited(self.world, ("scene", "frame"), {"lower": low, "upper": high}),
                      "frame around the exit points")
 
