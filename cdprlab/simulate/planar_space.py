@@ -55,8 +55,7 @@ class PlanarSpace:
         ground, floor = space.static_body, world.scene.floor_height
         space.add(self._solid(ground, [(x, floor + y) for x in (-1e3, 1e3) for y in (-1.0, 0.0)]))
         for box in world.scene.boxes:
-            turn = Pose([0.0, 0.0], angle=box.yaw).rotation
-            space.add(self._solid(ground, box.position + _CORNERS * box.size @ turn.T))
+            space.add(self._solid(ground, box.position + _CORNERS * box.size @ box.pose.rotation.T))
         self._bases = [self._base_body(base) for base in robot.bases]
         self.ropes = [self._rope(anchor) for anchor in robot.anchor_points - platform.center_of_mass] if order else []
         space.add(*[self.ropes[i] for i in order])
