@@ -42,8 +42,7 @@ class Robot:
         set_(self, "cables", tuple(self.cables))
         set_(self, "bases", tuple(self.bases))
         set_(self, "gravity", as_number(self.gravity, "gravity", "m/s²", minimum=0.0, location=("gravity",)))
-        self._check_bases()
-        self._check_cables()
+        self._check_parts()
 
     # --- counts -----------------------------------------------------------------------------------
     @property
@@ -151,15 +150,13 @@ class Robot:
         return f"Robot({self.motion_pattern}, {self.n_cables} cables, {self.mass:g} kg{bases})"
 
     # --- checks -----------------------------------------------------------------------------------
-    def _check_bases(self) -> None:
+    def _check_parts(self) -> None:
         if len(self._base_of) != len(self.bases):
             raise InvalidInput("two bases have the same name", ("bases",))
         for k, base in enumerate(self.bases):
             if base.center_of_mass.shape[0] != self.dimension:
                 raise InvalidInput(f"center_of_mass must be {self.dimension} numbers [m] in a "
                                    f"{self.motion_pattern} robot", ("bases", k, "center_of_mass"))
-
-    def _check_cables(self) -> None:
         if not self.cables:
             raise InvalidInput("a robot needs at least one cable", ("cables",))
         if self.platform.center_of_mass.shape[0] != self.dimension:

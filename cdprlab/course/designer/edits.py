@@ -94,7 +94,7 @@ def with_entry(world: World, key: str, block: Mapping[str, Any]) -> World:
     key : "cables" or "bases"
     """
     entries = contents(world)[key]
-    return _rewritten(world, {key: entries}, {key: [*entries, plain(block)]})
+    return _rewritten(world, {key: entries}, {key: [*entries, block]})
 
 
 def without_entry(world: World, key: str, index: int) -> World:
