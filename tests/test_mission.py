@@ -31,7 +31,6 @@ from cdprlab.fastkit import (
 from cdprlab.fastkit.job.phases import job_phases
 from cdprlab.fastkit.mission.engine_pair import moved_pair
 from cdprlab.fastkit.mission.guards import at_the_shelf
-from cdprlab.simulate.scanner import ray_distances
 
 BOUNDS = [[-5, -6], [7, 2]]
 PALLETS = [[2.6, -3.0, 0.8, 1.2, 0.3], [-1.5, -2.2, 1.2, 0.8, 0.0]]
@@ -69,8 +68,7 @@ def test_the_engine_s_rays_end_where_geometry_says(world):
     with EnginePair(coupled(world), pair, hall, START) as bases:
         for scanner in pair.scanners:
             origin, directions = scanner.beams_from(bases.pose)
-            eye, beams = np.array([*origin, scanner.height]), np.insert(directions, 2, 0, axis=1)
-            rays = ray_distances(bases.engine, eye, beams, 3.0)
+            rays = bases.rays(scanner)
             exact = cast(origin, directions, hall.segments)
             seen = np.isfinite(rays)
             assert seen.sum() > 50

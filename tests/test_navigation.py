@@ -27,7 +27,7 @@ from cdprlab.fastkit import (
     practice_hall,
 )
 from cdprlab.fastkit.navigation.driving import clearance
-from cdprlab.fastkit.navigation.journey import undocking
+from cdprlab.fastkit.navigation.journey import with_berth
 from cdprlab.fastkit.navigation.planner import MARGIN, between
 from cdprlab.fastkit.plane import moved, placed, rectangle, rectangle_distance, relative, step_between
 
@@ -251,7 +251,7 @@ def test_what_is_not_on_the_map_is_noticed(pair, hall):
 def test_the_follower_keeps_speed_limits_and_ends_at_the_goal(pair):
     follower, pose = Follower(pair, [[0, 0, 0], [1, 0.5, 0.3], [1.5, 0.5, -0.4]]), np.zeros(3)
     for _ in range(400):
-        twist = follower.command(pose, np.zeros((0, 2)), 0.1).twist
+        twist = follower.command(pose, np.zeros((0, 2)), 0.1)
         assert (np.abs(pair.base_speeds(twist)) <= pair.speed_max + 1e-9).all()
         pose = moved(pose, twist, 0.1)
         if follower.arrived(pose):
@@ -266,7 +266,7 @@ def test_the_follower_never_drives_into_what_it_sees(pair):
         points = random.uniform(-3, 3, size=(3, 2))
         follower = Follower(pair, [[0, 0, 0], random.uniform(-1, 1, 3)])
         for _ in range(5):
-            twist = follower.command(np.zeros(3), points, 0.1).twist
+            twist = follower.command(np.zeros(3), points, 0.1)
         before, after = (pair.distances(pose, points) for pose in (np.zeros(3), moved(np.zeros(3), twist, 0.1)))
         assert ((after >= before - 1e-4) | (after >= 0.3)).all()
 
@@ -349,7 +349,7 @@ def test_out_of_a_berth_the_first_way_is_straight(pair):
     np.testing.assert_allclose(journey.plans[0][1].poses[:2], [journey.estimates[0], gate], atol=1e-12)
     # 10 cm are left where it stands, and nothing on the way to a gate in the shelf.
     plan = Plan(np.array([[0.0, 0.1, 0.0], home]))
-    assert undocking(hall, pair, berth, plan, 0.05).reason.startswith("no room to leave: 0.00 m are left")
+    assert with_berth(hall, pair, plan, berth, leaving=True).reason.startswith("no room to leave: 0.00 m are left")
 
 
 def test_people_made_it_wait(journeys):

@@ -69,6 +69,12 @@ def test_importing_loads_nothing_heavy(tmp_path: Path):
     assert done.stdout.split() == []
 
 
+def test_importing_the_wing_of_fastkit_draws_nothing(tmp_path: Path):
+    done = python("-c", "import sys, cdprlab.fastkit as wing; print('matplotlib' in sys.modules, wing.plot_job.__name__)",
+                  cwd=tmp_path, path=CHECKOUT)
+    assert done.stdout.split() == ["False", "plot_job"], done.stderr
+
+
 def test_without_pybullet_mechanics_work(tmp_path: Path):
     done = python("-c", BLOCKED + """
 import cdprlab as cl

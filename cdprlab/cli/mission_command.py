@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..fastkit import DONE, Job, Mission, Walker, in_hall, plot_job, plot_journey, run_mission
+from ..fastkit import DONE, Job, Mission, Walker, in_hall, run_mission
 from ..view import save_figure
 from ..world import World
 from .output import Bar, print_table, write
@@ -32,6 +32,7 @@ def fly_mission(world: World, folder: Path, pictures: bool, work: Any = None) ->
 
 
 def _pictures(mission: Mission) -> dict[str, Callable[[Path], Any]]:
+    from ..fastkit import plot_job, plot_journey
     from ..fastkit.pictures.mission_figure import plot_drives, plot_scans
     from ..fastkit.pictures.mission_film import save_mission_film
 

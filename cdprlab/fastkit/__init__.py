@@ -1,7 +1,11 @@
 """FASTKIT's wing: a job of many phases, the mission around it, driving in a hall, and their pictures.
 
-The library knows nothing of it. This is its one door; the folders behind it have none of their own.
+The library knows nothing of it. This is its one door; the folders behind it have none of their own. Drawing
+libraries load when a picture is first asked for.
 """
+
+from importlib import import_module
+from typing import Any
 
 from .events import DONE, STOPPED, Event
 from .job.job import pick_and_place
@@ -22,9 +26,12 @@ from .navigation.occupancy import OccupancyGrid
 from .navigation.planner import Plan, inflated_width, plan_path
 from .navigation.practice import practice_hall
 from .navigation.vehicle import Vehicle
-from .pictures.hall_figure import draw_hall, draw_way, plot_journey
-from .pictures.job_figure import frame_at, plot_job, save_job_film
 from .plane import carried, difference
+
+_PICTURES = {"draw_hall": "hall_figure", "draw_way": "hall_figure",
+             "plot_journey": "hall_figure", "frame_at": "job_figure", "plot_job": "job_figure",
+             "save_job_film": "job_figure"}
+"""Name → its file among the pictures."""
 
 __all__ = [
     "ARRIVED",
@@ -53,9 +60,6 @@ __all__ = [
     "carried",
     "cast",
     "difference",
-    "draw_hall",
-    "draw_way",
-    "frame_at",
     "in_hall",
     "inflated_width",
     "least_edge_loads",
@@ -64,10 +68,14 @@ __all__ = [
     "pair_pose",
     "pick_and_place",
     "plan_path",
-    "plot_job",
-    "plot_journey",
     "practice_hall",
     "run_mission",
-    "save_job_film",
     "walk_through",
+    *_PICTURES,
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PICTURES:
+        raise AttributeError(f"cdprlab.fastkit has no {name!r}; it has {', '.join(__all__)}")
+    return getattr(import_module(f".pictures.{_PICTURES[name]}", __name__), name)

@@ -17,7 +17,7 @@ class Event(NamedTuple):
     why: str = ""
 
 
-class History:
+class Chronicle:
     """What has ``events``: it is in the last one's state."""
 
     events: Sequence[Event]

@@ -51,13 +51,13 @@ def relative(pose: ArrayLike, frame: ArrayLike) -> Array:
 
 def difference(target: ArrayLike, pose: ArrayLike) -> Array:
     """(…, 3) target minus pose, the angle the short way round, in (−π, π] [m, m, rad]."""
-    d = np.asarray(target, dtype=float) - np.asarray(pose, dtype=float)
+    d = np.subtract(target, pose)
     return np.concatenate([d[..., :2], np.pi - np.mod(np.pi - d[..., 2:], 2 * np.pi)], axis=-1)
 
 
 def moved(pose: ArrayLike, twist: ArrayLike, period: float = 1.0) -> Array:
     """(…, 3) pose after driving on at (v_x, v_y, ω), in the vehicle's frame, for a short while [s]."""
-    q, step = np.asarray(pose, dtype=float), np.asarray(twist, dtype=float) * period
+    q, step = np.asarray(pose, dtype=float), np.multiply(twist, period)
     way = turn(q[..., 2] + step[..., 2] / 2) @ step[..., :2, None]
     return q + np.concatenate([way[..., 0], step[..., 2:]], axis=-1)
 
@@ -67,6 +67,11 @@ def step_between(before: ArrayLike, after: ArrayLike) -> Array:
     d = difference(after, before)
     way = d[..., None, :2] @ turn(np.asarray(before)[..., 2] + d[..., 2] / 2)
     return np.concatenate([way[..., 0, :], d[..., 2:]], axis=-1)
+
+
+def cross(a: Array, b: Array) -> Array:
+    """(…) a_x b_y − a_y b_x of (…, 2)."""
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 # --- segments and rectangles --------------------------------------------------------------------------------
@@ -94,7 +99,7 @@ def off_rectangles(points: ArrayLike, poses: ArrayLike, sizes: ArrayLike) -> Arr
     >>> off_rectangles([0, 2], [0, 0, np.pi / 2], [3, 1]).round(2).tolist()
     [0.0, 0.5]
     """
-    q, half = np.asarray(poses, dtype=float), np.asarray(sizes, dtype=float) / 2
+    q, half = np.asarray(poses, dtype=float), np.divide(sizes, 2)
     R = turn(q[..., 2])
     local = ((points - q[..., :2])[..., None, :] @ R)[..., 0, :]
     return (R @ (local - np.clip(local, -half, half))[..., None])[..., 0]
@@ -105,10 +110,11 @@ def point_distance(points: ArrayLike, poses: ArrayLike, sizes: ArrayLike) -> Arr
     return np.linalg.norm(off_rectangles(points, poses, sizes), axis=-1)
 
 
-def rectangle_distance(pose: ArrayLike, size: ArrayLike, poses: ArrayLike, sizes: ArrayLike) -> Array:
+def rectangle_distance(pose: ArrayLike, size: ArrayLike, poses: ArrayLike,
+                       sizes: ArrayLike) -> Array:
     """(…) of a rectangle at a pose (…, 3), (2,) along and across, to another; 0 where they touch or overlap [m]."""
     q = np.asarray(pose, dtype=float)
     ends = edges((rectangle(poses, sizes) - q[..., None, :2]) @ turn(q[..., 2]))
-    to_edges = box_distance(ends[..., 0, :], ends[..., 1, :], np.asarray(size) / 2).min(axis=-1)
+    to_edges = box_distance(ends[..., 0, :], ends[..., 1, :], np.divide(size, 2)).min(axis=-1)
     # The other may have all of the first inside, far from its own edges.
     return np.minimum(to_edges, point_distance(q[..., :2], poses, sizes))

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import InvalidInput
 from ..mechanics.dynamics import mass_and_bias
-from ..mechanics.statics import TippingRows, footings
+from ..mechanics.statics import footings
 from ..mechanics.trajectory import Reference
 from ..mechanics.winch import (
     Friction,
@@ -37,6 +37,10 @@ class WinchControl(Command):
 
     ``cables`` is the engine's cable model it needs. It logs the tensions it wants and what the motors do for them;
     ``feasible`` says whether the wanted wrench was balanced within the limits, or the winches reached their lengths.
+
+    margin : kept from the cables' limits [N]; reserve : kept from tipping [N m]
+    standing : whether tipping rows are in the quadratic program
+    toward : tension the distribution stays near, 0 for the least norm [N]
     """
 
     name: ClassVar[str]
@@ -44,28 +48,42 @@ class WinchControl(Command):
     engine: SpatialSimulator
     feasible: bool
 
+    def __init__(self, margin: float, reserve: float, standing: bool = True,
+                 toward: float = 0.0) -> None:
+        self.margin, self.reserve = float(margin), float(reserve)
+        self.standing, self.toward = standing, float(toward)
+
     def start(self, engine: Simulator, substeps: int) -> Columns:
-        self.winch, self.period = _winch_of(engine.world.robot), engine.dt * substeps
-        self.footings = footings(engine.world.robot)
+        robot = engine.world.robot
+        if robot.winch is None:
+            raise InvalidInput("winches are to be controlled, but the world has no `winch:` block")
+        self.winch, self.real, self.period = robot.winch, Friction.of(robot.winch), engine.dt * substeps
+        self.low, self.high = robot.tension_min + self.margin, robot.tension_max - self.margin
+        self.footings = footings(robot) if self.standing else []
         return super().start(engine, substeps)
 
     def columns(self, robot: Robot) -> Columns:
         m = robot.n_cables
-        return {"commanded_tensions": ((m,), "N"), "motor_torques": ((m,), "N m"), "motor_speeds": ((m,), "rad/s"),
-                "feasible": ((), "")}
+        return {"commanded_tensions": ((m,), "N"), "motor_torques": ((m,), "N m"),
+                "motor_speeds": ((m,), "rad/s"), "feasible": ((), "")}
 
     def effort(self, tensions: Array, torques: Array, rates: Array) -> Iterable[float]:
         """What `step` returns; rates : (m,) of the cables, positive paying out [m/s]."""
         speeds = motor_speed(self.winch, rates)
         return *tensions.tolist(), *torques.tolist(), *speeds.tolist(), self.feasible
 
-    def standing_rows(self) -> TippingRows:
-        """G τ + g ≤ 0 of all bases' edges, one below the other, where the bases are now."""
+    def distribute(self, W: Array, wrench: Array) -> Array | None:
+        """(m,) tensions that exert a (n,) wrench and keep the bases standing where they are now; None without any."""
         engine = self.engine
-        rows = [TippingRows(np.zeros((0, engine.tensions.size)), np.zeros(0))]
+        rows, offsets = [np.zeros((0, engine.tensions.size))], [np.zeros(0)]
         for footing in self.footings:
-            rows.append(footing.rows(engine.directions, turned_to(engine.base_poses[footing.base, 2], 3)))
-        return TippingRows(*map(np.concatenate, zip(*rows)))
+            edges = footing.rows(engine.directions,
+                                 turned_to(engine.base_poses[footing.base, 2], 3))
+            rows.append(edges.matrix)
+            offsets.append(edges.offset + self.reserve)
+        tau, reason = standing_tensions(W, -wrench, self.low, self.high, np.concatenate(rows),
+                                        np.concatenate(offsets), toward=self.toward)
+        return None if reason else tau
 
 
 class TorqueControl(WinchControl):
@@ -81,45 +99,40 @@ class TorqueControl(WinchControl):
 
     name, cables = "torque", "tension"
 
-    def __init__(self, kp: float = 900.0, kd: float = 60.0, *, standing: bool = True, toward: float = 0.0,
-                 margin: float = 1.0, reserve: float = 5.0, friction: Friction | None = None) -> None:
-        self.law, self.standing, self.toward = ComputedTorque(kp, kd), standing, float(toward)
-        self.margin, self.reserve, self.friction = float(margin), float(reserve), friction
+    def __init__(self, kp: float = 900.0, kd: float = 60.0, *, standing: bool = True,
+                 toward: float = 0.0, margin: float = 1.0, reserve: float = 5.0,
+                 friction: Friction | None = None) -> None:
+        super().__init__(margin, reserve, standing, toward)
+        self.law, self.friction = ComputedTorque(kp, kd), friction
 
     def start(self, engine: Simulator, substeps: int) -> Columns:
-        asked, robot = super().start(engine, substeps), engine.world.robot
-        self.low, self.high = robot.tension_min + self.margin, robot.tension_max - self.margin
-        self.relaxed = solver_for("relaxed", robot.n_dof, self.low, self.high)
+        asked = super().start(engine, substeps)
+        self.relaxed = solver_for("relaxed", engine.world.robot.n_dof, self.low, self.high)
         self.believed = _identified(self.winch) if self.friction is None else self.friction
-        self.real = Friction.of(self.winch)
         return asked
 
     def step(self, wish: Reference) -> Iterable[float]:
         engine, W = self.engine, self.engine.wrench_matrix
-        state = State(0.0, engine.carrying, engine.position, engine.rotation, engine.twist, engine.tensions)
-        tau = self._tensions(W, self.law(state.time, state, wish))
+        state = State(0.0, engine.carrying, engine.position, engine.rotation, engine.twist,
+                      engine.tensions)
+        wrench = self.law(state.time, state, wish)
+        found = self.distribute(W, wrench)
+        self.feasible = found is not None
+        tau = self.relaxed(W, -wrench)[0] if found is None else found
         # B_b q̇_b, what driving bases pay of the cables: −u · Ȧ.
         paid = -(engine.directions * engine.exit_velocities).sum(axis=1)
         # Friction of the speed that is wanted, not of the one measured: its sign must not chatter at rest.
-        torques = motor_torque(self.winch, self.believed, tau, -wish.twist @ W - paid, -wish.acceleration @ W)
+        torques = motor_torque(self.winch, self.believed, tau, -wish.twist @ W - paid,
+                               -wish.acceleration @ W)
         torques = np.clip(torques, -self.winch.torque, self.winch.torque)
         rates = -engine.twist @ W - paid
         # What the cables really carry: the winches' own friction and inertia stand between.
         mass, bias = mass_and_bias(engine.carrying, engine.rotation, engine.twist)
         lightness = np.linalg.inv(mass)
-        pulled = cable_tensions(self.winch, self.real, torques, rates, lightness @ bias @ W, W.T @ lightness @ W,
-                                self.period)
+        pulled = cable_tensions(self.winch, self.real, torques, rates, lightness @ bias @ W,
+                                W.T @ lightness @ W, self.period)
         engine.step(pulled, self.substeps)
         return self.effort(tau, torques, rates)
-
-    def _tensions(self, W: Array, wrench: Array) -> Array:
-        rows, offset = np.zeros((0, W.shape[1])), np.zeros(0)
-        if self.standing:
-            rows, offset = self.standing_rows()
-            offset = offset + self.reserve
-        tau, reason = standing_tensions(W, -wrench, self.low, self.high, rows, offset, toward=self.toward)
-        self.feasible = not reason
-        return self.relaxed(W, -wrench)[0] if reason else tau
 
 
 class VelocityControl(WinchControl):
@@ -134,17 +147,21 @@ class VelocityControl(WinchControl):
 
     name, cables = "velocity", "elastic"
 
-    def __init__(self, gain: float = 20.0, *, margin: float = 1.5, reserve: float = 5.0) -> None:
+    def __init__(self, gain: float = 20.0, *, margin: float = 1.5,
+                 reserve: float = 5.0) -> None:
         if gain < 0:
             raise InvalidInput(f"gain must not be negative [1/s], got {gain:g}")
-        self.gain, self.margin, self.reserve = float(gain), float(margin), float(reserve)
+        super().__init__(margin, reserve)
+        self.gain = float(gain)
 
     def start(self, engine: Simulator, substeps: int) -> Columns:
-        asked, robot = super().start(engine, substeps), engine.world.robot
-        self.lengths, self.stiffness = np.array(self.engine.rope_lengths), _elasticity(robot)
-        self.fastest = np.minimum(robot.speed_max, self.winch.speed * self.winch.drum_radius / self.winch.gear_ratio)
-        self.low, self.high = robot.tension_min + self.margin, robot.tension_max - self.margin
-        self.wanted, self.friction = engine.tensions, Friction.of(self.winch)
+        asked, robot, winch = super().start(engine, substeps), engine.world.robot, self.winch
+        if robot.elasticity is None:
+            raise InvalidInput("velocity control winds ropes that stretch, but the world has no `cable:` block")
+        self.stiffness = robot.elasticity.axial_stiffness
+        self.lengths, self.wanted = np.array(engine.rope_lengths), engine.tensions
+        self.fastest = np.minimum(robot.speed_max,
+                                  winch.speed * winch.drum_radius / winch.gear_ratio)
         return asked
 
     def step(self, wish: Reference) -> Iterable[float]:
@@ -152,22 +169,18 @@ class VelocityControl(WinchControl):
         directions, lengths, W = engine.cables_at(wish.pose)
         # J t − B_b q̇_b: −Wᵀ t, and what driving bases pay of the cables.
         rates = -wish.twist @ W + (directions * engine.exit_velocities).sum(axis=1)
-        self.feasible = self._distribute(wish, W)
+        # What holds platform and load where they should be.
+        mass, bias = mass_and_bias(engine.carrying, wish.pose.rotation, wish.twist)
+        found = self.distribute(W, mass @ wish.acceleration + bias)
+        self.wanted = self.wanted if found is None else found
         unstretched = lengths / (1 + self.wanted / self.stiffness)
         rates = rates + self.gain * (unstretched - self.lengths)
         kept = np.minimum(np.maximum(rates, -self.fastest), self.fastest)
         self.lengths = self.lengths + kept * self.period
-        self.feasible &= engine.wind(self.lengths, self.substeps) and bool((kept == rates).all())
-        return self.effort(self.wanted, motor_torque(self.winch, self.friction, engine.tensions, kept, 0.0), kept)
-
-    def _distribute(self, wish: Reference, W: Array) -> bool:
-        """The tensions that hold platform and load where they should be."""
-        mass, bias = mass_and_bias(self.engine.carrying, wish.pose.rotation, wish.twist)
-        rows, offset = self.standing_rows()
-        tau, reason = standing_tensions(W, -(mass @ wish.acceleration + bias), self.low, self.high, rows,
-                                        offset + self.reserve)
-        self.wanted = self.wanted if reason else tau
-        return not reason
+        reached = engine.wind(self.lengths, self.substeps) and bool((kept == rates).all())
+        self.feasible = reached and found is not None
+        return self.effort(self.wanted,
+                           motor_torque(self.winch, self.real, engine.tensions, kept, 0.0), kept)
 
 
 def winch_control(control: str | WinchControl) -> WinchControl:
@@ -178,18 +191,6 @@ def winch_control(control: str | WinchControl) -> WinchControl:
     if control not in known:
         raise InvalidInput(f"control must be {' or '.join(map(repr, known))}, or a WinchControl, got {control!r}")
     return known[control]()
-
-
-def _winch_of(robot: Robot) -> Winch:
-    if robot.winch is None:
-        raise InvalidInput("winches are to be controlled, but the world has no `winch:` block")
-    return robot.winch
-
-
-def _elasticity(robot: Robot) -> float:
-    if robot.elasticity is None:
-        raise InvalidInput("velocity control winds ropes that stretch, but the world has no `cable:` block")
-    return robot.elasticity.axial_stiffness
 
 
 @cache

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -15,27 +16,28 @@ from ...mechanics.dynamics import pose_error
 from ...mechanics.trajectory import Reference, Trajectory, hold, quintic, rest_to_rest
 from ...robot.pose import Pose
 from ...run import Log
-from ...run.loop import fly
+from ...run.loop import Progress, fly
 from ...run.start import control_steps
 from ...run.winches import WinchControl, winch_control
 from ...simulate.spatial import SpatialSimulator
 from ...world import World
 from ...world.model import PickAndPlace
+from ..events import STOPPED
 from ..plane import relative
 from .job_record import Job
-from .machine import FAULTS, Guard, Machine, Phase, Sensors
+from .machine import FAULTS, Guard, Machine, Sensors
 from .phases import ACCELERATION, BOX, driving_speed, job_phases, payload
-
-Progress = Callable[[int, int], Any]
 
 _ROLLERS = 0.1         # the box's factor of 0.05 with a board: boards that a box is drawn from have rollers
 _AFTERMATH = 1.5       # s that a stopped job is watched: bases brake within 1 s
 _SLACK = 0.5           # N: how far off its limits a cable may be before it counts, about what friction leaves
 
 
-def pick_and_place(world: World, task: str = "pick_and_place", control: str | WinchControl = "torque", *,
-                   speed: float = 0.5, dt: float = 2e-3, control_period: float = 4e-3,
-                   faults: tuple[Guard, ...] = FAULTS, fold: bool = False, progress: Progress | None = None) -> Job:
+def pick_and_place(world: World, task: str = "pick_and_place",
+                   control: str | WinchControl = "torque", *, speed: float = 0.5,
+                   dt: float = 2e-3, control_period: float = 4e-3,
+                   faults: tuple[Guard, ...] = FAULTS, fold: bool = False,
+                   progress: Progress | None = None) -> Job:
     """Deploy the bases, take a box from a shelf, put it in its place, return; stop safely where something fails.
 
     world, task : spatial, with bases that have footprints, and a task of kind pick_and_place
@@ -60,43 +62,51 @@ def pick_and_place(world: World, task: str = "pick_and_place", control: str | Wi
         raise InvalidInput(f"task {task!r} is of kind {job.kind}, not pick_and_place: use cl.run(world, ...)")
     substeps, period = control_steps(dt, control_period)
     law = winch_control(control)
-    begin = replace(world, robot=world.robot.with_bases(job.coupled), pose=job.start, tasks={task: job})
+    begin = replace(world, robot=world.robot.with_bases(job.coupled), pose=job.start,
+                    tasks={task: job})
     machine = Machine(job_phases(world, job, speed, fold=fold), faults)
     with SpatialSimulator(begin, law.cables, dt, bodies=True, solver_iterations=20) as engine:
         engine.boxes.add(BOX, job.box_position, job.box_size, job.box_mass, friction=_ROLLERS)
         work = _Work(engine, job, machine, law, period)
         log, elapsed = fly(engine, law, work.wishes(progress), substeps)
     settings = {"dt": dt, "control_period": period, "speed": speed}
-    return work.record(log, elapsed, world=world, task=task, method=law.name, cables=law.cables, dt=dt,
-                       control_period=period, settings=settings)
+    return work.record(log, elapsed, world=world, task=task, method=law.name, cables=law.cables,
+                       dt=dt, control_period=period, settings=settings)
 
 
+@dataclass(eq=False)
 class _Work:
     """One job under way: what changes from step to step."""
 
-    def __init__(self, engine: SpatialSimulator, task: PickAndPlace, machine: Machine, law: WinchControl,
-                 period: float) -> None:
-        self.engine, self.task, self.machine, self.law, self.period = engine, task, machine, law, period
-        self._follow(hold(task.start, 1.0))
-        self.bases = engine.base_poses.copy()
-        self.driven = np.zeros(self.bases.size)
-        self.stroke, self.offset = 1.0, np.zeros(3)
-        self.empty = engine.world.robot
-        self.carried: tuple[float, ...] = (0.0,)
-        self.overloaded = self.missing = 0.0
+    engine: SpatialSimulator
+    task: PickAndPlace
+    machine: Machine
+    law: WinchControl
+    period: float
+    stroke: float = 1.0
+    carried: tuple[float, ...] = (0.0,)
+    overloaded: float = 0.0
+    missing: float = 0.0
+
+    def __post_init__(self) -> None:
+        self._follow(hold(self.task.start, 1.0))
+        self.bases = self.engine.base_poses.copy()
+        self.driven, self.offset = np.zeros(self.bases.size), np.zeros(3)
+        self.empty = self.engine.world.robot
         p, k = len(self.empty.bases), len(self.empty.bases[0].footprint)
         self.log = Log({"base_poses": ((p, 3), "m, m, rad"), "tilts": ((p,), "rad"), "wheels": ((p, k), "N"),
-                        "box_positions": ((3,), "m"), "box_rotations": ((3, 3), ""), "stroke": ((), ""),
-                        "carried": ((), "kg"), "states": ((), "")})
+                        "box_positions": ((3,), "m"), "box_rotations": ((3, 3), ""),
+                        "stroke": ((), ""), "carried": ((), "kg"), "states": ((), "")})
         self.wished: list[Reference] = []
 
     def wishes(self, progress: Progress | None) -> Iterator[Reference]:
         """Where the platform should be, step after step, until the job is done or has been stopped for a while."""
         machine, total = self.machine, round(1e3 * sum(phase.duration for phase in self.machine.phases))
-        self._begin(machine.phase)
-        steps, ended, shown = 0, 0.0, 0.0
-        while not ((machine.stopped or machine.done) and steps * self.period > ended + _AFTERMATH):
-            now = steps * self.period
+        self._enter()
+        for step in count():
+            now = step * self.period
+            if machine.ended and now > machine.began + _AFTERMATH:
+                return
             wish = self.sampled[min(round((now - machine.began) / self.period), len(self.sampled) - 1)]
             self._drive(now)
             self._draw(now)
@@ -105,12 +115,9 @@ class _Work:
             self._note(wish, box, sensors)
             yield wish
             self._judge()
-            steps += 1
-            if machine.step(sensors._replace(time=steps * self.period)):
-                ended = steps * self.period
+            if machine.step(sensors._replace(time=(step + 1) * self.period)):
                 self._enter()
-            if progress is not None and now - shown >= 0.5:
-                shown = now
+            if progress is not None and step % 100 == 0:
                 progress(min(round(1e3 * now), total), total)
 
     # --- phases -----------------------------------------------------------------------------------
@@ -120,42 +127,34 @@ class _Work:
         self.sampled = list(map(Reference, *path(np.arange(round(path.duration / self.period) + 1) * self.period)))
 
     def _enter(self) -> None:
-        if self.machine.stopped:
-            self._follow(hold(Pose.of(self.engine.position, self.engine.rotation), 1.0))
-        elif self.machine.done:
-            self._follow(hold(self.path.end, 1.0))
-        else:
-            self._begin(self.machine.phase)
-
-    def _begin(self, phase: Phase) -> None:
-        end = self.path.end
-        phase.begin(self.engine)
+        """A phase begins, or the job has ended: then all stays as it is."""
+        engine, phase, end = self.engine, self.machine.phase, self.path.end
+        if self.machine.ended:
+            stays = Pose.of(engine.position, engine.rotation) if self.machine.ended == STOPPED else end
+            return self._follow(hold(stays, 1.0))
+        phase.begin(engine)
         self._follow(hold(end, phase.duration) if phase.to is None else quintic(end, phase.to, phase.duration))
-        if self.engine.boxes.is_gripped(BOX) and not self.offset.any():
-            self.offset = self._held(self.engine.boxes.pose(BOX)) - (self.stroke - 1) * self.task.stroke
-        self.bases = self.engine.base_poses.copy()
+        if engine.boxes.is_gripped(BOX) and not self.offset.any():
+            self.offset = self._held(engine.boxes.pose(BOX)) - (self.stroke - 1) * self.task.stroke
+        self.bases = engine.base_poses.copy()
 
     def _drive(self, now: float) -> None:
         speeds = np.zeros(self.bases.size)
-        if self.machine.stopped:   # brake, not stop dead: the cables would feel it
+        if self.machine.ended == STOPPED:   # brake, not stop dead: the cables would feel it
             slower = np.abs(self.driven) - ACCELERATION * self.period
             speeds = np.sign(self.driven) * np.maximum(slower, 0.0)
-        elif not self.machine.done:
-            for k, base in enumerate(self.empty.bases):
-                goal = self.machine.phase.drives.get(base.name)
-                if goal is not None:
-                    speeds[3 * k:3 * k + 3] = self._speed_of(k, goal, now - self.machine.began + self.period / 2)
+        elif not self.machine.ended:
+            t = now - self.machine.began + self.period / 2
+            for k, (base, stood) in enumerate(zip(self.empty.bases, self.bases)):
+                if base.name in self.machine.phase.drives:   # θ̇, ρ̇₁, ρ̇₂, a rest-to-rest drive along each
+                    way = relative(self.machine.phase.drives[base.name], stood)[[2, 0, 1]]
+                    speeds[3 * k:3 * k + 3] = driving_speed(t, way, base.speed_max, ACCELERATION)
         self.driven = self.engine.drive(speeds)
-
-    def _speed_of(self, k: int, goal: tuple[float, float, float], t: float) -> Array:
-        """θ̇, ρ̇₁, ρ̇₂ of one base, a rest-to-rest drive along each."""
-        way = relative(goal, self.bases[k])
-        return driving_speed(t, way[[2, 0, 1]], self.empty.bases[k].speed_max, ACCELERATION)
 
     def _draw(self, now: float) -> None:
         """The gripper's stroke, and what the platform is known to carry."""
         phase, engine = self.machine.phase, self.engine
-        if phase.stroke is not None and not (self.machine.stopped or self.machine.done):
+        if phase.stroke is not None and not self.machine.ended:
             share = rest_to_rest((now - self.machine.began) / phase.duration)
             self.stroke = float(phase.stroke[0] + share * (phase.stroke[1] - phase.stroke[0]))
             engine.boxes.draw(BOX, (self.stroke - 1) * self.task.stroke)
@@ -177,16 +176,17 @@ class _Work:
         base_error = max((math.dist(stands[:2], phase.drives[base.name][:2])
                           for base, stands in zip(self.empty.bases, engine.base_poses) if base.name in phase.drives),
                          default=0.0)
-        x, y, z, *turn = pose_error(Pose.of(engine.position, engine.rotation), wish.pose).tolist()
-        return Sensors(now, math.hypot(x, y, z), math.hypot(*turn), engine.tensions, self.overloaded,
-                       self.missing, engine.wheel_loads(), base_error, gripped, slipped)
+        x, y, z, *turn = pose_error(Pose.of(engine.position, engine.rotation),
+                                    wish.pose).tolist()
+        return Sensors(now, math.hypot(x, y, z), math.hypot(*turn), engine.tensions,
+                       self.overloaded, self.missing, engine.wheel_loads(), base_error, gripped, slipped)
 
     def _note(self, wish: Reference, box: Pose, sensors: Sensors) -> None:
         """A row: how all is as the step begins."""
         engine = self.engine
         self.wished.append(wish)
-        self.log.keep(engine.base_poses, engine.tilts, *sensors.wheels.values(), box.position, box.rotation,
-                      self.stroke, self.carried[0], len(self.machine.history) - 1)
+        self.log.keep(engine.base_poses, engine.tilts, *sensors.wheels.values(), box.position,
+                      box.rotation, self.stroke, self.carried[0], len(self.machine.history) - 1)
 
     def _judge(self) -> None:
         """For how long cables have been off their limits, and wrenches unbalanced, now that the step is over."""
@@ -198,12 +198,15 @@ class _Work:
     def record(self, flown: Log, elapsed: float, **about: Any) -> Job:
         """The job from what `fly` kept of it and what was noted beside."""
         poses, twists, accelerations = zip(*self.wished)
-        wanted = Pose.of(np.array([pose.position for pose in poses]), np.array([pose.rotation for pose in poses]))
+        wanted = Pose.of(np.array([pose.position for pose in poses]),
+                         np.array([pose.rotation for pose in poses]))
         kept: dict[str, Any] = {name: self.log[name] for name in self.log.units}
         boxes = Pose.of(kept.pop("box_positions"), kept.pop("box_rotations"))
         time = frozen(np.arange(len(poses), dtype=float) * self.period)
-        return Job.of(flown, Reference(wanted, np.array(twists), np.array(accelerations)), time=time,
-                      events=tuple(self.machine.history), states=kept.pop("states").astype(int),
-                      words={phase.name: phase.what for phase in self.machine.phases}, box_poses=boxes,
-                      motor_torques=flown["motor_torques"][:-1], motor_speeds=flown["motor_speeds"][:-1],
+        return Job.of(flown, Reference(wanted, np.array(twists), np.array(accelerations)),
+                      time=time, events=tuple(self.machine.history),
+                      states=kept.pop("states").astype(int),
+                      words={phase.name: phase.what for phase in self.machine.phases},
+                      box_poses=boxes, motor_torques=flown["motor_torques"][:-1],
+                      motor_speeds=flown["motor_speeds"][:-1],
                       real_time_factor=time[-1] / elapsed, **kept, **about)

@@ -12,7 +12,7 @@ from ...arrays import Array
 from ...robot.pose import Pose
 from ...run import Run
 from ...world.model import PickAndPlace
-from ..events import Event, History
+from ..events import Chronicle, Event
 from .machine import SETTLING
 
 _EVERY = 5
@@ -20,7 +20,7 @@ _EVERY = 5
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Job(History, Run):
+class Job(Chronicle, Run):
     """A job, done or stopped: a `Run` of N control steps under a ``method`` of control, and beside its columns:
 
     state, reason : "done", or "stopped" and why
@@ -28,7 +28,8 @@ class Job(History, Run):
     motor_torques, motor_speeds : (N, m) [N m, rad/s]
     base_poses : (N, p, 3) x, y, heading [m, m, rad]; tilts : (N, p) of the masts [rad]
     wheels : (N, p, k) load of each wheel, as measured at the begin of the step [N]
-    box_poses : Pose of batch (N,); stroke : (N,) share of the gripper's; carried : (N,) known payload [kg]
+    box_poses : Pose of batch (N,); stroke : (N,) share of the gripper's
+    carried : (N,) known payload [kg]
     states : (N,) index into ``events``; words : state → what is done in it
     """
 
@@ -69,15 +70,15 @@ class Job(History, Run):
         """The job in a few lines: quantity → value with unit."""
         robot, tensions = self.world.robot, self.measured_tensions
         winch, low, high = robot.winch, robot.tension_min.min(), robot.tension_max.max()
-        motors = {} if winch is None else {
-            "motor torque, largest": f"{np.abs(self.motor_torques).max():.2f} N m (limit {winch.torque:g} N m)",
-            "motor speed, largest": f"{np.abs(self.motor_speeds).max():.0f} rad/s (limit {winch.speed:.0f} rad/s)"}
+        assert winch is not None    # or nobody could have controlled it
+        torque, speed = np.abs(self.motor_torques).max(), np.abs(self.motor_speeds).max()
         return {
             "state": self.state + (f": {self.reason}" if self.reason else ""),
             "tracking error, largest": f"{self.position_errors.max() * 1e3:.2f} mm",
             "tension, smallest": f"{tensions[1:].min():.1f} N (limit {low:g} N)",
             "tension, largest": f"{tensions.max():.1f} N (limit {high:g} N)",
-            **motors,
+            "motor torque, largest": f"{torque:.2f} N m (limit {winch.torque:g} N m)",
+            "motor speed, largest": f"{speed:.0f} rad/s (limit {winch.speed:.0f} rad/s)",
             "least load on a base's edge": f"{self.least_edge_load:.0f} N (0: it tips)",
             "box off its place": f"{self.box_error * 1e3:.1f} mm",
             "simulated time": f"{self.time[-1]:.1f} s",
@@ -86,9 +87,10 @@ class Job(History, Run):
 
     def columns(self) -> dict[str, tuple[Any, str]]:
         return {**super().columns(), "motor_torque": (self.motor_torques, "N m"),
-                "motor_speed": (self.motor_speeds, "rad/s"), "tilt": (self.tilts, "rad"), "wheel": (self.wheels, "N"),
-                "box_position": (self.box_poses.position, "m"), "box_rotation": (self.box_poses.rpy, "rad"),
-                "stroke": (self.stroke, ""), "carried": (self.carried, "kg"), "state": (self.states, "")}
+                "motor_speed": (self.motor_speeds, "rad/s"), "tilt": (self.tilts, "rad"),
+                "wheel": (self.wheels, "N"), "box_position": (self.box_poses.position, "m"),
+                "box_rotation": (self.box_poses.rpy, "rad"), "stroke": (self.stroke, ""),
+                "carried": (self.carried, "kg"), "state": (self.states, "")}
 
     def save(self, folder: str | Path, every: int = _EVERY) -> Path:
         """Write log.npz (arrays and their units), log.csv, events.csv, the world and the settings.
@@ -96,7 +98,8 @@ class Job(History, Run):
         folder : made if missing; every : of how many rows log.csv keeps one
         """
         target = super().save(folder, every)
-        lines = ["time [s],state,why", *(f"{event.time:.3f},{event.state},\"{event.why}\"" for event in self.events)]
+        lines = ["time [s],state,why",
+                 *(f"{event.time:.3f},{event.state},\"{event.why}\"" for event in self.events)]
         (target / "events.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
         return target
 

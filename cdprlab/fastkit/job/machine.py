@@ -95,10 +95,11 @@ class Machine:
     patience : how long a guard may stay shut after its phase's motion [s]
     """
 
-    def __init__(self, phases: tuple[Phase, ...], faults: tuple[Guard, ...], patience: float = 3.0) -> None:
+    def __init__(self, phases: tuple[Phase, ...], faults: tuple[Guard, ...],
+                 patience: float = 3.0) -> None:
         self.phases, self.faults, self.patience = phases, faults, patience
-        self.index, self.began = 0, 0.0
-        self.stopped = self.done = False
+        self.index = 0
+        self.ended = ""          # or DONE, or STOPPED
         self.history = [Event(0.0, phases[0].name)]
 
     @property
@@ -107,36 +108,36 @@ class Machine:
         return self.phases[self.index]
 
     @property
+    def began(self) -> float:
+        """When the state of now did [s]."""
+        return self.history[-1].time
+
+    @property
     def state(self) -> str:
         """Name of the state of now."""
-        return STOPPED if self.stopped else DONE if self.done else self.phase.name
+        return self.ended or self.phase.name
 
     def step(self, sensors: Sensors) -> bool:
         """Look, decide; True if a new state begins now."""
-        if self.stopped or self.done:
+        if self.ended:
             return False
         trouble = next((why for fault in self.faults if (why := fault(sensors))), "")
+        if not trouble:
+            late = sensors.time - self.began - self.phase.duration
+            if late < -1e-9:
+                return False
+            missing = self.phase.guard(sensors)
+            if missing and late <= self.patience:
+                return False
+            trouble = missing and f"waited {self.patience:g} s: {missing}"
+        why = trouble and f"in {self.phase.name}: {trouble}"
         if trouble:
-            return self._stop(sensors.time, trouble)
-        late = sensors.time - self.began - self.phase.duration
-        if late < -1e-9:
-            return False
-        missing = self.phase.guard(sensors)
-        if missing:
-            return late > self.patience and self._stop(sensors.time, f"waited {self.patience:g} s: {missing}")
-        return self._go_on(sensors.time)
-
-    def _go_on(self, time: float) -> bool:
-        if self.index + 1 == len(self.phases):
-            self.done = True
+            self.ended = STOPPED
+        elif self.index + 1 == len(self.phases):
+            self.ended = DONE
         else:
-            self.index, self.began = self.index + 1, time
-        self.history.append(Event(time, self.state))
-        return True
-
-    def _stop(self, time: float, why: str) -> bool:
-        self.stopped = True
-        self.history.append(Event(time, STOPPED, f"in {self.phase.name}: {why}"))
+            self.index += 1
+        self.history.append(Event(sensors.time, self.state, why))
         return True
 
 

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 from ...arrays import Array
 from ...errors import InvalidInput
 from ...mechanics.trajectory import PEAK_SPEED
-from ...robot import Base
 from ...robot.pose import Pose
 from ...world import World
 from ...world.model import PickAndPlace
@@ -18,9 +17,6 @@ from ..plane import placed, relative
 from .machine import Phase, Sensors, box_there, settled
 
 BOX = "box"
-
-Place = tuple[float, float, float]
-"""x, y, heading of a base [m, m, rad]."""
 
 ACCELERATION = 0.2
 """[m/s² and rad/s²] of bases, as gently as a loaded trolley is pushed."""
@@ -31,7 +27,8 @@ _OVERLAP = 0.006    # m of the box over its board as it is set down
 _UP = np.array([0.0, 0.0, 1.0])
 
 
-def job_phases(world: World, task: PickAndPlace, speed: float = 0.5, fold: bool = False) -> tuple[Phase, ...]:
+def job_phases(world: World, task: PickAndPlace, speed: float = 0.5,
+               fold: bool = False) -> tuple[Phase, ...]:
     """What happens, in order.
 
     world : as it is to be once deployed
@@ -47,12 +44,12 @@ def _deployment(world: World, task: PickAndPlace) -> Iterator[Phase]:
         return
     yield Phase("coupled", "both bases stand together, the link closed", 0.5,
                 begin=lambda engine: engine.bases.couple())
-    yield Phase("uncouple", "the electromagnetic link opens", 0.3, begin=lambda engine: engine.bases.uncouple())
-    words = (("sidestep", "clear of the shelf"), ("deploy", "the active base drives away, the platform stays"),
+    yield Phase("uncouple", "the electromagnetic link opens", 0.3,
+                begin=lambda engine: engine.bases.uncouple())
+    words = (("sidestep", "clear of the shelf"),
+             ("deploy", "the active base drives away, the platform stays"),
              ("line up", "the base takes its place"))
-    for name, start in task.coupled.items():
-        base = world.robot.base(name)
-        yield from _legs(base, start, base.pose, task.aside, words)
+    yield from _legs(world, task, words)
     yield Phase("stabilize", "the stabilizers go down, no base can drive", 0.5,
                 begin=lambda engine: engine.bases.lower_stabilizers())
 
@@ -63,39 +60,42 @@ def _folding(world: World, task: PickAndPlace) -> Iterator[Phase]:
         raise InvalidInput("bases are to fold back, but the task names no `coupled:` base and its pose")
     yield Phase("lift feet", "the stabilizers go up, the bases stand on wheels", 0.5,
                 begin=lambda engine: engine.bases.raise_stabilizers())
-    words = (("step out", "clear of the shelf again"), ("fold", "the active base drives back, the platform stays"),
+    words = (("step out", "clear of the shelf again"),
+             ("fold", "the active base drives back, the platform stays"),
              ("close up", "beside the other base, as before"))
-    for name, goal in task.coupled.items():
+    yield from _legs(world, task, words, back=True)
+    yield Phase("link", "the electromagnetic link closes", 0.5, drives=dict(task.coupled),
+                guard=_arrived, begin=lambda engine: engine.bases.couple())
+
+
+def _legs(world: World, task: PickAndPlace, words: tuple[tuple[str, str], ...],
+          back: bool = False) -> Iterator[Phase]:
+    """Each base's way from its coupled place to its own, a state each: out sideways, along, back in.
+
+    Without ``aside`` it is only along; ``back`` is the same way turned round.
+    """
+    for name, coupled in task.coupled.items():
         base = world.robot.base(name)
-        yield from _legs(base, base.pose, goal, task.aside, words)
-    yield Phase("link", "the electromagnetic link closes", 0.5, drives=dict(task.coupled), guard=_arrived,
-                begin=lambda engine: engine.bases.couple())
-
-
-def _legs(base: Base, start: Place, goal: Place, aside: float, words: tuple[tuple[str, str], ...]) -> Iterator[Phase]:
-    """A base's way from place to place, a state each: out sideways, along, back in; without ``aside`` only along."""
-    stops, told = [start, goal], words[1:2]
-    if aside:
-        stops, told = [start, *(_beside(end, aside) for end in stops), goal], words
-    for (state, what), here, there in zip(told, stops, stops[1:]):
-        lasting = driving_time(relative(there, here), base.speed_max[[1, 2, 0]], ACCELERATION).max()
-        yield Phase(state, what, float(lasting), drives={base.name: there}, guard=_arrived)
-
-
-def _beside(place: Place, aside: float) -> Place:
-    """A place moved along the base's own y axis."""
-    x, y, heading = placed(place, [[0.0, aside, 0.0]])[0].tolist()
-    return x, y, heading
+        ends = [base.pose, coupled] if back else [coupled, base.pose]
+        stops, told = ends, words[1:2]
+        if task.aside:   # along the base's own y axis
+            beside = placed(ends, [[0.0, task.aside, 0.0]])[:, 0].tolist()
+            stops, told = [ends[0], *map(tuple, beside), ends[1]], words
+        for (state, what), here, there in zip(told, stops, stops[1:]):
+            lasting = driving_time(relative(there, here), base.speed_max[[1, 2, 0]], ACCELERATION)
+            yield Phase(state, what, float(lasting.max()), drives={name: there}, guard=_arrived)
 
 
 def _taking(task: PickAndPlace, speed: float) -> Iterator[Phase]:
     before, at, hooking = _stations(task, task.box_position)
     yield _move("approach", "to the box", task.start, before, speed)
-    yield Phase("tilt", "the lip goes down, by cable lengths alone", 1.0, Pose.of(before.position, hooking.rotation))
+    yield Phase("tilt", "the lip goes down, by cable lengths alone", 1.0,
+                Pose.of(before.position, hooking.rotation))
     yield Phase("reach", "forward, the lip under the box's edge", 1.5, hooking)
     yield Phase("hook", "level again", 1.0, at, guard=box_there)
     yield Phase("grip", "the gripper closes", 0.3, begin=lambda engine: engine.boxes.grip(BOX))
-    yield Phase("draw in", "the box slides from its board into the tray", _DRAWING, stroke=(1.0, 0.0))
+    yield Phase("draw in", "the box slides from its board into the tray", _DRAWING,
+                stroke=(1.0, 0.0))
     yield Phase("back off", "away from the shelf", 1.5, before)
 
 
@@ -103,17 +103,21 @@ def _putting(task: PickAndPlace, speed: float) -> Iterator[Phase]:
     leaving = _stations(task, task.box_position)[0]
     before, at, hooking = _stations(task, task.place)
     above = Pose.of(at.position + _LIFT * _UP, at.rotation)
-    yield _move("carry", "to the box's place", leaving, Pose.of(before.position + _LIFT * _UP, before.rotation), speed)
+    yield _move("carry", "to the box's place", leaving,
+                Pose.of(before.position + _LIFT * _UP, before.rotation), speed)
     yield Phase("present", "forward, up to the board", 1.5, above)
     # Onto the board before its weight is handed over: a stiff robot would carry on carrying.
     length, depth = _strokes(task)
     over = min(1.0, (max(length - depth, 0.0) + _OVERLAP) / length)
-    yield Phase("push", "the box's edge comes over its board", _DRAWING * over, stroke=(0.0, over))
+    yield Phase("push", "the box's edge comes over its board", _DRAWING * over,
+                stroke=(0.0, over))
     yield Phase("set down", "down onto the board", 0.8, at)
     yield Phase("push out", "the box slides onto its board", _DRAWING, stroke=(over, 1.0))
-    yield Phase("release", "the gripper opens", 0.5, begin=lambda engine: engine.boxes.release(BOX))
+    yield Phase("release", "the gripper opens", 0.5,
+                begin=lambda engine: engine.boxes.release(BOX))
     yield Phase("unhook", "the lip goes down", 1.0, hooking)
-    yield Phase("retreat", "away from the shelf", 1.5, Pose.of(before.position, hooking.rotation))
+    yield Phase("retreat", "away from the shelf", 1.5,
+                Pose.of(before.position, hooking.rotation))
     yield Phase("level", "level again", 1.0, before)
     yield _move("return", "back to the start", before, task.start, speed)
 

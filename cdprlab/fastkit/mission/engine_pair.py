@@ -11,7 +11,7 @@ from ...arrays import Array
 from ...errors import InvalidInput
 from ...robot.pose import Pose
 from ...run.log import Log
-from ...simulate.scanner import Bystander, ray_distances
+from ...simulate.bullet import STRAIGHT
 from ...simulate.spatial import SpatialSimulator
 from ...world import World
 from ..navigation.driving import Pair, Walker
@@ -22,6 +22,7 @@ from ..plane import placed, relative
 
 _STEP = 4e-3      # s of the engine
 _AT_ONCE = 5      # of its steps in one call
+_TALL = 1.75      # m: a person
 
 
 class EnginePair(Pair):
@@ -37,36 +38,45 @@ class EnginePair(Pair):
 
     def __init__(self, world: World, vehicle: Vehicle, hall: Hall, pose: ArrayLike,
                  walkers: tuple[Walker, ...] = (), seed: int = 0) -> None:
-        super().__init__(vehicle, hall, walkers, seed=seed)
-        engine = SpatialSimulator(moved_pair(world, pose), "tension", _STEP, bodies=True, solver_iterations=20)
+        super().__init__(vehicle, hall, pose, walkers, seed=seed)
+        engine = SpatialSimulator(moved_pair(world, pose), "tension", _STEP, bodies=True,
+                                  solver_iterations=20)
         self.engine = engine
         engine.bases.couple()
         engine.bases.lock(engine.platform)
-        self._bystanders = [Bystander(engine, walker.place, walker.radius) for walker in walkers]
+        self._bodies = [self._add_person(walker) for walker in walkers]
         self.log = Log({"tensions": (engine.tensions.shape, "N"), "wheels": (self._wheels().shape, "N"),
                         "tilts": ((), "rad")})
-
-    @property
-    def pose(self) -> Array:
-        return self.vehicle.pose_of(self.engine.base_poses[0])
 
     def move(self, twist: Array, period: float) -> None:
         engine = self.engine
         engine.drive([*self.vehicle.base_speeds(twist), 0, 0, 0])
         for _ in range(round(period / _STEP / _AT_ONCE)):
             engine.step(engine.world.robot.tension_min, _AT_ONCE)
+        self.pose = self.vehicle.pose_of(engine.base_poses[0])
         self.log.keep(engine.tensions, self._wheels(), engine.tilts.max())
 
     def drive(self, twist: Array, period: float) -> Array:
         step = super().drive(twist, period)
-        for walker, bystander in zip(self.walkers, self._bystanders):
-            bystander.put(walker.place)
+        b = self.engine.bullet
+        for walker, body in zip(self.walkers, self._bodies):
+            b.resetBasePositionAndOrientation(body, [*walker.place, _TALL / 2], STRAIGHT)
         return step
 
     def rays(self, scanner: Scanner) -> Array:
+        """Beams are ray tests against everything solid, people included."""
         origin, directions = scanner.beams_from(self.pose)
-        return ray_distances(self.engine, np.array([*origin, scanner.height]), np.insert(directions, 2, 0.0, axis=1),
-                             scanner.range)
+        ends = np.insert(origin + scanner.range * directions, 2, scanner.height, axis=1).tolist()
+        b = self.engine.bullet
+        hits = b.rayTestBatch([[*origin, scanner.height]] * len(ends), ends)
+        return np.array([scanner.range * hit[2] if hit[0] >= 0 else np.inf for hit in hits])
+
+    def _add_person(self, walker: Walker) -> int:
+        """An upright cylinder."""
+        b = self.engine.bullet
+        shape = b.createCollisionShape(b.GEOM_CYLINDER, radius=walker.radius, height=_TALL)
+        place = [*walker.place, _TALL / 2]
+        return int(b.createMultiBody(0, shape, basePosition=place))
 
     def _wheels(self) -> Array:
         return np.array(list(self.engine.wheel_loads().values()))
@@ -100,15 +110,13 @@ def moved_pair(world: World, pose: ArrayLike) -> World:
     pose : (3,) of the pair [m, m, rad]
     """
     here = pair_pose(world)[0]
-    robot = world.robot.with_bases({base.name: shifted(base.pose, here, pose)
-                                    for base in world.robot.bases})
+    bases = {base.name: shifted(base.pose, here, pose) for base in world.robot.bases}
     x, y, spin = shifted((*world.pose.position[:2], 0.0), here, pose)
     turned = Pose([x, y, world.pose.position[2]], rpy=[0, 0, spin])
     platform = Pose.of(turned.position, turned.rotation @ world.pose.rotation)
-    return replace(world, robot=robot, pose=platform, tasks={})
+    return replace(world, robot=world.robot.with_bases(bases), pose=platform, tasks={})
 
 
 def shifted(place: ArrayLike, here: ArrayLike, there: ArrayLike) -> tuple[float, float, float]:
     """A place (x, y, heading) as it is when all that belongs to the pose ``here`` is where ``there`` is."""
-    x, y, heading = placed(there, [relative(place, here)])[0].tolist()
-    return x, y, heading
+    return tuple(placed(there, [relative(place, here)])[0].tolist())

@@ -40,21 +40,22 @@ def stands_still(mission: Mission) -> str:
 
 def base_in_place(mission: Mission) -> str:
     """deployed → pick and place: the job got as far as approaching the box."""
-    return "" if "approach" in _job_states(mission) else _job_reason(mission)
+    return _job_came_to("approach", mission)
 
 
 def box_in_place(mission: Mission) -> str:
     """pick and place → return: the gripper has let the box go where it belongs."""
-    return "" if "return" in _job_states(mission) else _job_reason(mission)
+    return _job_came_to("return", mission)
 
 
 def coupled_again(mission: Mission) -> str:
     """return → home: the job is done, and the bases are where the link takes them."""
-    job = mission.job
-    if job is None or job.state != DONE:
-        return _job_reason(mission)
+    trouble, job = _job_came_to(DONE, mission), mission.job
+    if trouble or job is None:
+        return trouble
     places = job.world.robot.with_bases(job.world.task(mission.task).coupled).bases      # type: ignore[attr-defined]
-    off = max(float(np.linalg.norm(stands[:2] - base.position)) for stands, base in zip(job.base_poses[-1], places))
+    apart = job.base_poses[-1, :, :2] - [base.position for base in places]
+    off = float(np.linalg.norm(apart, axis=1).max())
     return "" if off <= COUPLED else f"the bases are not together: one is {off * 1e3:.0f} mm off its coupled place"
 
 
@@ -71,9 +72,9 @@ def _sure_of_being_at(place: str, way: Journey | None, tolerance: Array) -> str:
                                                 f"{np.degrees(off[2]):.1f}° off {place}")
 
 
-def _job_states(mission: Mission) -> list[str]:
-    return [] if mission.job is None else [event.state for event in mission.job.events]
-
-
-def _job_reason(mission: Mission) -> str:
-    return "there was no job" if mission.job is None else mission.job.reason or f"it ended in {mission.job.state}"
+def _job_came_to(state: str, mission: Mission) -> str:
+    job = mission.job
+    if job is None:
+        return "there was no job"
+    came = any(event.state == state for event in job.events)
+    return "" if came else job.reason or f"it ended in {job.state}"

@@ -8,13 +8,13 @@ import numpy as np
 
 from ...run.log import Log
 from ...world import World
-from ..events import Event, History
+from ..events import Chronicle, Event
 from ..job.job_record import Job
 from ..navigation.journey import Journey
 
 
 @dataclass
-class Mission(History):
+class Mission(Chronicle):
     """What happened, state by state.
 
     world, task : what was to be done; seed : of all noise
@@ -62,4 +62,5 @@ class Mission(History):
         for name, part in self.parts.items():
             rows.update({f"{name}: {quantity}": value for quantity, value in part.table().items()
                          if quantity not in ("state", "real-time factor")})
-        return {**rows, "mission time": f"{self.now:.1f} s", "real-time factor": f"{self.real_time_factor:.1f}"}
+        return {**rows, "mission time": f"{self.now:.1f} s",
+                "real-time factor": f"{self.real_time_factor:.1f}"}

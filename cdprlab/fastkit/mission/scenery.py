@@ -14,10 +14,12 @@ from ..navigation.hall import walls
 _WALLS, _PALLET = ("north wall", "south wall", "west wall", "east wall"), "pallet"
 
 
-def in_hall(world: World, bounds: ArrayLike, pallets: ArrayLike = (), height: float = 1.2) -> World:
+def in_hall(world: World, bounds: ArrayLike, pallets: ArrayLike = (),
+            height: float = 1.2) -> World:
     """A world with walls around the floor and pallets on it.
 
-    bounds : (2, 2) of the floor, the walls just outside [m]; pallets : (k, 5) center, edges [m], heading [rad]
+    bounds : (2, 2) of the floor, the walls just outside [m]
+    pallets : (k, 5) center, edges [m], heading [rad]
     height : of walls and pallets [m]
 
     >>> import cdprlab as cl

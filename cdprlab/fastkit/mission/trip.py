@@ -31,12 +31,8 @@ Progress = Callable[[str, float], Any]
 """Called with the mission's state and the simulated time [s]."""
 
 
-def stand(_: Mission) -> None:
-    """Nothing is done: the pair stands, and its guard looks at how."""
-
-
-def go_on(_: Mission) -> None:
-    """The job that an earlier state began goes on by itself; the guard looks at what it wrote down."""
+def watch(_: Mission) -> None:
+    """Nothing is done: the pair stands, or the job that an earlier state began goes on by itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +51,8 @@ class Trip:
     @property
     def coupled(self) -> World:
         """The world with the pair at its berth."""
-        return replace(self.world, robot=self.world.robot.with_bases(self.task.coupled), pose=self.task.start, tasks={})
+        return replace(self.world, robot=self.world.robot.with_bases(self.task.coupled),
+                       pose=self.task.start, tasks={})
 
     @property
     def berth(self) -> Array:
@@ -70,24 +67,27 @@ class Trip:
     def drive_there(self, mission: Mission) -> None:
         """Navigate to the berth in the engine, the true start a little off the one told."""
         truly = self.start + np.random.default_rng(mission.seed).uniform(-1, 1, 3) * [0.08, 0.08, 0.04]
-        mission.journey, mission.drive = self._navigate(mission, truly, self.start, self.gate, berth=self.berth,
-                                                        seed=mission.seed)
+        mission.journey, mission.drive = self._navigate(mission, truly, self.start, self.gate,
+                                                        berth=self.berth, seed=mission.seed)
 
     def drive_home(self, mission: Mission) -> None:
         """Navigate back from where the bases have come together; what the pair believed there, it believes still."""
         assert mission.journey is not None and mission.job is not None
         truly = self._pair.pose_of(mission.job.base_poses[-1, 0])
         doubt = mission.journey.deviations[-1] + [COUPLED, COUPLED, COUPLED]
-        mission.way_home, mission.drive_home = self._navigate(mission, truly, mission.journey.estimates[-1],
-                                                              self.start, leaving=self.gate, uncertainty=doubt,
+        mission.way_home, mission.drive_home = self._navigate(mission, truly,
+                                                              mission.journey.estimates[-1],
+                                                              self.start, leaving=self.gate,
+                                                              uncertainty=doubt,
                                                               seed=mission.seed + 1)
 
-    def _navigate(self, mission: Mission, truly: Array, believed: Array, goal: Array, *, seed: int,
-                  **how: ArrayLike) -> tuple[Journey, Log]:
+    def _navigate(self, mission: Mission, truly: Array, believed: Array, goal: Array, *,
+                  seed: int, **how: ArrayLike) -> tuple[Journey, Log]:
         hall, pair = Hall.of_world(self.world, self.bounds), self._pair
         walkers = tuple(replace(walker, hall=hall) for walker in self.walkers)
         with EnginePair(self.coupled, pair, hall, truly, walkers, seed=seed) as bases:
-            way = navigate(bases, hall, believed, goal, progress=self.told(mission), **how)     # type: ignore[arg-type]
+            way = navigate(bases, hall, believed, goal, progress=self.told(mission),
+                           **how)     # type: ignore[arg-type]
             return way, bases.log
 
     @property

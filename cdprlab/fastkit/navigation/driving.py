@@ -21,7 +21,8 @@ class Walker:
     """A person who walks to and fro, and stops before walking into a machine.
 
     way : (2, 2) from where to where [m]; speed : [m/s]; radius : [m]
-    care : stops this near to the machine [m]; patience : then turns round after [s], and, cornered, steps back
+    care : stops this near to the machine [m]
+    patience : then turns round after [s], and, cornered, steps back
     hall : what they cannot step back through; None: nothing is in the way
     """
 
@@ -63,39 +64,34 @@ class Walker:
         far = float(np.linalg.norm(off))
         if self.turned > 1 and far - self.radius < self.care:    # turned round and could not walk that way either
             away = off / max(far, 1e-9) * self.speed * period
-            for angle in (0.0, 0.8, -0.8, 1.5, -1.5):            # straight back, or past what stands there
-                back = self.place + turn(angle) @ away
-                roomy = self._room(back) >= min(self._room(self.place), 0.2)
-                if roomy and point_distance(back, pose, size) >= far:
-                    self.place = back
-                    return
-
-    def _room(self, place: Array) -> float:
-        """Between the person and what stands in the hall [m]."""
-        return np.inf if self.hall is None else float(self.hall.distance(place)) - self.radius
+            backs = self.place + turn([0.0, 0.8, -0.8, 1.5, -1.5]) @ away    # straight back, or past what stands there
+            free = point_distance(backs, pose, size) >= far
+            if self.hall is not None:
+                free &= self.hall.distance(backs) >= min(float(self.hall.distance(self.place)),
+                                                         self.radius + 0.2)
+            if free.any():
+                self.place = backs[free.argmax()]
 
 
 class Pair(ABC):
     """A coupled pair among people, which can be told to drive, and tells what it notices.
 
-    vehicle : Vehicle; hall : what truly stands there; walkers : people
-    odometry : how wrong the wheels are; seed : of all noise
+    vehicle : Vehicle; hall : what truly stands there, on the map or not
+    pose : (3,) where it truly is: for records and options, not for navigation [m, m, rad]
+    walkers : people; odometry : how wrong the wheels are; seed : of all noise
     """
 
-    def __init__(self, vehicle: Vehicle, hall: Hall, walkers: tuple[Walker, ...] = (),
-                 odometry: Odometry | None = None, seed: int = 0) -> None:
+    def __init__(self, vehicle: Vehicle, hall: Hall, pose: ArrayLike,
+                 walkers: tuple[Walker, ...] = (), odometry: Odometry | None = None,
+                 seed: int = 0) -> None:
         self.vehicle, self.hall, self.walkers = vehicle, hall, walkers
+        self.pose = checked_pose(pose, "pose")
         self.odometry = Odometry() if odometry is None else odometry
         self._random = np.random.default_rng(seed)
 
-    @property
-    @abstractmethod
-    def pose(self) -> Array:
-        """(3,) where it truly is: for records and options, not for navigation."""
-
     @abstractmethod
     def move(self, twist: Array, period: float) -> None:
-        """Drive on at (v_x, v_y, ω) for a while."""
+        """Drive on at (v_x, v_y, ω) for a while; ``pose`` is then another."""
 
     @abstractmethod
     def rays(self, scanner: Scanner) -> Array:
@@ -114,10 +110,6 @@ class Pair(ABC):
         return np.concatenate([scanner.points(scanner.measured(self.rays(scanner), self._random))
                                for scanner in self.vehicle.scanners])
 
-    def clearance(self) -> float:
-        """Distance to the nearest thing, by exact geometry; 0 is contact [m]."""
-        return float(clearance(self.vehicle, self.pose, self.hall, self.people))
-
     @property
     def people(self) -> Array:
         """(c, 3) center and radius of who walks about [m]."""
@@ -125,26 +117,13 @@ class Pair(ABC):
 
 
 class KinematicPair(Pair):
-    """A pair that drives exactly as told, in a hall where people may walk and things stand that no map shows.
-
-    vehicle : Vehicle; hall : what truly stands there; pose : (3,) at first [m, m, rad]
-    walkers : people; odometry : how wrong the wheels are; seed : of all noise
-    """
-
-    def __init__(self, vehicle: Vehicle, hall: Hall, pose: ArrayLike, walkers: tuple[Walker, ...] = (),
-                 odometry: Odometry | None = None, seed: int = 0) -> None:
-        super().__init__(vehicle, hall, walkers, odometry, seed)
-        self._pose = checked_pose(pose, "pose")
-
-    @property
-    def pose(self) -> Array:
-        return self._pose
+    """A pair that drives exactly as told, and whose beams end where geometry says."""
 
     def move(self, twist: Array, period: float) -> None:
-        self._pose = moved(self._pose, self.vehicle.within_limits(twist), period)
+        self.pose = moved(self.pose, self.vehicle.within_limits(twist), period)
 
     def rays(self, scanner: Scanner) -> Array:
-        return cast(*scanner.beams_from(self._pose), self.hall.segments, self.people)
+        return cast(*scanner.beams_from(self.pose), self.hall.segments, self.people)
 
 
 def clearance(vehicle: Vehicle, poses: ArrayLike, hall: Hall, people: ArrayLike = ()) -> Array:

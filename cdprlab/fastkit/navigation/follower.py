@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -28,22 +26,13 @@ ARRIVED = np.array([0.005, 0.005, 0.0035])
 """How near to its goal the pair believes to be when it stops [m, m, rad]."""
 
 
-class Command(NamedTuple):
-    """What to do next.
-
-    twist : (3,) v_x, v_y, ω in the vehicle's frame [m/s, rad/s]
-    blocked : something that is not on the map keeps it from driving on
-    """
-
-    twist: Array
-    blocked: bool
-
-
 class Follower:
     """Drives along a plan: aims a little ahead of where the vehicle is, as fast as limits and neighbors allow.
 
     vehicle : Vehicle; poses : (n, 3) of a `Plan`
     around : (a, 2) points that are not on the map and were planned around, in the world [m]
+
+    ``twist`` is the last command; ``blocked`` whether something that is not on the map keeps it from driving on.
     """
 
     def __init__(self, vehicle: Vehicle, poses: ArrayLike, around: ArrayLike = ()) -> None:
@@ -51,18 +40,18 @@ class Follower:
         self.vehicle, way = vehicle, np.asarray(poses, dtype=float)
         pieces = [between(a, b, 0.01, 0.01)[1:] for a, b in zip(way, way[1:])]
         self.way = np.concatenate([way[:1], *pieces])
-        self.aim = 0
-        self.twist = np.zeros(3)
+        self.aim, self.twist, self.blocked = 0, np.zeros(3), False
 
     def arrived(self, pose: ArrayLike) -> bool:
         """Whether the vehicle is at the plan's end, and slow."""
         there = (np.abs(difference(self.way[-1], pose)) <= ARRIVED).all()
         return bool(there and np.abs(self.twist).max() < 0.02)
 
-    def command(self, pose: ArrayLike, unexpected: Array, period: float) -> Command:
-        """The next period's motion.
+    def command(self, pose: ArrayLike, unexpected: Array, period: float) -> Array:
+        """(3,) v_x, v_y, ω of the next period, in the vehicle's frame [m/s, rad/s].
 
-        pose : (3,) where the vehicle believes to be; unexpected : (u, 2) points in its frame that are not on the map
+        pose : (3,) where the vehicle believes to be
+        unexpected : (u, 2) points in its frame that are not on the map
         period : [s]
         """
         while self.aim < len(self.way) - 1 and self.vehicle.way(self.way[self.aim], pose) < _AHEAD:
@@ -74,23 +63,21 @@ class Follower:
         wish = wish * min(1.0, np.sqrt(1.6 * _ACCELERATION * left) / speed)
         most = _ACCELERATION * period * np.array([1, 1, 1 / self.vehicle.arm])
         wish = self.twist + np.clip(wish - self.twist, -most, most)
-        distances = self._wanted_distances(pose, unexpected)
-        for share in (1.0, 0.5, 0.2):
-            if self._keeps_away(share * wish, unexpected, distances):
-                self.twist = share * wish
-                return Command(self.twist, False)
-        self.twist = np.zeros(3)
-        return Command(self.twist, True)
+        here = np.zeros(3)
+        least = np.minimum(self._wanted_distances(pose, unexpected),
+                           self.vehicle.distances(here, unexpected) - 1e-4)
+        for share in (1.0, 0.5, 0.2, 0.0):
+            self.twist = share * wish
+            then = self.vehicle.distances(moved(here, np.outer(_HORIZON, self.twist)), unexpected)
+            if (then >= least).all():
+                break
+        self.blocked = share == 0.0
+        return self.twist
 
     def _wanted_distances(self, pose: ArrayLike, points: Array) -> Array:
         """(u,) how far to stay from each point [m]."""
         if not (len(points) and len(self.around)):
             return np.full(len(points), STOP_DISTANCE)
         off = carried(pose, points)[:, None] - self.around
-        return np.where(np.linalg.norm(off, axis=-1).min(axis=1) < _STILL, STANDING_DISTANCE, STOP_DISTANCE)
-
-    def _keeps_away(self, twist: Array, points: Array, distances: Array) -> bool:
-        here = np.zeros(3)
-        now = self.vehicle.distances(here, points)
-        then = [self.vehicle.distances(moved(here, twist, t), points) for t in _HORIZON]
-        return bool((np.array(then) >= np.minimum(distances, now - 1e-4)).all())
+        return np.where(np.linalg.norm(off, axis=-1).min(axis=1) < _STILL, STANDING_DISTANCE,
+                        STOP_DISTANCE)

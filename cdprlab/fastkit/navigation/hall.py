@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array, frozen
+from ...arrays import Array, Flags, as_array, frozen
 from ...world import World
 from ..plane import edges, point_distance, rectangle
 
@@ -25,7 +25,7 @@ class Hall:
     places: Array
     sizes: Array
     bounds: Array
-    seen: NDArray[np.bool_]
+    seen: Flags
 
     @classmethod
     def of(cls, rectangles: ArrayLike, bounds: ArrayLike, seen: ArrayLike = True) -> Hall:
@@ -37,11 +37,13 @@ class Hall:
         1.0
         """
         rows = as_array(rectangles, "rectangles", ("k", 5), "m, rad")
-        return cls(frozen(rows[:, [0, 1, 4]]), rows[:, 2:4], as_array(bounds, "bounds", (2, 2), "m"),
+        return cls(frozen(rows[:, [0, 1, 4]]), rows[:, 2:4],
+                   as_array(bounds, "bounds", (2, 2), "m"),
                    np.broadcast_to(np.asarray(seen), len(rows)))
 
     @classmethod
-    def of_world(cls, world: World, bounds: ArrayLike, height: float = 0.2, tallest: float = 2.4) -> Hall:
+    def of_world(cls, world: World, bounds: ArrayLike, height: float = 0.2,
+                 tallest: float = 2.4) -> Hall:
         """The plan of a world's scene: all that stands between the floor and the tops of the bases.
 
         bounds : (2, 2) [m]; height : of the scanners' plane [m]; tallest : of the bases [m]
@@ -73,12 +75,15 @@ class Hall:
     def distance(self, points: ArrayLike) -> Array:
         """(…) distance of (…, 2) points to the nearest rectangle, 0 inside one [m]; inf in an empty hall."""
         p = as_array(points, "points", (2,), "m", batch=True)
-        return point_distance(p[..., None, :], self.places, self.sizes).min(axis=-1, initial=np.inf)
+        distances = point_distance(p[..., None, :], self.places, self.sizes)
+        return distances.min(axis=-1, initial=np.inf)
 
 
-def walls(bounds: ArrayLike, thickness: float = 0.1) -> Array:
+def walls(bounds: ArrayLike) -> Array:
     """(4, 5) rectangles just outside a floor (2, 2): north, south, west and east of it [m]."""
+    thickness = 0.1
     (west, south), (east, north) = np.asarray(bounds, dtype=float).tolist()
     x, y, half = (west + east) / 2, (south + north) / 2, thickness / 2
     return np.array([[x, north + half, east - west, thickness, 0], [x, south - half, east - west, thickness, 0],
-                     [west - half, y, thickness, north - south, 0], [east + half, y, thickness, north - south, 0]])
+                     [west - half, y, thickness, north - south, 0],
+                     [east + half, y, thickness, north - south, 0]])

@@ -40,7 +40,8 @@ class Journey:
     """What happened, one row a period.
 
     state, reason : "arrived", or "stopped" and why
-    time : (N,) [s]; poses : (N, 3) true; estimates : (N, 3) believed; deviations : (N, 3) believed uncertainty
+    time : (N,) [s]; poses : (N, 3) true; estimates : (N, 3) believed
+    deviations : (N, 3) believed uncertainty
     clearance : (N,) exact distance to the nearest thing [m]
     waiting, backing : (N,) bool, for somebody to walk on, and off, so that somebody can
     people : (N, c, 3) center and radius; plans : (time, Plan) as they were made
@@ -87,16 +88,18 @@ class Journey:
 
 def navigate(pair: Pair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
              berth: ArrayLike | None = None, leaving: ArrayLike | None = None,
-             uncertainty: ArrayLike = (0.1, 0.1, 0.05), margin: float = MARGIN, period: float = 0.1,
-             longest: float = 600.0, odometry: Odometry | None = None,
+             uncertainty: ArrayLike = (0.1, 0.1, 0.05), margin: float = MARGIN,
+             period: float = 0.1, longest: float = 600.0, odometry: Odometry | None = None,
              progress: Callable[[float], Any] | None = None) -> Journey:
     """Drive the pair to a goal on a known map; stop with the reason where that fails.
 
     pair : what drives; hall : the map it goes by
-    start : (3,) where it believes to be at first, give or take ``uncertainty`` (3,); goal : (3,) [m, m, rad]
+    start : (3,) where it believes to be at first, give or take ``uncertainty`` (3,)
+    goal : (3,) [m, m, rad]
     berth : (3,) driven to from the goal, straight and in a narrower place than plans allow [m, m, rad]
     leaving : (3,) driven to first, as straight and as narrow: the way out of a berth [m, m, rad]
-    margin : kept from all that is on the map [m]; period : between two scans [s]; longest : time allowed [s]
+    margin : kept from all that is on the map [m]; period : between two scans [s]
+    longest : time allowed [s]
     progress : called with the simulated time
     Returns Journey.
     Source: Pedemonte et al. 2020, section 2.3.
@@ -109,23 +112,17 @@ def navigate(pair: Pair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
     return _Driver(pair, hall, stops, out, where, margin, period).run(longest, progress)
 
 
-def docking(hall: Hall, vehicle: Vehicle, plan: Plan, berth: Array, margin: float = DOCKING_MARGIN) -> Plan:
-    """The plan and a straight drive from its end to the berth, if that keeps ``margin`` [m] from the map, exactly."""
-    narrow = _too_narrow(hall, vehicle, plan.poses[-1], berth, margin)
-    return Plan.none(f"no room to dock: {narrow}") if narrow else Plan(frozen(np.vstack([plan.poses, berth])))
+def with_berth(hall: Hall, vehicle: Vehicle, plan: Plan, berth: Array,
+               leaving: bool = False) -> Plan:
+    """The plan and a straight drive from its end to the berth, or, leaving it, from the berth to its begin.
 
-
-def undocking(hall: Hall, vehicle: Vehicle, berth: Array, plan: Plan, margin: float = DOCKING_MARGIN) -> Plan:
-    """A straight drive from the berth to the plan's begin, and the plan, if that keeps ``margin`` [m] from the map."""
-    narrow = _too_narrow(hall, vehicle, berth, plan.poses[0], margin)
-    return Plan.none(f"no room to leave: {narrow}") if narrow else Plan(frozen(np.vstack([berth, plan.poses])))
-
-
-def _too_narrow(hall: Hall, vehicle: Vehicle, here: Array, there: Array, margin: float) -> str:
-    """'' if a straight drive keeps the margin, else how much room there is."""
-    nearest = clearance(vehicle, between(here, there), hall).min()
-    return "" if nearest >= margin else (f"{nearest:.2f} m are left between berth and map on the straight way, "
-                                         f"{margin:g} m are wanted")
+    The straight drive keeps ``DOCKING_MARGIN`` from the map, exactly, or there is no such plan.
+    """
+    nearest = clearance(vehicle, between(berth, plan.poses[0 if leaving else -1]), hall).min()
+    if nearest < DOCKING_MARGIN:
+        return Plan.none(f"no room to {'leave' if leaving else 'dock'}: {nearest:.2f} m are left between berth and "
+                         f"map on the straight way, {DOCKING_MARGIN:g} m are wanted")
+    return Plan(frozen(np.vstack([berth, plan.poses] if leaving else [plan.poses, berth])))
 
 
 @dataclass(eq=False)
@@ -150,8 +147,9 @@ class _Driver:
     def __post_init__(self) -> None:
         self.grid = OccupancyGrid.of(self.hall)
         self.log = Log({"time": ((), "s"), "poses": ((3,), "m, m, rad"), "estimates": ((3,), "m, m, rad"),
-                        "deviations": ((3,), "m, m, rad"), "clearance": ((), "m"), "waiting": ((), ""),
-                        "backing": ((), ""), "people": (self.pair.people.shape, "m")})
+                        "deviations": ((3,), "m, m, rad"), "clearance": ((), "m"),
+                        "waiting": ((), ""), "backing": ((), ""),
+                        "people": (self.pair.people.shape, "m")})
 
     def run(self, longest: float, progress: Callable[[float], Any] | None) -> Journey:
         pair, where, now = self.pair, self.where, 0.0
@@ -162,7 +160,7 @@ class _Driver:
             self._note(now, points)
             if follower is None:
                 return self._journey(STOPPED, reason)
-            if follower.arrived(self.where.pose):
+            if follower.arrived(where.pose):
                 if not self.backing:
                     return self._journey(ARRIVED, "")
                 self.backing = False
@@ -170,9 +168,9 @@ class _Driver:
             reason = self._fault(now, longest)
             if reason:
                 return self._journey(STOPPED, reason)
-            command = follower.command(self.where.pose, where.unexpected(points), self.period)
-            follower = self._patient(command.blocked, now, points, follower)
-            where.drive(pair.drive(command.twist, self.period))
+            twist = follower.command(where.pose, where.unexpected(points), self.period)
+            follower = self._patient(follower, now, points)
+            where.drive(pair.drive(twist, self.period))
             points = pair.scan()
             where.look(points)
             self._mind_the_berth()
@@ -192,24 +190,22 @@ class _Driver:
 
     def _hopeful(self, now: float, points: Array) -> tuple[Follower | None, str]:
         """A way around all that is in sight; if there is none, perhaps it is only somebody who walks on soon."""
-        plan, around = self._plan(now, self.where.unexpected(points))
-        if not plan.found:
-            plan, around = self._plan(now, np.zeros((0, 2)))
-        return (Follower(self.pair.vehicle, plan.poses, around) if plan.found else None), plan.reason
+        follower, reason = self._plan(now, self.where.unexpected(points))
+        return (follower, reason) if follower else self._plan(now, np.zeros((0, 2)))
 
-    def _patient(self, blocked: bool, now: float, points: Array, follower: Follower) -> Follower:
+    def _patient(self, follower: Follower, now: float, points: Array) -> Follower:
         """Where something is in the way: wait a little, look for a way around it, back off and come again."""
-        if blocked:
+        if follower.blocked:
             self.blocked += self.period
         elif not self.backing:
             self.blocked = max(0.0, self.blocked - self.period)
         self.since_plan += self.period
-        if not blocked or self.blocked < _WAIT or self.since_plan < _WAIT:
+        if not follower.blocked or self.blocked < _WAIT or self.since_plan < _WAIT:
             return follower
-        plan, around = self._plan(now, self.where.unexpected(points))
-        if plan.found:
+        other, _ = self._plan(now, self.where.unexpected(points))
+        if other:
             self.backing = False
-            return Follower(self.pair.vehicle, plan.poses, around)
+            return other
         back = self._way_back()
         if self.blocked < _GIVE_WAY or self.backing or self.retreats == _RETREATS or len(back) < 2:
             return follower
@@ -226,20 +222,20 @@ class _Driver:
                 far += step
         return np.array(back)
 
-    def _plan(self, now: float, unexpected: Array) -> tuple[Plan, Array]:
-        """A plan, and the points in the world that it goes around though no map shows them."""
+    def _plan(self, now: float, unexpected: Array) -> tuple[Follower | None, str]:
+        """A way around points that no map shows, or why there is none."""
         pose, vehicle = self.where.pose, self.pair.vehicle
         around, grid = carried(pose, unexpected), self.grid
         if len(unexpected):
-            grid = OccupancyGrid.of(self.hall, grid.cell, around, _AROUND)
+            grid = OccupancyGrid.of(self.hall, points=around, reach=_AROUND)
         plan = plan_path(grid, vehicle, pose if self.leaving is None else self.leaving, self.stops[0], self.margin)
         if plan.found and self.leaving is not None:
-            plan = undocking(self.hall, vehicle, pose, plan)
+            plan = with_berth(self.hall, vehicle, plan, pose, leaving=True)
         if plan.found and len(self.stops) > 1:
-            plan = docking(self.hall, vehicle, plan, self.stops[1])
+            plan = with_berth(self.hall, vehicle, plan, self.stops[1])
         self.plans.append((now, plan))
         self.since_plan = 0.0
-        return plan, around
+        return (Follower(vehicle, plan.poses, around) if plan.found else None), plan.reason
 
     def _mind_the_berth(self) -> None:
         """Once out of the berth, plans begin where the pair is, and it does not back off into it."""
@@ -248,12 +244,13 @@ class _Driver:
 
     def _note(self, now: float, points: Array) -> None:
         pair, where = self.pair, self.where
-        self.log.keep(now, pair.pose, where.pose, where.deviation, pair.clearance(), self.blocked > 0, self.backing,
-                      pair.people)
+        room = clearance(pair.vehicle, pair.pose, pair.hall, pair.people)
+        self.log.keep(now, pair.pose, where.pose, where.deviation, room,
+                      self.blocked > 0, self.backing, pair.people)
         self.scans.append(points)
 
     def _journey(self, state: str, reason: str) -> Journey:
         columns: dict[str, Any] = {name: self.log[name] for name in self.log.units}
         columns |= {name: columns[name] > 0 for name in ("waiting", "backing")}
-        return Journey(self.hall, self.pair.vehicle, self.stops[-1], state, reason, plans=tuple(self.plans),
-                       scans=tuple(self.scans), **columns)
+        return Journey(self.hall, self.pair.vehicle, self.stops[-1], state, reason,
+                       plans=tuple(self.plans), scans=tuple(self.scans), **columns)

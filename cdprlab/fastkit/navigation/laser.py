@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
-from ..plane import carried
+from ..plane import carried, cross, turn
 
 
 @dataclass(frozen=True)
@@ -37,9 +37,8 @@ class Scanner:
 
     def beams_from(self, pose: ArrayLike) -> tuple[Array, Array]:
         """(2,) origin and (beams, 2) directions in the world, the frame at pose (3,)."""
-        q = np.asarray(pose, dtype=float)
-        angles = q[2] + self.directions
-        return carried(q, [[self.x, self.y]])[0], np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+        angles = np.asarray(pose)[2] + self.directions
+        return carried(pose, [[self.x, self.y]])[0], turn(angles)[..., 0]
 
     def measured(self, distances: Array, random: np.random.Generator) -> Array:
         """(beams,) what the scanner says of true distances: with noise, inf beyond its range [m]."""
@@ -56,7 +55,8 @@ class Scanner:
 def cast(origin: Array, directions: Array, segments: Array, circles: ArrayLike = ()) -> Array:
     """(b,) distance along each beam to the nearest segment or circle, inf where there is none [m].
 
-    origin : (2,); directions : (b, 2) unit vectors; segments : (s, 2, 2); circles : (c, 3) center and radius
+    origin : (2,); directions : (b, 2) unit vectors; segments : (s, 2, 2)
+    circles : (c, 3) center and radius
 
     >>> cast(np.zeros(2), np.array([[1.0, 0.0]]), np.array([[[2.0, -1.0], [2.0, 1.0]]]), [[1.0, 0.0, 0.25]])
     array([0.75])
@@ -64,10 +64,10 @@ def cast(origin: Array, directions: Array, segments: Array, circles: ArrayLike =
     nearest = np.full(len(directions), np.inf)
     if len(segments):
         along, off = segments[:, 1] - segments[:, 0], segments[:, 0] - origin
-        across = directions[:, :1] * along[:, 1] - directions[:, 1:] * along[:, 0]           # (b, s)
+        across = cross(directions[:, None], along)           # (b, s)
         with np.errstate(divide="ignore", invalid="ignore"):
-            reach = (off[:, 0] * along[:, 1] - off[:, 1] * along[:, 0]) / across
-            share = (off[:, 0] * directions[:, 1:] - off[:, 1] * directions[:, :1]) / across
+            reach = cross(off, along) / across
+            share = cross(off, directions[:, None]) / across
         hits = (across != 0) & (reach > 0) & (share >= 0) & (share <= 1)
         nearest = np.where(hits, reach, np.inf).min(axis=1)
     for x, y, radius in np.asarray(circles, dtype=float).reshape(-1, 3).tolist():

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
-from ..plane import carried, difference, moved, off_segments, turn
+from ..plane import carried, cross, difference, moved, off_segments, turn
 from .hall import Hall
 
 _BEAM = 0.1          # m: of one point; ten times the scanner's noise, since neighboring beams err together
@@ -92,11 +92,12 @@ class Localization:
         H = prior
         gate = float(np.clip(_NEAR + 3 * self.deviation[:2].max(), _NEAR, _FAR))
         for _ in range(_ROUNDS):
-            off, J = self._offsets(points, segments)
+            off, arms = self._offsets(points, segments)
             e = np.linalg.norm(off, axis=1)
             near = e < gate
             weight = near / np.maximum(1.0, e / _DOUBTFUL) / _BEAM**2
-            slope = (off[:, :, None] * J).sum(axis=1) / np.maximum(e, 1e-9)[:, None]    # ∂e/∂q
+            # ∂e/∂q
+            slope = np.column_stack([off, cross(arms, off)]) / np.maximum(e, 1e-9)[:, None]
             H = prior + (slope * weight[:, None]).T @ slope
             g = (slope * weight[:, None]).T @ e + prior @ difference(self.pose, predicted)
             step = np.linalg.solve(H, -g)
@@ -116,16 +117,12 @@ class Localization:
         """(s, 2, 2) edges that some scanner sees from outside: the far side of a wall is nearly as near as its face."""
         start, along = self.segments[:, 0], self.segments[:, 1] - self.segments[:, 0]
         off = carried(self.pose, self.eyes)[:, None] - start
-        before = (off[..., 0] * along[:, 1] > off[..., 1] * along[:, 0]).any(axis=0)
+        before = (cross(off, along) > 0).any(axis=0)
         return self.segments[before] if before.any() else self.segments
 
     def _offsets(self, points: Array, segments: Array) -> tuple[Array, Array]:
-        """(h, 2) from the nearest edge to each point, in the world, and (h, 2, 3) how the point moves with the pose."""
+        """(h, 2) from the nearest edge to each point, and from the vehicle's middle to it, in the world [m]."""
         p = carried(self.pose, points)
         off = off_segments(p[:, None], segments)
         nearest = np.argmin((off * off).sum(axis=-1), axis=1)
-        x, y = (p - self.pose[:2]).T
-        J = np.zeros((len(p), 2, 3))
-        J[:, 0, 0] = J[:, 1, 1] = 1.0
-        J[:, 0, 2], J[:, 1, 2] = -y, x
-        return off[np.arange(len(p)), nearest], J
+        return off[np.arange(len(p)), nearest], p - self.pose[:2]

@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.ndimage import distance_transform_edt
 
-from ...arrays import Array, as_number, frozen
+from ...arrays import Array, Flags, as_number, frozen
 from ..plane import carried, point_distance
 from .hall import Hall
 from .vehicle import Vehicle
-
-Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,10 +32,12 @@ class OccupancyGrid:
     clearance: Array
 
     @classmethod
-    def of(cls, hall: Hall, cell: float = 0.03, points: ArrayLike = (), reach: float = 0.0) -> OccupancyGrid:
+    def of(cls, hall: Hall, cell: float = 0.03, points: ArrayLike = (),
+           reach: float = 0.0) -> OccupancyGrid:
         """The grid of a hall.
 
-        points : (p, 2) seen there that are not on the map [m]; reach : radius kept occupied about each of them [m]
+        points : (p, 2) seen there that are not on the map [m]
+        reach : radius kept occupied about each of them [m]
 
         >>> grid = OccupancyGrid.of(Hall.of([[2, 0, 1, 1, 0]], [[-1, -2], [5, 2]]))
         >>> round(float(grid.clearance_at([0.5, 0.0])), 1)    # 1 m, less what a cell hides
@@ -49,7 +49,8 @@ class OccupancyGrid:
         occupied = np.zeros(shape, dtype=bool)
         hidden = cell / np.sqrt(2)                      # from a cell's center to its corner
         for place, size in zip(hall.places, hall.sizes):
-            where, centers = _near(occupied, low, cell, place[:2], float(np.hypot(*size)) / 2 + hidden)
+            where, centers = _near(occupied, low, cell, place[:2],
+                                   float(np.hypot(*size)) / 2 + hidden)
             occupied[where] |= point_distance(centers, place, size + 2 * hidden) == 0
         for point in np.reshape(points, (-1, 2)):
             where, centers = _near(occupied, low, cell, point, reach + hidden)
@@ -58,7 +59,8 @@ class OccupancyGrid:
         # One ring of occupied cells outside: the floor's edge is a wall.
         walled = np.pad(occupied, 1, constant_values=True)
         between_centers = distance_transform_edt(~walled, sampling=cell)[1:-1, 1:-1]
-        return cls(cell, low, occupied, frozen(np.maximum(between_centers - np.sqrt(2) * cell, 0.0)))
+        return cls(cell, low, occupied,
+                   frozen(np.maximum(between_centers - np.sqrt(2) * cell, 0.0)))
 
     @property
     def slack(self) -> float:
@@ -67,8 +69,7 @@ class OccupancyGrid:
 
     def clearance_at(self, points: ArrayLike) -> Array:
         """(…) clearance at points (…, 2); 0 off the floor [m]."""
-        p = np.asarray(points, dtype=float)
-        return self._at(p[..., 0], p[..., 1])
+        return self._at(*np.moveaxis(np.asarray(points, dtype=float), -1, 0))
 
     def room(self, vehicle: Vehicle, poses: ArrayLike) -> Array:
         """(…) what is surely left between a vehicle at poses (…, 3) and all that stands there [m]."""
@@ -90,9 +91,11 @@ class OccupancyGrid:
         return self._walled[i, j]
 
 
-def _near(occupied: Flags, low: Array, cell: float, middle: Array, radius: float) -> tuple[tuple[slice, slice], Array]:
+def _near(occupied: Flags, low: Array, cell: float, middle: Array,
+          radius: float) -> tuple[tuple[slice, slice], Array]:
     """The cells around a place, and (…, 2) where their centers are [m]."""
     first = np.clip(np.floor((middle - radius - low) / cell).astype(int), 0, occupied.shape)
     last = np.clip(np.ceil((middle + radius - low) / cell).astype(int) + 1, first, occupied.shape)
     x, y = (low[i] + (np.arange(first[i], last[i]) + 0.5) * cell for i in (0, 1))
-    return (slice(first[0], last[0]), slice(first[1], last[1])), np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+    centers = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+    return (slice(first[0], last[0]), slice(first[1], last[1])), centers

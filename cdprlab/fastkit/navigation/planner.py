@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from ...arrays import Array, frozen
+from ...arrays import Array, Indices, frozen
 from ..plane import checked_pose, difference
 from .occupancy import OccupancyGrid
 from .vehicle import Vehicle
-
-Nodes = NDArray[np.int64]
 
 MARGIN = 0.1
 """Kept between the pair and all that stands in the hall [m]."""
@@ -58,7 +56,8 @@ def inflated_width(grid: OccupancyGrid, vehicle: Vehicle, margin: float = MARGIN
     return 2 * (float(vehicle.discs[:, 1].max()) + vehicle.radius + margin + grid.slack)
 
 
-def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: ArrayLike, margin: float = MARGIN) -> Plan:
+def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: ArrayLike,
+              margin: float = MARGIN) -> Plan:
     """The quickest way from start to goal: min Σ time × (2 − room left, up to where room is plenty).
 
     grid : of the hall; start, goal : (3,) poses of the vehicle [m, m, rad]
@@ -113,7 +112,8 @@ class _Lattice:
         ends, begins = self._joined(goal, self.margin), self._joined(start, least)
         if not (len(ends) and len(begins)):
             return np.zeros((0, 3))
-        times, previous = dijkstra(self._graph(), directed=False, indices=ends[0], return_predecessors=True)
+        times, previous = dijkstra(self._graph(), directed=False, indices=ends[0],
+                                   return_predecessors=True)
         best = int(begins[np.argmin(times[begins] + self._joining_times(begins, start))])
         nodes = []
         while best >= 0 and np.isfinite(times[best]):
@@ -121,18 +121,17 @@ class _Lattice:
             best = int(previous[best])
         return self._poses(np.array(nodes, dtype=int))
 
-    def _poses(self, nodes: Nodes) -> Array:
+    def _poses(self, nodes: Indices) -> Array:
         h, x, y = np.unravel_index(nodes, self.free.shape)
         return np.stack([self.xs[x], self.ys[y], self.headings[::_BETWEEN][h]], axis=-1)
 
-    def _joining_times(self, nodes: Nodes, pose: Array) -> Array:
+    def _joining_times(self, nodes: Indices, pose: Array) -> Array:
         d = np.abs(difference(self._poses(nodes), pose))
         return np.asarray((d / self.vehicle.speed_max[[1, 2, 0]]).sum(axis=-1))
 
-    def _joined(self, pose: Array, least: float) -> Nodes:
+    def _joined(self, pose: Array, least: float) -> Indices:
         """Free nodes near a pose that a straight free drive reaches, nearest first."""
-        h, x, y = np.nonzero(self.free)
-        nodes = np.ravel_multi_index((h, x, y), self.free.shape)
+        nodes = np.flatnonzero(self.free)
         d = np.abs(difference(self._poses(nodes), pose))
         nodes = nodes[(d[:, :2].max(axis=1) <= _JOIN) & (d[:, 2] <= 2.2 * np.pi / _HEADINGS)]
         nodes = nodes[np.argsort(self._joining_times(nodes, pose), kind="stable")]
@@ -145,20 +144,20 @@ class _Lattice:
         index = np.arange(self.free.size).reshape(self.free.shape)
         wide = 1 + np.clip(1 - (self.room[::_BETWEEN] - self.margin) / _WIDE, 0, 1)
         along = _STEP / self.vehicle.speed_max[1:].min()
-        about = 2 * np.pi / _HEADINGS / min(self.vehicle.speed_max[0], self.vehicle.speed_max[2] / self.vehicle.arm)
+        about = 2 * np.pi / _HEADINGS / min(self.vehicle.speed_max[0],
+                                            self.vehicle.speed_max[2] / self.vehicle.arm)
         rooms = self.room.reshape(_HEADINGS, _BETWEEN, *self.room.shape[1:])
         turns = (rooms >= self.margin).all(axis=1)
-        starts, ends, times = [], [], []
+        edges = []
         for step in ((0, 1, 0), (0, 0, 1), (0, 1, 1), (0, 1, -1), (1, 0, 0)):
             # Headings go round; places do not, but at the floor's edge, where rolling would join them, none is free.
             back = np.negative(step)
             there, room = (np.roll(nodes, back, axis=(0, 1, 2)) for nodes in (index, wide))
             both = (turns if step[0] else self.free) & self.free.ravel()[there]
-            starts.append(index[both])
-            ends.append(there[both])
             # A turn counts where it begins, a way at both its ends.
-            times.append(about * wide[both] if step[0] else np.hypot(*step[1:]) * along * (wide + room)[both] / 2)
-        i, j, t = map(np.concatenate, (starts, ends, times))
+            time = about * wide[both] if step[0] else np.hypot(*step[1:]) * along * (wide + room)[both] / 2
+            edges.append((index[both], there[both], time))
+        i, j, t = map(np.concatenate, zip(*edges))
         return csr_array((t, (i, j)), shape=(index.size, index.size))
 
 

@@ -25,11 +25,12 @@ class Practice(NamedTuple):
     walkers: tuple[Walker, ...]
 
 
-def practice_hall(vehicle: Vehicle, seed: int, size: tuple[float, float] = (10.0, 8.0), pallets: int = 9,
-                  gap: float = 0.25) -> Practice:
+def practice_hall(vehicle: Vehicle, seed: int, size: tuple[float, float] = (10.0, 8.0),
+                  pallets: int = 9, gap: float = 0.25) -> Practice:
     """A hall with a shelf along its upper wall; the goal is before the shelf, ``gap`` [m] from it.
 
-    size : of the hall [m]; pallets : at most so many, 0.5 to 1.2 m long, wherever start and goal stay free
+    size : of the hall [m]
+    pallets : at most so many, 0.5 to 1.2 m long, wherever start and goal stay free
 
     >>> import cdprlab as cl
     >>> pair = Vehicle.of(cl.load_world("fastkit_suspended").robot)
@@ -40,18 +41,20 @@ def practice_hall(vehicle: Vehicle, seed: int, size: tuple[float, float] = (10.0
     length, height = size
     shelf = np.array([random.uniform(0.35, 0.65) * length, height - 0.3, 2.4, 0.6, 0.0])
     goal = np.array([shelf[0], height - 0.6 - gap - vehicle.width / 2, float(random.choice([0.0, np.pi]))])
-    start = np.array([random.uniform(2.0, length - 2.0), random.uniform(1.8, 2.2), random.uniform(-np.pi, np.pi)])
+    start = random.uniform([2.0, 1.8, -np.pi], [length - 2.0, 2.2, np.pi])
     keep = np.stack([start, goal])
     rows = [*walls([[0, 0], size]), shelf]
     for _ in range(pallets):
-        x, y, along, across, heading = random.uniform([0, 0.5, 0.5, 0.4, 0], [length, height - 1.0, 1.2, 0.8, np.pi])
+        x, y, along, across, heading = random.uniform([0, 0.5, 0.5, 0.4, 0],
+                                                      [length, height - 1.0, 1.2, 0.8, np.pi])
         if rectangle_distance(keep, vehicle.size, [x, y, heading], [along, across]).min() > 0.45:
             rows.append(np.array([x, y, along, across, heading]))
     middle = (start[:2] + goal[:2]) / 2
-    aside = np.array([random.uniform(2.0, 3.0), random.uniform(-0.5, 0.5)])
+    aside = random.uniform([2.0, -0.5], [3.0, 0.5])
     hall = Hall.of(np.array(rows), [[0, 0], size])
     way = np.clip([middle - aside, middle + aside], 0.4, np.array(size) - 0.4)
-    return Practice(hall, start, goal, (Walker(_walkable(hall, way), random.uniform(0.4, 0.8), hall=hall),))
+    return Practice(hall, start, goal,
+                    (Walker(_walkable(hall, way), random.uniform(0.4, 0.8), hall=hall),))
 
 
 def _walkable(hall: Hall, way: Array, room: float = 0.3) -> Array:

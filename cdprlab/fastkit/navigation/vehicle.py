@@ -34,7 +34,8 @@ class Vehicle:
     radius: float
 
     @classmethod
-    def of(cls, robot: Robot, spacing: float = 2.0, active: str = "active", beams: int = 271) -> Vehicle:
+    def of(cls, robot: Robot, spacing: float = 2.0, active: str = "active",
+           beams: int = 271) -> Vehicle:
         """The pair of a robot with two bases of one footprint.
 
         spacing : between the bases' centers when coupled [m]; active : the base that drives
@@ -106,7 +107,7 @@ class Vehicle:
 
     def quickest(self, step: ArrayLike) -> Array:
         """(…) how long a step (…, 3) (dx, dy, dθ) in its own frame takes at the bases' speed limits [s]."""
-        x, y, spin = np.moveaxis(np.abs(np.asarray(step, dtype=float)), -1, 0)
+        x, y, spin = np.moveaxis(np.abs(step), -1, 0)
         return np.asarray((np.stack([spin, x, y + self.arm * spin], axis=-1) / self.speed_max).max(axis=-1))
 
     def within_limits(self, twist: ArrayLike) -> Array:
@@ -116,7 +117,7 @@ class Vehicle:
         >>> Vehicle.of(cl.load_world("fastkit_suspended").robot).within_limits([0.4, 0, 0]).tolist()
         [0.2, 0.0, 0.0]
         """
-        return np.asarray(np.asarray(twist, dtype=float) / np.maximum(1.0, self.quickest(twist)))
+        return np.asarray(np.divide(twist, np.maximum(1.0, self.quickest(twist))))
 
 
 def _covering(length: float, width: float) -> tuple[Array, float]:

@@ -35,7 +35,8 @@ def plot_journey(journey: Journey) -> Figure:
         scan = figure.add_subplot(grid[0, 1])
         draw_scan(scan, journey)
         pose, reach = journey.estimates[-1], journey.vehicle.scanners[0].range + journey.vehicle.length / 2
-        scan.set(xlim=(pose[0] - reach, pose[0] + reach), ylim=(pose[1] - 0.75 * reach, pose[1] + 0.75 * reach),
+        scan.set(xlim=(pose[0] - reach, pose[0] + reach),
+                 ylim=(pose[1] - 0.75 * reach, pose[1] + 0.75 * reach),
                  title="last scan, as believed")
         scan.legend(loc="lower right", fontsize=8)
         _draw_errors(figure.add_subplot(grid[1, 1]), journey)
@@ -52,30 +53,39 @@ def draw_hall(axes: Axes, hall: Hall, vehicle: Vehicle | None = None) -> None:
     if vehicle is not None:
         cells = OccupancyGrid.of(hall)
         taken = cells.clearance < vehicle.width / 2
-        axes.imshow(np.where(taken, 1.0, np.nan).T, origin="lower", extent=(low[0], high[0], low[1], high[1]),
-                    cmap=ListedColormap([_SHADE]), interpolation="nearest", zorder=0)
-        axes.plot([], [], "s", color=_SHADE, markersize=9, label="inflated by half the pair's width")
+        axes.imshow(np.where(taken, 1.0, np.nan).T, origin="lower",
+                    extent=(low[0], high[0], low[1], high[1]), cmap=ListedColormap([_SHADE]),
+                    interpolation="nearest", zorder=0)
+        axes.plot([], [], "s", color=_SHADE, markersize=9,
+                  label="inflated by half the pair's width")
     for outline, seen in zip(hall.outlines, hall.seen):
         axes.add_patch(Polygon(outline, facecolor=GREY if seen else "none", edgecolor=INK, linewidth=0.8,
                                hatch=None if seen else "////", zorder=2))
-    axes.set(xlim=(low[0] - 0.15, high[0] + 0.15), ylim=(low[1] - 0.15, high[1] + 0.15), aspect="equal",
-             xlabel="x [m]", ylabel="y [m]")
+    axes.set(xlim=(low[0] - 0.15, high[0] + 0.15), ylim=(low[1] - 0.15, high[1] + 0.15),
+             aspect="equal", xlabel="x [m]", ylabel="y [m]")
     axes.grid(False)
 
 
-def draw_way(axes: Axes, journey: Journey) -> None:
-    """Plans dashed, the way driven solid, the pair every ten seconds or so, people's ways dotted."""
+def draw_way(axes: Axes, journey: Journey, until: float = np.inf) -> None:
+    """Plans dashed, the way driven solid, the pair every ten seconds or so, people's ways dotted.
+
+    until : what happened later is not drawn [s]
+    """
+    n = int(np.searchsorted(journey.time, until, side="right"))
+    poses, made = journey.poses[:n], [plan for time, plan in journey.plans if time <= until]
     # Over the way driven, which is the same but for corners.
-    for number, plan in enumerate(plan for _, plan in journey.plans if plan.found):
+    for number, plan in enumerate(plan for plan in made if plan.found):
         axes.plot(*plan.poses[:, :2].T, "--", color=ORANGE, linewidth=1.6, zorder=6,
                   label="planned way" if number == 0 else None)
-    axes.plot(*journey.poses[:, :2].T, color=BLUE, linewidth=2.0, zorder=5, label="way driven (middle)")
+    axes.plot(*poses[:, :2].T, color=BLUE, linewidth=2.0, zorder=5,
+              label="way driven (middle)")
     period = journey.time[1] if len(journey.time) > 1 else 1.0
-    for k in range(0, len(journey.poses), max(1, round(10 / period))):
-        draw_pair(axes, journey.vehicle, journey.poses[k], 0.35)
-    draw_pair(axes, journey.vehicle, journey.poses[-1])
-    axes.plot(*journey.goal[:2], "x", color=VERMILION, markersize=9, markeredgewidth=2, zorder=6, label="goal")
-    for person in np.moveaxis(journey.people, 0, 1):
+    for pose in poses[::max(1, round(10 / period))]:
+        draw_pair(axes, journey.vehicle, pose, 0.35)
+    draw_pair(axes, journey.vehicle, poses[-1])
+    axes.plot(*journey.goal[:2], "x", color=VERMILION, markersize=9, markeredgewidth=2,
+              zorder=6, label="goal")
+    for person in np.moveaxis(journey.people[:n], 0, 1):
         axes.plot(*person[:, :2].T, ":", color=GREEN, linewidth=1.5, zorder=3, label="person")
         axes.add_patch(Circle(tuple(person[-1, :2]), float(person[-1, 2]), facecolor=GREEN, edgecolor=INK, zorder=4))
 
@@ -85,16 +95,20 @@ def draw_scan(axes: Axes, journey: Journey, k: int = -1) -> None:
     draw_hall(axes, journey.hall)
     pose = journey.estimates[k]
     draw_pair(axes, journey.vehicle, pose)
-    axes.plot(*carried(pose, journey.vehicle.eyes).T, "o", color=BLUE, markersize=6, zorder=6, label="scanners")
-    axes.plot(*carried(pose, journey.scans[k]).T, ".", color=VERMILION, markersize=3, zorder=5, label="scanned points")
+    axes.plot(*carried(pose, journey.vehicle.eyes).T, "o", color=BLUE, markersize=6, zorder=6,
+              label="scanners")
+    axes.plot(*carried(pose, journey.scans[k]).T, ".", color=VERMILION, markersize=3, zorder=5,
+              label="scanned points")
 
 
 def _draw_errors(axes: Axes, journey: Journey) -> None:
     off, sure = journey.errors, journey.deviations
     axes.plot(journey.time, 1e3 * np.linalg.norm(off[:, :2], axis=1), color=BLUE, label="error")
-    axes.plot(journey.time, 2e3 * np.linalg.norm(sure[:, :2], axis=1), "--", color=GREY, label="two deviations")
+    axes.plot(journey.time, 2e3 * np.linalg.norm(sure[:, :2], axis=1), "--", color=GREY,
+              label="two deviations")
     axes.axhline(50, color=VERMILION, linewidth=1)
-    axes.text(journey.time[-1], 47, "allowed at the shelf", color=VERMILION, ha="right", va="top", fontsize=9)
+    axes.text(journey.time[-1], 47, "allowed at the shelf", color=VERMILION, ha="right",
+              va="top", fontsize=9)
     axes.set(xlabel="time [s]", ylabel="position [mm]", title="localization", ylim=(0, None))
     axes.legend(loc="center right", fontsize=8)
 

@@ -39,8 +39,8 @@ def plot_job(job: Job) -> Figure:
         for limit in (job.world.robot.tension_min.min(), job.world.robot.tension_max.max()):
             mark_level(axes[2], limit)
         cables = range(job.lengths.shape[1])
-        _draw(axes[2], job.time[1:], job.measured_tensions[1:], "tension [N]", [f"{i + 1}" for i in cables],
-              [cable_style(i) for i in cables], linewidth=1.2)
+        _draw(axes[2], job.time[1:], job.measured_tensions[1:], "tension [N]",
+              [f"{i + 1}" for i in cables], [cable_style(i) for i in cables], linewidth=1.2)
         _draw_bases(axes[3], job)
         mark_level(axes[4], 0.0, TIPS)
         _draw(axes[4], job.time[1:], least_edge_loads(job.wheels[1:]), "least edge load [N]",
@@ -52,7 +52,8 @@ def plot_job(job: Job) -> Figure:
         return figure
 
 
-def save_job_film(job: Job, path: str | Path, seconds: float = 16.0, fps: int = 8, width: int = 640) -> Path:
+def save_job_film(job: Job, path: str | Path, seconds: float = 16.0, fps: int = 8,
+                  width: int = 640) -> Path:
     """An animated GIF of a job, below 3 MB, each picture with what is being done in words.
 
     Phases are shown as long as they take, short ones more slowly, or their captions could not be read.
@@ -61,14 +62,16 @@ def save_job_film(job: Job, path: str | Path, seconds: float = 16.0, fps: int = 
     seconds : length of the film [s]; fps : pictures per second; width : [pixels]
     """
     moments = film_moments(job, round(seconds * fps))
-    return save_gif(map(JobScreen(job, width, captioned=True).at, moments), path, 1 / fps, _caption(job))
+    return save_gif(map(JobScreen(job, width, captioned=True).at, moments), path, 1 / fps,
+                    _caption(job))
 
 
 def film_moments(job: Job, frames: int, share: float = 0.06) -> list[float]:
     """Times of a film's pictures: each phase takes what it takes, but at least this share of the job's time [s]."""
     bounds = np.array([event.time for event in job.events] + [float(job.time[-1])])
     shown = np.maximum(np.diff(bounds), share * bounds[-1])
-    moments: list[float] = np.interp(np.linspace(0.0, shown.sum(), frames), [0.0, *np.cumsum(shown)], bounds).tolist()
+    moments: list[float] = np.interp(np.linspace(0.0, shown.sum(), frames),
+                                     [0.0, *np.cumsum(shown)], bounds).tolist()
     return moments
 
 
@@ -104,9 +107,9 @@ def _show_phases(panels: Sequence[Axes], job: Job) -> None:
             panel.axvspan(start, end, color="#F1F3F5", zorder=0, linewidth=0)
     middles = np.array([start + end for start, end, _ in phases]) / 2
     for (_, _, name), middle in zip(phases, lasting * spread_apart(middles / lasting, gap=0.017)):
-        panels[0].annotate(name, (middle, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 4), rotation=60,
-                           textcoords="offset points", ha="left", va="bottom", fontsize=9, color=GREY,
-                           annotation_clip=False)
+        panels[0].annotate(name, (middle, 1.0), xycoords=("data", "axes fraction"),
+                           xytext=(0, 4), rotation=60, textcoords="offset points", ha="left",
+                           va="bottom", fontsize=9, color=GREY, annotation_clip=False)
 
 
 def _draw_bases(panel: Axes, job: Job) -> None:
@@ -122,8 +125,8 @@ def _draw_bases(panel: Axes, job: Job) -> None:
     _draw(panel, job.time, np.transpose(lines), "bases [m]", names, styles)
 
 
-def _draw(panel: Axes, time: Array, lines: Array, label: str, names: Sequence[str], styles: Sequence[LineStyle],
-          **options: Any) -> None:
+def _draw(panel: Axes, time: Array, lines: Array, label: str, names: Sequence[str],
+          styles: Sequence[LineStyle], **options: Any) -> None:
     """Columns (N, k) over time, named at their ends."""
     draw_lines(panel, time, lines, names, styles, **options)
     panel.set_ylabel(label)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from ...arrays import Array
 from ...run.log import Log
@@ -30,10 +29,14 @@ def plot_scans(journey: Journey, moments: int = 6) -> Figure:
         figure = Figure(figsize=(11.0, 3.2 * rows + 0.4), layout="constrained")
         panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
         for panel, k in zip(panels, np.linspace(0, len(journey.time) - 1, moments).round().astype(int)):
-            _scan_panel(panel, journey, int(k))
+            draw_scan(panel, journey, k)
+            for x, y in journey.people[k, :, :2].tolist():
+                panel.plot(x, y, "o", color=GREEN, markersize=8, zorder=4, label="person")
+            panel.set(title=f"{journey.time[k]:.0f} s", xlabel="", ylabel="")
         for panel in panels[moments:]:
             panel.set_axis_off()
-        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=9)
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center",
+                      ncols=3, fontsize=9)
         figure.alt_text = (f"{moments} plans of the hall, {journey.time[0]:.0f} to {journey.time[-1]:.0f} s: the pair "
                            "where it believes to be, and the scanned points, which lie on the map's edges and on "
                            "people.")
@@ -53,8 +56,7 @@ def plot_drives(mission: Mission) -> Figure:
         panels = figure.subplots(4, max(1, len(ways)), sharex="col", sharey="row", squeeze=False)
         for column, (name, way, drive) in zip(panels.T, ways):
             column[0].set_title(name)
-            _room_panel(column[0], way)
-            _bearing_panels(column[1:], mission, way, drive)
+            _draw_drive(column, mission, way, drive)
             column[-1].set_xlabel("time [s]")
         for panel, label in zip(panels[:, 0], ("room left [m]", "least edge\nload [N]", "tilt [°]", "tension [N]")):
             panel.set_ylabel(label)
@@ -64,27 +66,18 @@ def plot_drives(mission: Mission) -> Figure:
     return figure
 
 
-def _scan_panel(panel: Axes, journey: Journey, k: int) -> None:
-    draw_scan(panel, journey, k)
-    for x, y in journey.people[k, :, :2].tolist():
-        panel.plot(x, y, "o", color=GREEN, markersize=8, zorder=4, label="person")
-    panel.set(title=f"{journey.time[k]:.0f} s", xlabel="", ylabel="")
-
-
-def _room_panel(panel: Axes, way: Journey) -> None:
-    panel.plot(way.time, way.clearance, color=BLUE)
+def _draw_drive(column: Any, mission: Mission, way: Journey, drive: Log) -> None:
+    room, loads, tilts, tensions = column
+    room.plot(way.time, way.clearance, color=BLUE)
     busy = np.logical_or(way.waiting, way.backing)
-    panel.fill_between(way.time, 0, 1, where=busy, transform=panel.get_xaxis_transform(), color=GREEN, alpha=0.2,
-                       linewidth=0, label="waits or backs off")
-    panel.set_ylim(bottom=0)
+    room.fill_between(way.time, 0, 1, where=busy, transform=room.get_xaxis_transform(),
+                      color=GREEN, alpha=0.2, linewidth=0, label="waits or backs off")
+    room.set_ylim(bottom=0)
     if busy.any():
-        panel.legend(loc="lower right", fontsize=9)
-
-
-def _bearing_panels(panels: Any, mission: Mission, way: Journey, drive: Log) -> None:
-    loads, tilts, tensions = panels
+        room.legend(loc="lower right", fontsize=9)
     times, robot, leaning = way.time[1:], mission.world.robot, float(np.degrees(LEANS))
-    draw_lines(loads, times[_FOUND:], _edges(drive), [base.name for base in robot.bases], BASE_STYLES)
+    draw_lines(loads, times[_FOUND:], _edges(drive), [base.name for base in robot.bases],
+               BASE_STYLES)
     mark_level(loads, 0.0, TIPS)
     loads.legend(loc="center right", fontsize=9)
     tilts.plot(times[_FOUND:], np.degrees(drive["tilts"][_FOUND:]), color=BLUE)

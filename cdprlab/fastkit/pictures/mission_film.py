@@ -2,47 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.collections import EllipseCollection, PolyCollection
 
 from ...arrays import Array
+from ...run.loop import counted
 from ...view.drawing import HALO
 from ...view.film import Frame, index_at, save_gif
 from ...view.screen import Screen
-from ...view.style import BLUE, GREEN, INK, ORANGE, PLATFORM, PURPLE, SKY, VERMILION, house_style
+from ...view.style import INK, PURPLE, house_style
 from ...world import World
 from ..mission.mission_record import Mission
 from ..mission.scenery import without_hall
 from ..navigation.journey import Journey
-from ..plane import carried, rectangle
-from .hall_figure import draw_hall
+from ..plane import carried
+from .hall_figure import draw_hall, draw_way
 from .job_figure import JobScreen
 
-_WORDS = {"navigation": "the coupled pair drives to the shelf", "home": "coupled again, the pair drives home",
-          "done": "where it began", "return": "the platform returns, the bases fold"}
+_WORDS = {"navigation": "the coupled pair drives to the shelf",
+          "home": "coupled again, the pair drives home", "done": "where it began",
+          "return": "the platform returns, the bases fold"}
 
 
-def save_mission_film(mission: Mission, path: str | Path, seconds: float = 24.0, fps: int = 8, width: int = 640,
-                      progress: Any = None) -> Path:
+def save_mission_film(mission: Mission, path: str | Path, seconds: float = 24.0, fps: int = 8,
+                      width: int = 640, progress: Any = None) -> Path:
     """An animated GIF of a mission, below 3 MB, each picture with its state and the mission's clock.
 
     path : ends in .gif
     seconds : length of the film [s]; fps : pictures per second; width : [pixels]
     progress : called as (pictures drawn, in all)
     """
-    film, times = MissionFilm(mission, width), np.linspace(0.0, mission.now, round(seconds * fps))
-
-    def frames() -> Iterator[Frame]:
-        for drawn, t in enumerate(times.tolist(), 1):
-            yield film.frame_at(t)
-            if progress is not None:
-                progress(drawn, len(times))
-
-    return save_gif(frames(), path, 1 / fps, (
+    times = np.linspace(0.0, mission.now, round(seconds * fps))
+    shown = counted(times.tolist(), len(times), progress)
+    return save_gif(map(MissionFilm(mission, width).frame_at, shown), path, 1 / fps, (
         f"{mission.world.title}: the mission, {mission.state} after {mission.now:.0f} s. From above two coupled bases "
         "drive past pallets and a person to a shelf; from the front they deploy, move a box and fold; then they drive "
         "home."))
@@ -78,51 +72,33 @@ class PlanScreen(Screen):
 
     def __init__(self, way: Journey, world: World, width: int) -> None:
         super().__init__(world.title, width, captioned=True)
-        self.way, self._platform = way, world.robot.platform.size[:2]
-        with house_style():
-            axes = self.axes = self.figure.add_axes((0.1, 0.17, 0.88, self.top - 0.18))
-            draw_hall(axes, way.hall)
-            self._name_things(world)
-            axes.plot(*way.goal[:2], "x", color=VERMILION, markersize=9, markeredgewidth=2, zorder=6)
-            self._plan = self._line(ORANGE, "--", "planned", 3)
-            self._driven = self._line(BLUE, "-", "driven", 3.5)
-            self._pair = PolyCollection([], facecolors=[SKY, "white", PLATFORM], edgecolors=INK, zorder=4,
-                                        animated=True, label="active base")
-            circles = 2 * way.people[0, :, 2]
-            self._people = EllipseCollection(circles, circles, 0 * circles, units="xy", facecolors=GREEN, zorder=5,
-                                             edgecolors=INK, offset_transform=axes.transData, animated=True)
-            axes.plot([], [], "o", color=GREEN, markersize=9, label="person")
-            for shapes in (self._pair, self._people):
-                axes.add_collection(shapes, autolim=False)
-            self._scan = self._line(PURPLE, ".", "scanned", 6)
-            self.figure.legend(loc="lower center", ncols=5, borderaxespad=0.3, handlelength=1.6)
+        self.way, self.world = way, world
+        self.axes = self.figure.add_axes((0.1, 0.17, 0.88, self.top - 0.18))
 
     def move(self, t: float) -> str:
         """The pair at a time of the journey [s]; returns what it does where that is not just driving."""
-        way, k = self.way, index_at(self.way.time, t)
-        plan = next((plan for time, plan in reversed(way.plans) if time <= t + 1e-9 and plan.found), None)
-        if plan is not None:
-            self._plan.set_data(*plan.poses[:, :2].T)
-        self._driven.set_data(*way.poses[:k + 1, :2].T)
-        self._pair.set_verts([*way.vehicle.base_outlines(way.poses[k]), rectangle(way.poses[k], self._platform)])
-        self._people.set_offsets(way.people[k, :, :2])
-        self._scan.set_data(*carried(way.estimates[k], way.scans[k]).T)
+        way, axes, k = self.way, self.axes, index_at(self.way.time, t)
+        with house_style():
+            axes.clear()
+            draw_hall(axes, way.hall)
+            self._name_things()
+            draw_way(axes, way, way.time[k])
+            axes.plot(*carried(way.estimates[k], way.scans[k]).T, ".", color=PURPLE,
+                      markersize=2.5, zorder=6, label="scanned points")
+            self.figure.legends.clear()
+            self.figure.legend(loc="lower center", ncols=5, borderaxespad=0.3, fontsize=9)
         if way.backing[k]:
             return "it backs off, so that the person can walk on"
         standing = k > 0 and np.abs(way.poses[k] - way.poses[k - 1]).max() < 1e-4
         return "it waits for somebody to walk on" if way.waiting[k] and standing else ""
 
-    def _line(self, color: str, kind: str, label: str, order: float) -> Any:
-        line, = self.axes.plot([], [], kind, color=color, markersize=2.5, label=label, zorder=order, animated=True)
-        return line
-
-    def _name_things(self, world: World) -> None:
+    def _name_things(self) -> None:
         """What stands there, walls left out: what they are is plain."""
         places: dict[str, list[Array]] = {}
-        for box in world.scene.boxes:
+        for box in self.world.scene.boxes:
             if not box.name.endswith("wall"):
                 places.setdefault(box.name, []).append(box.position[:2])
         for name, spots in places.items():
             x, y = np.mean(spots, axis=0)
-            self.axes.text(x, y, name.rstrip(" 0123456789"), color=INK, ha="center", va="center",
-                           fontsize=9, zorder=3, path_effects=HALO)
+            self.axes.text(x, y, name.rstrip(" 0123456789"), color=INK, ha="center",
+                           va="center", fontsize=9, zorder=3, path_effects=HALO)
