@@ -70,8 +70,8 @@ def test_importing_loads_nothing_heavy(tmp_path: Path):
 
 
 def test_importing_the_wing_of_fastkit_draws_nothing(tmp_path: Path):
-    done = python("-c", "import sys, cdprlab.fastkit as wing; print('matplotlib' in sys.modules, wing.plot_job.__name__)",
-                  cwd=tmp_path, path=CHECKOUT)
+    code = "import sys, cdprlab.fastkit as wing; print('matplotlib' in sys.modules, wing.plot_job.__name__)"
+    done = python("-c", code, cwd=tmp_path, path=CHECKOUT)
     assert done.stdout.split() == ["False", "plot_job"], done.stderr
 
 

@@ -175,7 +175,7 @@ class VelocityControl(WinchControl):
         self.wanted = self.wanted if found is None else found
         unstretched = lengths / (1 + self.wanted / self.stiffness)
         rates = rates + self.gain * (unstretched - self.lengths)
-        kept = np.minimum(np.maximum(rates, -self.fastest), self.fastest)
+        kept = np.clip(rates, -self.fastest, self.fastest)
         self.lengths = self.lengths + kept * self.period
         reached = engine.wind(self.lengths, self.substeps) and bool((kept == rates).all())
         self.feasible = reached and found is not None

@@ -31,9 +31,9 @@ def in_hall(world: World, bounds: ArrayLike, pallets: ArrayLike = (),
     names = [*_WALLS, *(f"{_PALLET} {k}" for k in range(1, len(rows) - 3))]
     document = world.to_dict()
     scene = document.setdefault("scene", {})
-    scene["boxes"] = [*scene.get("boxes", []), *(
+    scene.setdefault("boxes", []).extend(
         {"name": name, "position": [x, y, height / 2], "size": [along, across, height], "yaw": yaw}
-        for name, (x, y, along, across, yaw) in zip(names, np.array(rows).tolist()))]
+        for name, (x, y, along, across, yaw) in zip(names, np.array(rows).tolist()))
     return World.from_dict(document)
 
 

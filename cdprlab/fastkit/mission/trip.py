@@ -74,7 +74,7 @@ class Trip:
         """Navigate back from where the bases have come together; what the pair believed there, it believes still."""
         assert mission.journey is not None and mission.job is not None
         truly = self._pair.pose_of(mission.job.base_poses[-1, 0])
-        doubt = mission.journey.deviations[-1] + [COUPLED, COUPLED, COUPLED]
+        doubt = mission.journey.deviations[-1] + COUPLED
         mission.way_home, mission.drive_home = self._navigate(mission, truly,
                                                               mission.journey.estimates[-1],
                                                               self.start, leaving=self.gate,

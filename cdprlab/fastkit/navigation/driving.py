@@ -86,7 +86,7 @@ class Pair(ABC):
                  seed: int = 0) -> None:
         self.vehicle, self.hall, self.walkers = vehicle, hall, walkers
         self.pose = checked_pose(pose, "pose")
-        self.odometry = Odometry() if odometry is None else odometry
+        self.odometry = odometry or Odometry()
         self._random = np.random.default_rng(seed)
 
     @abstractmethod

@@ -63,7 +63,7 @@ class Localization:
         self.segments, self.eyes = hall.segments, np.asarray(eyes, dtype=float)
         self.pose = np.array(pose, dtype=float)
         self.covariance = np.diag(np.asarray(uncertainty, dtype=float)) ** 2
-        self.odometry = Odometry() if odometry is None else odometry
+        self.odometry = odometry or Odometry()
 
     @property
     def deviation(self) -> Array:

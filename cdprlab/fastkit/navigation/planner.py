@@ -79,11 +79,12 @@ def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: Arr
         return Plan.none(f"the goal is not free: {left} m are left around the pair, {margin:g} m are wanted")
     if here < -grid.slack - vehicle.radius / 2:
         return Plan.none("the pair stands against something: there is no room to drive away")
-    nodes = _Lattice(grid, vehicle, margin).way(a, b, min(margin, here))
+    least = min(margin, here)
+    nodes = _Lattice(grid, vehicle, margin).way(a, b, least)
     if not len(nodes):
         wide = inflated_width(grid, vehicle, margin)
         return Plan.none(f"there is no way of {wide:.2f} m width from the start to the goal")
-    poses = _shortened(grid, vehicle, np.concatenate([a[None], nodes, b[None]]), min(margin, here))
+    poses = _shortened(grid, vehicle, np.concatenate([a[None], nodes, b[None]]), least)
     return Plan(frozen(poses))
 
 

@@ -57,9 +57,9 @@ def practice_hall(vehicle: Vehicle, seed: int, size: tuple[float, float] = (10.0
                     (Walker(_walkable(hall, way), random.uniform(0.4, 0.8), hall=hall),))
 
 
-def _walkable(hall: Hall, way: Array, room: float = 0.3) -> Array:
+def _walkable(hall: Hall, way: Array) -> Array:
     """(2, 2) the longest part of a straight way that leaves a person room [m]."""
     points = way[0] + np.linspace(0, 1, 101)[:, None] * (way[1] - way[0])
-    blocked = np.flatnonzero(np.concatenate([[True], hall.distance(points) < room, [True]])) - 1
+    blocked = np.flatnonzero(np.concatenate([[True], hall.distance(points) < 0.3, [True]])) - 1
     first = int(np.argmax(np.diff(blocked)))
     return points[[min(blocked[first] + 1, 100), max(blocked[first + 1] - 1, 0)]]

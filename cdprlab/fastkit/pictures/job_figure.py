@@ -66,10 +66,10 @@ def save_job_film(job: Job, path: str | Path, seconds: float = 16.0, fps: int = 
                     _caption(job))
 
 
-def film_moments(job: Job, frames: int, share: float = 0.06) -> list[float]:
-    """Times of a film's pictures: each phase takes what it takes, but at least this share of the job's time [s]."""
+def film_moments(job: Job, frames: int) -> list[float]:
+    """Times of a film's pictures: each phase takes what it takes, but at least 6 % of the job's time [s]."""
     bounds = np.array([event.time for event in job.events] + [float(job.time[-1])])
-    shown = np.maximum(np.diff(bounds), share * bounds[-1])
+    shown = np.maximum(np.diff(bounds), 0.06 * bounds[-1])
     moments: list[float] = np.interp(np.linspace(0.0, shown.sum(), frames),
                                      [0.0, *np.cumsum(shown)], bounds).tolist()
     return moments
