@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array
 from . import FOUND, OUT_OF_RANGE, SPENT
 from .jit import compiled
-from .linear_algebra import FREE, HELD, eliminate, nearest, solutions
+from .linear_algebra import FREE, HELD, balance, nearest, scratch
 
 # Cables with limits closer than this have no choice; a limit is broken beyond rounding from this on.
 FIXED, BROKEN = 1e-9, 1e-12
@@ -36,9 +36,8 @@ def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds:
     """
     count, n, m = W.shape
     tensions, found = np.empty((count, m)), np.empty(count, np.int64)
-    rows, line, owner, wish = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64), np.empty(m)
-    c, D, gram, lam, tau = np.empty(m), np.empty((m, m)), np.empty((m, m)), np.empty(m), np.empty(m)
-    held = np.empty(m, np.bool_)
+    rows, line, owner, c, D = scratch(n, m)
+    wish, held, gram, lam, tau = np.empty(m), np.empty(m, np.bool_), np.empty((m, m)), np.empty(m), np.empty(m)
     for k in range(count):
         row = k if low.shape[0] > 1 else 0
         largest = 0.0
@@ -51,8 +50,7 @@ def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds:
         while True:
             for j in range(m):
                 owner[j] = HELD if held[j] else FREE
-            _, reachable = eliminate(W, w_e, k, wish, rows, line, owner)
-            free = solutions(rows, owner, wish, c, D)
+            free, reachable = balance(W, w_e, k, wish, rows, line, owner, c, D)
             nearest(c, D, free, wish, gram, lam)
             for i in range(m):
                 tau[i] = c[i]

@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import Array
 from . import FOUND, OUT_OF_RANGE, TOO_REDUNDANT
 from .jit import compiled
-from .linear_algebra import CARRIED, FREE, eliminate, solutions
+from .linear_algebra import CARRIED, FREE, balance, scratch
 
 PARALLEL = 1e-9   # cofactors below this share of the products they are made of are zero
 
@@ -102,18 +102,16 @@ def capacity(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: 
     count, n = w_e.shape
     m = low.shape[0]
     found, best, normals = np.full(count, FOUND), np.empty(count), np.empty((count, n))
-    rows, line, owner = np.empty((n, m + n + 1)), np.empty(m + n + 1), np.empty(m + n, np.int64)
-    c, D, identity = np.empty(m + n), np.zeros((m + n, m + n)), np.empty((m, n))
-    at, y, normal = np.empty(m, np.int64), np.empty(3), np.empty(n)
+    rows, line, owner, c, D = scratch(n, m + n)
+    identity, at, y, normal = np.empty((m, n)), np.empty(m, np.int64), np.empty(3), np.empty(n)
     for k in range(count):
         best[k] = np.nan
         for j in range(m + n):
             owner[j] = FREE if j < m else CARRIED
-        rank, reachable = eliminate(W, w_e, k, c, rows, line, owner)
-        if not reachable or rank < n or m - rank > 2:
+        free, reachable = balance(W, w_e, k, c, rows, line, owner, c, D)
+        if not reachable or free > min(m - n, 2):
             found[k] = TOO_REDUNDANT if reachable else OUT_OF_RANGE
             continue
-        free = solutions(rows, owner, c, c, D)
         for i in range(m):
             for e in range(n):
                 identity[i, e] = rows[owner[i], m + e] if owner[i] >= 0 else 0.0

@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array
 from . import EMPTY, FOUND, OUT_OF_RANGE, TOO_REDUNDANT
 from .jit import compiled, compiled_for
-from .linear_algebra import FREE, eliminate, nearest, solutions
+from .linear_algebra import FREE, balance, nearest, scratch
 from .polygon import BORDER, ROUNDING, polygon
 
 
@@ -90,8 +90,8 @@ def least_norms(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, A
     """
     count, n, m = W.shape
     tensions, found, spare = np.empty((count, m)), np.empty(count, np.int64), np.empty(count, np.int64)
-    rows, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
-    c, D, corners, point = np.empty(m), np.empty((m, max(m, 2))), np.zeros((4 * m + 16, 3)), np.empty(2)
+    rows, line, owner, c, D = scratch(n, m)
+    corners, point = np.empty((4 * m + 16, 3)), np.empty(2)
     zero, gram = np.zeros(m), np.empty((2, 2))
     for k in range(count):
         row = k if low.shape[0] > 1 else 0
@@ -99,15 +99,13 @@ def least_norms(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, A
         for j in range(m):
             owner[j] = FREE
             largest = max(largest, high[row, j])
-            D[j, 0] = D[j, 1] = point[0] = point[1] = 0.0
             tensions[k, j] = np.nan
-        rank, reachable = eliminate(W, w_e, k, c, rows, line, owner)
-        spare[k] = m - rank
+        point[0] = point[1] = 0.0
+        spare[k], reachable = balance(W, w_e, k, c, rows, line, owner, c, D)
         found[k] = OUT_OF_RANGE if not reachable else TOO_REDUNDANT if spare[k] > 2 else EMPTY
         if found[k] != EMPTY:
             continue
-        free = solutions(rows, owner, c, c, D)
-        nearest(c, D, free, zero, gram, point)
+        nearest(c, D, spare[k], zero, gram, point)
         if not inside(c, D, point, low, high, row):
             first, sides = polygon(c, D, owner, low, high, row, 0.0, ROUNDING * largest, corners)
             if sides == 0:   # one last point on the very border is lost to rounding

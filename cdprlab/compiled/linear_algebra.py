@@ -22,13 +22,20 @@ OFF_RANGE = 1e-8
 
 
 @compiled
-def eliminate(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: Array, owner: Any) -> tuple[int, bool]:
-    """Gauss–Jordan on [W | −w_e − W_held τ_held] of pose k: ``owner[j]`` becomes the row that column j solves.
+def scratch(n: int, m: int) -> tuple[Array, Array, Any, Array, Array]:
+    """What `balance` writes to: rows, line, owner, c and D, made once for all poses."""
+    return np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64), np.empty(m), np.empty((m, max(m, 2)))
 
-    W (…, n, m); w_e (…, n); rows (n, m + 1) and line (m + 1,) are overwritten
-    Returns the rank, and whether the rows that depend on others agree with them.
+
+@compiled
+def balance(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: Array, owner: Any, c: Array,
+            D: Array) -> tuple[int, bool]:
+    """c and D of pose k, by Gauss–Jordan on [W | −w_e − W_held τ_held]; a λ that is not there moves nothing.
+
+    W (…, n, m); w_e (…, n); ``owner[j]`` becomes the row of ``rows`` that column j solves; line : (m + 1,)
+    Returns how many λ there are, one per free cable, and whether the rows that depend on others agree with them.
     """
-    n, m = rows.shape[0], rows.shape[1] - 1
+    n, m = rows.shape[0], c.size
     size = 1.0
     for i in range(n):
         rows[i, m] = -w_e[k, i]
@@ -38,7 +45,7 @@ def eliminate(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: A
             if owner[j] == HELD:
                 rows[i, m] -= W[k, i, j] * held_at[j]
                 rows[i, j] = 0.0
-    rank, agree = 0, True
+    agree = True
     for i in range(n):
         pivot, largest, before = -1, 0.0, 0.0
         for j in range(m):
@@ -49,7 +56,6 @@ def eliminate(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: A
             agree = agree and abs(rows[i, m]) <= OFF_RANGE * size
             continue
         owner[pivot] = i
-        rank += 1
         scale = 1.0 / rows[i, pivot]
         for j in range(m + 1):   # in an array of its own the loop below runs on vectors
             line[j] = rows[i, j] * scale
@@ -59,24 +65,19 @@ def eliminate(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: A
                 rows[q, j] -= factor * line[j]
         for j in range(m + 1):
             rows[i, j] = line[j]
-    return rank, agree
-
-
-@compiled
-def solutions(rows: Array, owner: Any, held_at: Array, c: Array, D: Array) -> int:
-    """c and D of τ = c + D λ from the eliminated rows; returns how many λ there are, one per free cable."""
-    m = c.shape[0]
     free = 0
     for j in range(m):
+        D[j, 0] = D[j, 1] = 0.0
         c[j] = held_at[j] if owner[j] == HELD else 0.0
         if owner[j] >= 0:
             c[j] = rows[owner[j], m]
-        elif owner[j] == FREE:
+    for j in range(m):
+        if owner[j] == FREE:
             for i in range(m):
                 D[i, free] = -rows[owner[i], j] if owner[i] >= 0 else 0.0
             D[j, free] = 1.0
             free += 1
-    return free
+    return free, agree
 
 
 @compiled

@@ -13,7 +13,7 @@ import numpy as np
 from ..arrays import Array
 from . import CENTROID, EMPTY, FOUND, LOWEST, NOTHING, OUT_OF_RANGE, TOO_REDUNDANT
 from .jit import compiled
-from .linear_algebra import FREE, eliminate, solutions
+from .linear_algebra import FREE, balance, scratch
 
 # Limits are met when missed by rounding only; and if nothing meets them, by half of what the result's check forgives.
 ROUNDING, BORDER = 1e-13, 5e-9
@@ -128,22 +128,20 @@ def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[
     """
     count, n, m = W.shape
     tensions, found, spare = np.empty((count, m)), np.empty(count, np.int64), np.empty(count, np.int64)
-    rows, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
-    c, D, corners, point = np.empty(m), np.empty((m, max(m, 2))), np.zeros((4 * m + 16, 3)), np.empty(2)
+    rows, line, owner, c, D = scratch(n, m)
+    corners, point = np.empty((4 * m + 16, 3)), np.empty(2)
     for k in range(count):
         row = k if low.shape[0] > 1 else 0
         largest = 0.0
         for j in range(m):
             owner[j] = FREE
             largest = max(largest, high[row, j])
-            D[j, 0] = D[j, 1] = point[0] = point[1] = 0.0
             tensions[k, j] = np.nan
-        rank, reachable = eliminate(W, w_e, k, c, rows, line, owner)
-        spare[k] = m - rank
+        point[0] = point[1] = 0.0
+        spare[k], reachable = balance(W, w_e, k, c, rows, line, owner, c, D)
         found[k] = OUT_OF_RANGE if not reachable else TOO_REDUNDANT if spare[k] > 2 else EMPTY
         if found[k] != EMPTY:
             continue
-        solutions(rows, owner, c, c, D)
         first, sides = polygon(c, D, owner, low, high, row, 0.0, ROUNDING * largest, corners)
         if sides == 0:   # one last point on the very border is lost to rounding
             first, sides = polygon(c, D, owner, low, high, row, BORDER * largest, 0.0, corners)

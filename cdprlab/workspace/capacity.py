@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, Flags, as_array, plain
-from ..compiled import FOUND, NOTHING, OUT_OF_RANGE, TOO_REDUNDANT, UNSETTLED
+from ..compiled import CENTROID, FOUND, NOTHING, OUT_OF_RANGE, TOO_REDUNDANT
 from ..errors import InvalidInput
 from ..mechanics.optimization import largest_last
 from ..robot import Robot
@@ -29,20 +29,31 @@ def tension_margins(W: Array, w_e: Array, low: Array, high: Array, *, at_high: b
     >>> tension_margins(W, np.zeros((1, 1)), np.array([1.0, 1.0]), np.array([5.0, 9.0]))
     array([2.])
     """
-    return best_tensions(W, w_e, low, high, at_high=at_high)[0]
+    from ..compiled.margins import margins
+
+    s, found = margins(*map(plain, (W, w_e, low, high)), 1.0, float(at_high))
+    s[found == OUT_OF_RANGE] = -np.inf
+    for k in np.flatnonzero(found == TOO_REDUNDANT):
+        s[k] = _best_by_program(W[k], w_e[k], low, high, at_high)[0]
+    return np.asarray(s)
 
 
 def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> tuple[Array, Array]:
     """`tension_margins` and tensions (N, m) that have them, NaN where nothing balances w_e."""
-    from ..compiled.margins import margins
+    from ..compiled.polygon import polygons
 
-    n, m = W.shape[-2:]
-    s, tau, found = margins(*map(plain, (W, w_e, low, high)), 1.0, float(at_high))
-    s[found == OUT_OF_RANGE] = -np.inf
-    rows = np.block([[-np.eye(m), np.ones((m, 1))], [np.eye(m), np.full((m, 1), float(at_high))]])
-    for k in np.flatnonzero((found == TOO_REDUNDANT) | (found == UNSETTLED)):
-        s[k], tau[k] = largest_last(rows, np.append(-low, high), np.column_stack([W[k], np.zeros(n)]), -w_e[k])
+    s = tension_margins(W, w_e, low, high, at_high=at_high)
+    kept = s[:, None]
+    tau, found, _ = polygons(*map(plain, (W, w_e, low + kept, high - kept if at_high else high + 0 * kept)), CENTROID)
+    for k in np.flatnonzero(found == TOO_REDUNDANT):
+        tau[k] = _best_by_program(W[k], w_e[k], low, high, at_high)[1]
     return s, tau
+
+
+def _best_by_program(W: Array, w_e: Array, low: Array, high: Array, at_high: bool) -> tuple[float, Array]:
+    m = low.size
+    rows = np.block([[-np.eye(m), np.ones((m, 1))], [np.eye(m), np.full((m, 1), float(at_high))]])
+    return largest_last(rows, np.append(-low, high), np.column_stack([W, np.zeros(len(W))]), -w_e)
 
 
 def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
