@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array
 from . import FOUND, OUT_OF_RANGE, SPENT
 from .jit import compiled
-from .linear_algebra import FREE, HELD, balance, nearest, scratch
+from .linear_algebra import FREE, HELD, balance, nearest
 
 # Cables with limits closer than this have no choice; a limit is broken beyond rounding from this on.
 FIXED, BROKEN = 1e-9, 1e-12
@@ -36,7 +36,8 @@ def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds:
     """
     count, n, m = W.shape
     tensions, found = np.empty((count, m)), np.empty(count, np.int64)
-    rows, line, owner, c, D = scratch(n, m)
+    rows, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
+    c, D = np.empty(m), np.empty((m, max(m, 2)))
     wish, held, gram, lam, tau = np.empty(m), np.empty(m, np.bool_), np.empty((m, m)), np.empty(m), np.empty(m)
     for k in range(count):
         row = k if low.shape[0] > 1 else 0
@@ -50,7 +51,8 @@ def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds:
         while True:
             for j in range(m):
                 owner[j] = HELD if held[j] else FREE
-            free, reachable = balance(W, w_e, k, wish, rows, line, owner, c, D)
+            known, free = balance(W, w_e, k, wish, rows, line, owner, c, D)
+            reachable = known != OUT_OF_RANGE
             nearest(c, D, free, wish, gram, lam)
             for i in range(m):
                 tau[i] = c[i]

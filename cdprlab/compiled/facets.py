@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from . import FOUND, OUT_OF_RANGE, TOO_REDUNDANT
+from . import FOUND, TOO_REDUNDANT
 from .jit import compiled
-from .linear_algebra import CARRIED, FREE, balance, scratch
+from .linear_algebra import CARRIED, FREE, balance
 
 PARALLEL = 1e-9   # cofactors below this share of the products they are made of are zero
 
@@ -101,16 +101,18 @@ def capacity(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: 
     """
     count, n = w_e.shape
     m = low.shape[0]
-    found, best, normals = np.full(count, FOUND), np.empty(count), np.empty((count, n))
-    rows, line, owner, c, D = scratch(n, m + n)
+    found, best, normals = np.empty(count, np.int64), np.empty(count), np.empty((count, n))
+    rows, line, owner = np.empty((n, m + n + 1)), np.empty(m + n + 1), np.empty(m + n, np.int64)
+    c, D = np.empty(m + n), np.empty((m + n, m + n))
     identity, at, y, normal = np.empty((m, n)), np.empty(m, np.int64), np.empty(3), np.empty(n)
     for k in range(count):
         best[k] = np.nan
         for j in range(m + n):
             owner[j] = FREE if j < m else CARRIED
-        free, reachable = balance(W, w_e, k, c, rows, line, owner, c, D)
-        if not reachable or free > min(m - n, 2):
-            found[k] = TOO_REDUNDANT if reachable else OUT_OF_RANGE
+        found[k], free = balance(W, w_e, k, c, rows, line, owner, c, D)
+        if found[k] == FOUND and free > m - n:
+            found[k] = TOO_REDUNDANT
+        if found[k] != FOUND:
             continue
         for i in range(m):
             for e in range(n):

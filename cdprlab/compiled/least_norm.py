@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from . import EMPTY, FOUND, OUT_OF_RANGE, TOO_REDUNDANT
+from . import EMPTY, FOUND
 from .jit import compiled, compiled_for
-from .linear_algebra import FREE, balance, nearest, scratch
-from .polygon import BORDER, ROUNDING, polygon
+from .linear_algebra import FREE, balance, nearest
+from .polygon import polygon
 
 
 @compiled_for(2, 1, 1, 1)
@@ -90,30 +90,26 @@ def least_norms(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, A
     """
     count, n, m = W.shape
     tensions, found, spare = np.empty((count, m)), np.empty(count, np.int64), np.empty(count, np.int64)
-    rows, line, owner, c, D = scratch(n, m)
-    corners, point = np.empty((4 * m + 16, 3)), np.empty(2)
-    zero, gram = np.zeros(m), np.empty((2, 2))
+    rows, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
+    c, D = np.empty(m), np.empty((m, max(m, 2)))
+    corners, point, zero, gram = np.empty((4 * m + 16, 3)), np.empty(2), np.zeros(m), np.empty((2, 2))
     for k in range(count):
         row = k if low.shape[0] > 1 else 0
         largest = 0.0
         for j in range(m):
             owner[j] = FREE
             largest = max(largest, high[row, j])
-            tensions[k, j] = np.nan
-        point[0] = point[1] = 0.0
-        spare[k], reachable = balance(W, w_e, k, c, rows, line, owner, c, D)
-        found[k] = OUT_OF_RANGE if not reachable else TOO_REDUNDANT if spare[k] > 2 else EMPTY
-        if found[k] != EMPTY:
-            continue
-        nearest(c, D, spare[k], zero, gram, point)
-        if not inside(c, D, point, low, high, row):
-            first, sides = polygon(c, D, owner, low, high, row, 0.0, ROUNDING * largest, corners)
-            if sides == 0:   # one last point on the very border is lost to rounding
-                first, sides = polygon(c, D, owner, low, high, row, BORDER * largest, 0.0, corners)
-            if sides == 0:
-                continue
-            border_point(c, D, corners, first, sides, point)
-        found[k] = FOUND
+        found[k], spare[k] = balance(W, w_e, k, c, rows, line, owner, c, D)
+        point[0] = point[1] = 0.0 if found[k] == FOUND else np.nan
+        if found[k] == FOUND:
+            nearest(c, D, spare[k], zero, gram, point)
+            if not inside(c, D, point, low, high, row):
+                first, sides = polygon(c, D, owner, low, high, row, largest, corners)
+                if sides == 0:
+                    found[k] = EMPTY
+                    point[0] = np.nan
+                else:
+                    border_point(c, D, corners, first, sides, point)
         for i in range(m):
             tensions[k, i] = c[i] + D[i, 0] * point[0] + D[i, 1] * point[1]
     return tensions, found, spare

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from . import FOUND, OUT_OF_RANGE, TOO_REDUNDANT
 from .jit import compiled
 
 FREE, HELD, CARRIED = -1, -2, -3
@@ -22,18 +23,13 @@ OFF_RANGE = 1e-8
 
 
 @compiled
-def scratch(n: int, m: int) -> tuple[Array, Array, Any, Array, Array]:
-    """What `balance` writes to: rows, line, owner, c and D, made once for all poses."""
-    return np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64), np.empty(m), np.empty((m, max(m, 2)))
-
-
-@compiled
 def balance(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: Array, owner: Any, c: Array,
-            D: Array) -> tuple[int, bool]:
+            D: Array) -> tuple[int, int]:
     """c and D of pose k, by Gauss–Jordan on [W | −w_e − W_held τ_held]; a λ that is not there moves nothing.
 
     W (…, n, m); w_e (…, n); ``owner[j]`` becomes the row of ``rows`` that column j solves; line : (m + 1,)
-    Returns how many λ there are, one per free cable, and whether the rows that depend on others agree with them.
+    Returns OUT_OF_RANGE where rows that depend on others do not agree with them, else TOO_REDUNDANT or FOUND; and how
+    many λ there are, one per free cable.
     """
     n, m = rows.shape[0], c.size
     size = 1.0
@@ -77,7 +73,9 @@ def balance(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: Arr
                 D[i, free] = -rows[owner[i], j] if owner[i] >= 0 else 0.0
             D[j, free] = 1.0
             free += 1
-    return free, agree
+    if not agree:
+        return OUT_OF_RANGE, free
+    return TOO_REDUNDANT if free > 2 else FOUND, free
 
 
 @compiled

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from . import FOUND, OUT_OF_RANGE, TOO_REDUNDANT
+from . import FOUND
 from .facets import cofactors, next_choice
 from .jit import compiled
-from .linear_algebra import FREE, balance, scratch
+from .linear_algebra import FREE, balance
 
 NOUGHT = 1e-10   # of the y of a bound: what a tension is kept from its limits by less than this is kept by nothing
 
@@ -43,7 +43,8 @@ def margins(W: Array, w_e: Array, low: Array, high: Array, p: float, q: float) -
     """
     count, n, m = W.shape
     found, best = np.empty(count, np.int64), np.empty(count)
-    rows, line, owner, c, D = scratch(n, m)
+    rows, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
+    c, D = np.empty(m), np.empty((m, max(m, 2)))
     at, y = np.empty(m, np.int64), np.empty(3)
     most = np.inf   # what each cable's own two limits leave
     for j in range(m):
@@ -51,15 +52,11 @@ def margins(W: Array, w_e: Array, low: Array, high: Array, p: float, q: float) -
     for k in range(count):
         for j in range(m):
             owner[j] = FREE
-        free, reachable = balance(W, w_e, k, c, rows, line, owner, c, D)
-        best[k], found[k] = np.nan, FOUND
-        if not reachable or free > 2:
-            found[k] = TOO_REDUNDANT if reachable else OUT_OF_RANGE
-            continue
-        best[k] = most
+        found[k], free = balance(W, w_e, k, c, rows, line, owner, c, D)
+        best[k] = most if found[k] == FOUND else np.nan
         for a in range(free + 1):
             at[a] = a
-        more = free < m
+        more = found[k] == FOUND and free < m
         while more:
             if cofactors(D, free, at, y):
                 for _ in range(2):

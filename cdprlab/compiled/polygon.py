@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from . import CENTROID, EMPTY, FOUND, LOWEST, NOTHING, OUT_OF_RANGE, TOO_REDUNDANT
+from . import CENTROID, EMPTY, FOUND, LOWEST, NOTHING
 from .jit import compiled
-from .linear_algebra import FREE, balance, scratch
+from .linear_algebra import FREE, balance
 
 # Limits are met when missed by rounding only; and if nothing meets them, by half of what the result's check forgives.
 ROUNDING, BORDER = 1e-13, 5e-9
@@ -47,36 +47,43 @@ def clip(corners: Array, first: int, count: int, limit: float, sign: float, miss
 
 
 @compiled
-def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, row: int, slack: float, miss: float,
+def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, row: int, largest: float,
             corners: Array) -> tuple[int, int]:
     """Corners, in order, of {λ : low[row] ≤ c + D λ ≤ high[row]}; a segment has 2 or more, a point 1 or more.
 
+    largest : of the upper limits [N]
     Returns where in ``corners`` they begin, and how many they are.
     """
     first: Any = np.int64(0)   # for bare literals `clip` would be compiled a second time
-    count: Any = np.int64(1)
-    for a in range(2):
-        corners[0, a] = corners[1, a] = 0.0
-    for j in range(c.shape[0]):
-        if owner[j] == FREE:   # from a point to a segment, from a segment to a rectangle
-            axis = count // 2
-            for k in range(count):
-                corners[2 * count - 1 - k, 0] = corners[k, 0]
-                corners[k, axis] = low[row, j] - slack
-                corners[2 * count - 1 - k, axis] = high[row, j] + slack
-            count *= 2
-    for j in range(c.shape[0]):
-        for sign in (-1.0, 1.0):
-            if owner[j] == FREE or count == 0:
-                continue
-            limit = slack + (high[row, j] if sign > 0.0 else -low[row, j])
-            broken = False
-            for k in range(first, first + count):
-                corners[k, 2] = c[j] + D[j, 0] * corners[k, 0] + D[j, 1] * corners[k, 1]
-                broken |= sign * corners[k, 2] > limit + miss
-            if broken:
-                count = clip(corners, first, count, limit, sign, miss)
-                first = corners.shape[0] // 2 - first
+    count: Any = np.int64(0)
+    slack, miss = 0.0, ROUNDING * largest
+    for _ in range(2):
+        first, count = 0, 1
+        for a in range(2):
+            corners[0, a] = corners[1, a] = 0.0
+        for j in range(c.shape[0]):
+            if owner[j] == FREE:   # from a point to a segment, from a segment to a rectangle
+                axis = count // 2
+                for k in range(count):
+                    corners[2 * count - 1 - k, 0] = corners[k, 0]
+                    corners[k, axis] = low[row, j] - slack
+                    corners[2 * count - 1 - k, axis] = high[row, j] + slack
+                count *= 2
+        for j in range(c.shape[0]):
+            for sign in (-1.0, 1.0):
+                if owner[j] == FREE or count == 0:
+                    continue
+                limit = slack + (high[row, j] if sign > 0.0 else -low[row, j])
+                broken = False
+                for k in range(first, first + count):
+                    corners[k, 2] = c[j] + D[j, 0] * corners[k, 0] + D[j, 1] * corners[k, 1]
+                    broken |= sign * corners[k, 2] > limit + miss
+                if broken:
+                    count = clip(corners, first, count, limit, sign, miss)
+                    first = corners.shape[0] // 2 - first
+        if count > 0:
+            break
+        slack, miss = BORDER * largest, 0.0   # one last point on the very border is lost to rounding
     return first, count
 
 
@@ -128,7 +135,8 @@ def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[
     """
     count, n, m = W.shape
     tensions, found, spare = np.empty((count, m)), np.empty(count, np.int64), np.empty(count, np.int64)
-    rows, line, owner, c, D = scratch(n, m)
+    rows, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
+    c, D = np.empty(m), np.empty((m, max(m, 2)))
     corners, point = np.empty((4 * m + 16, 3)), np.empty(2)
     for k in range(count):
         row = k if low.shape[0] > 1 else 0
@@ -136,22 +144,16 @@ def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[
         for j in range(m):
             owner[j] = FREE
             largest = max(largest, high[row, j])
-            tensions[k, j] = np.nan
-        point[0] = point[1] = 0.0
-        spare[k], reachable = balance(W, w_e, k, c, rows, line, owner, c, D)
-        found[k] = OUT_OF_RANGE if not reachable else TOO_REDUNDANT if spare[k] > 2 else EMPTY
-        if found[k] != EMPTY:
-            continue
-        first, sides = polygon(c, D, owner, low, high, row, 0.0, ROUNDING * largest, corners)
-        if sides == 0:   # one last point on the very border is lost to rounding
-            first, sides = polygon(c, D, owner, low, high, row, BORDER * largest, 0.0, corners)
-        if sides == 0:
-            continue
-        found[k] = FOUND
-        if pick == CENTROID:
-            centroid(corners, first, sides, point)
-        elif pick != NOTHING:
-            corner(D, corners, first, sides, 1.0 if pick == LOWEST else -1.0, 1e-9 * largest, point)
+        found[k], spare[k] = balance(W, w_e, k, c, rows, line, owner, c, D)
+        point[0] = point[1] = np.nan
+        if found[k] == FOUND:
+            first, sides = polygon(c, D, owner, low, high, row, largest, corners)
+            if sides == 0:
+                found[k] = EMPTY
+            elif pick == CENTROID:
+                centroid(corners, first, sides, point)
+            elif pick != NOTHING:
+                corner(D, corners, first, sides, 1.0 if pick == LOWEST else -1.0, 1e-9 * largest, point)
         for i in range(m):
             tensions[k, i] = c[i] + D[i, 0] * point[0] + D[i, 1] * point[1]
     return tensions, found, spare
