@@ -16,22 +16,28 @@ from .facets import cofactors, next_choice
 from .jit import compiled
 from .linear_algebra import FREE, balance
 
-NOUGHT = 1e-10   # of the y of a bound: what a tension is kept from its limits by less than this is kept by nothing
+NOUGHT = 1e-10   # of all that is summed up: less is zero
 
 
 @compiled
 def bound(y: Array, at: Any, used: int, c: Array, low: Array, high: Array, p: float, q: float) -> float:
-    """The largest s that Σ y_i τ_i = Σ y_i c_i leaves to low + p s ≤ τ ≤ high − q s: the others sum up to less."""
-    room, give, size, weight = 0.0, 0.0, 0.0, 0.0
+    """The largest s that Σ y_i τ_i = Σ y_i c_i leaves to low + p s ≤ τ ≤ high − q s, whose sums come closer with s."""
+    above = below = up = down = 0.0
     for a in range(used):
-        limit = high[at[a]] if y[a] > 0.0 else low[at[a]]
-        room += y[a] * (limit - c[at[a]])
-        give += q * y[a] if y[a] > 0.0 else -p * y[a]
-        size += abs(y[a] * limit) + abs(y[a] * c[at[a]])
-        weight += abs(y[a])
-    if give > NOUGHT * weight:
-        return room / give
-    return np.inf if room >= -NOUGHT * size else -np.inf
+        i = at[a]
+        plus, minus = max(y[a], 0.0), max(-y[a], 0.0)
+        above += plus * high[i] - minus * low[i] - y[a] * c[i]
+        below += minus * high[i] - plus * low[i] + y[a] * c[i]
+        up += q * plus + p * minus
+        down += q * minus + p * plus
+    nought = NOUGHT * (up + down)
+    if up > nought and down > nought:
+        return min(above / up, below / down)
+    # One sum does not depend on s: it is kept or not.
+    fixed, room, give = above, below, down
+    if up > nought:
+        fixed, room, give = below, above, up
+    return room / give if fixed >= -NOUGHT * (above + below) else -np.inf
 
 
 @compiled
@@ -59,9 +65,6 @@ def margins(W: Array, w_e: Array, low: Array, high: Array, p: float, q: float) -
         more = found[k] == FOUND and free < m
         while more:
             if cofactors(D, free, at, y):
-                for _ in range(2):
-                    best[k] = min(best[k], bound(y, at, free + 1, c, low, high, p, q))
-                    for a in range(3):
-                        y[a] = -y[a]
+                best[k] = min(best[k], bound(y, at, free + 1, c, low, high, p, q))
             more = next_choice(at, free + 1, m)
     return best, found

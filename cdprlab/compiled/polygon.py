@@ -54,11 +54,10 @@ def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, row: int, l
     largest : of the upper limits [N]
     Returns where in ``corners`` they begin, and how many they are.
     """
-    first: Any = np.int64(0)   # for bare literals `clip` would be compiled a second time
-    count: Any = np.int64(0)
     slack, miss = 0.0, ROUNDING * largest
     for _ in range(2):
-        first, count = 0, 1
+        first: Any = np.int64(0)   # for bare literals `clip` would be compiled a second time
+        count: Any = np.int64(1)
         for a in range(2):
             corners[0, a] = corners[1, a] = 0.0
         for j in range(c.shape[0]):

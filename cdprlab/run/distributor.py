@@ -55,7 +55,7 @@ class Distributor:
                                      "wrench error inside the limits",
                                      self._judged(W, -wanted, tensions, reason, self.low, self.high))
         if self.infeasible == "relax" or self.last is None:
-            self.last = self.relax(W, -wanted)[0]
+            self.last = tensions if self.solve is self.relax else self.relax(W, -wanted)[0]
         return self.last
 
     def cut(self, indices: list[int]) -> None:
@@ -81,9 +81,13 @@ class Distributor:
 
     def _limit(self, low: Array, high: Array) -> None:
         self.low, self.high = low, high
-        self.solve = (solver_for(self.method, self.robot.n_dof, low, high) if isinstance(self.method, str)
-                      else _own_solver(self.method, low, high))
         self.relax = solver_for("relaxed", self.robot.n_dof, low, high)
+        if self.method == "quadratic_program" and self.infeasible == "relax":
+            self.solve = self.relax   # which begins with that program: nothing is asked twice
+        elif isinstance(self.method, str):
+            self.solve = solver_for(self.method, self.robot.n_dof, low, high)
+        else:
+            self.solve = _own_solver(self.method, low, high)
 
     def _judged(self, W: Array, w_e: Array, tensions: Array, reason: str, low: Array,
                 high: Array) -> TensionDistribution:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Flags
 
 # Equilibrium to 1e-8 of the wrench, limits to 1e-8 of the largest: a thousand times what rounding
 # leaves in a well-posed program, a thousandth of what a load cell sees.
@@ -83,14 +83,15 @@ def vectorized(batch: Callable[..., BatchSolver], *, complete: bool, summary: st
     return Method(build, complete, summary, batch)
 
 
-def one_by_one(build: Callable[[Array, Array], Solver], W: Array, w_e: Array, low: Array, high: Array) -> Answers:
-    """A batch, wrench by wrench, by ``(tension_min, tension_max) → Solver``."""
-    tensions, reasons = np.empty((W.shape[0], W.shape[2])), no_reasons(W.shape[0])
-    for k in range(W.shape[0]):
-        if k < low.shape[0]:   # limits of its own, or the first of all
-            solve = build(low[k], high[k])
+def one_by_one(left: Flags, build: Callable[[Array, Array], Solver], W: Array, w_e: Array, low: Array, high: Array,
+               tensions: Array, reasons: Texts) -> None:
+    """Answers what is left of a batch, wrench by wrench, by ``(tension_min, tension_max) → Solver``."""
+    solve = None
+    for k in np.flatnonzero(left):
+        if solve is None or len(low) > 1:   # limits of its own, or the first of all
+            row = k if len(low) > 1 else 0
+            solve = build(low[row], high[row])
         tensions[k], reasons[k] = solve(W[k], w_e[k])
-    return tensions, reasons
 
 
 def no_reasons(count: int) -> Texts:

@@ -22,6 +22,7 @@ from .method import (
     Solution,
     Solver,
     around_fixed,
+    no_reasons,
     one_by_one,
     sharpened,
 )
@@ -119,13 +120,12 @@ def batch(*, solver: str = "quadprog") -> BatchSolver:
         def one(low: Array, high: Array) -> Solver:
             return build(W.shape[1], low, high, solver=solver)
 
-        if solver != "quadprog":
-            return one_by_one(one, W, w_e, low, high)
-        tensions, reasons, spare = least_norm_points(W, w_e, low, high)
-        left = (spare > 2) | (reasons == UNREACHABLE)   # of which the program says more
-        if left.any():
-            own = left if len(low) > 1 else slice(None)
-            tensions[left], reasons[left] = one_by_one(one, W[left], w_e[left], low[own], high[own])
+        if solver == "quadprog":
+            tensions, reasons, spare = least_norm_points(W, w_e, low, high)
+            left = (spare > 2) | (reasons == UNREACHABLE)   # of which the program says more
+        else:
+            tensions, reasons, left = np.empty((len(W), W.shape[2])), no_reasons(len(W)), np.full(len(W), True)
+        one_by_one(left, one, W, w_e, low, high, tensions, reasons)
         return tensions, reasons
 
     return solve

@@ -49,10 +49,8 @@ def batch(*, weights: ArrayLike | None = None) -> BatchSolver:
 
     def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
         tensions, reasons = exact(W, w_e, low, high)
-        left = reasons != ""
-        own = left if len(low) > 1 else slice(None)
-        tensions[left], reasons[left] = one_by_one(lambda low, high: build(W.shape[1], low, high, weights=weights),
-                                                   W[left], w_e[left], low[own], high[own])
+        one_by_one(reasons != "", lambda low, high: build(W.shape[1], low, high, weights=weights), W, w_e, low, high,
+                   tensions, reasons)
         return tensions, reasons
 
     return solve
