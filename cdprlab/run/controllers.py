@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -24,7 +25,8 @@ class ComputedTorque:
     kp : K_p, a number or (n,) [1/s²]
     kd : K_d, a number or (n,) [1/s]; K_d times the control period must stay below 2
     Raises InvalidInput for negative gains.
-    Source: Okoli 2016, eq. (6.3)–(6.5), with the sign of f_g that (2.24) has, and the orientation included.
+    Source: Okoli 2016, eq. (6.3)–(6.5), with the sign of f_g that (2.24) has, and the
+    orientation included.
 
     >>> ComputedTorque(100, 100).kp
     array(100.)
@@ -41,13 +43,17 @@ class ComputedTorque:
                 raise InvalidInput(f"{name} must not be negative, got {gain.tolist()}")
             object.__setattr__(self, name, gain)
 
-    def __call__(self, t: float, state: State, reference: Reference) -> Array:
+    @cached_property
+    def _law(self) -> Callable[..., Array]:   # looked up once: an import in the loop takes 1 % of it
         from ..compiled.control import computed_torque
 
+        return computed_torque
+
+    def __call__(self, t: float, state: State, reference: Reference) -> Array:
         robot, body, wanted = state.robot, state.robot.platform, reference.pose
-        wrench = computed_torque(*self._gains(robot, state.rotation), body.mass, np.atleast_2d(body.inertia),
-                                 body.center_of_mass, robot.gravity, state.position, state.rotation, state.twist,
-                                 wanted.position, wanted.rotation, reference.twist, reference.acceleration)
+        wrench = self._law(*self._gains(robot, state.rotation), body.mass, np.atleast_2d(body.inertia),
+                           body.center_of_mass, robot.gravity, state.position, state.rotation, state.twist,
+                           wanted.position, wanted.rotation, reference.twist, reference.acceleration)
         return wrench if robot.n_dof == 6 else wrench @ robot.pattern.basis(state.rotation)
 
     def _gains(self, robot: Robot, rotation: Array) -> tuple[Array, Array]:

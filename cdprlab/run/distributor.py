@@ -19,7 +19,8 @@ INFEASIBLE = ("relax", "stop", "hold")
 class Distributor:
     """A method within the limits of the cables that are whole, and the last tensions it gave.
 
-    method : a name, or a callable (W, w_e, tension_min, tension_max) → tensions or TensionDistribution
+    method : a name, or a callable (W, w_e, tension_min, tension_max) → tensions or
+        TensionDistribution
     infeasible : one of ``INFEASIBLE``
     """
 
@@ -35,7 +36,8 @@ class Distributor:
         """(m,) that exert the wanted wrench, or what is held in their place.
 
         now : for what is raised [s]
-        Raises InfeasibleTensions with infeasible="stop"; InvalidInput for a wrench that is not finite.
+        Raises InfeasibleTensions with infeasible="stop"; InvalidInput for a wrench that is not
+        finite.
         """
         if self.last is None:
             wanted = as_array(wanted, "the controller's wrench", (self.robot.n_dof,), "N, N m")

@@ -37,7 +37,8 @@ class Log:
         ends = np.cumsum([int(np.prod(shape)) for shape in self._shapes.values()]).tolist()
         self._slices = dict(zip(self._shapes, map(slice, [0, *ends], ends)))
         self.width = ends[-1]
-        # One block of memory: kept as separate objects, the log would push a loop out of the processor's cache.
+        # One block of memory: kept as separate objects, the log would push a loop out of the
+        # processor's cache.
         self._pack, self._rows = Struct(f"{self.width}d").pack, bytearray()
 
     def keep(self, *values: ArrayLike) -> None:

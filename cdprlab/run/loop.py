@@ -80,9 +80,11 @@ def fly(engine: Simulator, command: Command, wishes: Iterable[Any], substeps: in
 
     engine : reset to where it begins; substeps : its steps in a control step
     wishes : what the command takes; an iterator may decide by what the engine has come to
-    happen : called as each step begins, with its number from 0: what else there is, such as cuts and pushes
-    Returns the log and the elapsed time [s]. One row a control step: position, rotation, twist, lengths and tensions
-    measured as it begins, and what the command asked for in it; one more row for the end, where nothing is asked for.
+    happen : called as each step begins, with its number from 0: what else there is, such as
+        cuts and pushes
+    Returns the log and the elapsed time [s]. One row a control step: position, rotation, twist,
+    lengths and tensions measured as it begins, and what the command asked for in it; one more
+    row for the end, where nothing is asked for.
     """
     asked = command.start(engine, substeps)
     robot = engine.world.robot

@@ -27,12 +27,16 @@ class Run:
     commanded_tensions : (N, m) held during the step, NaN where lengths are commanded [N]
     measured_tensions : (N, m) what the engine's cables carried at its end [N]
     lengths : (N, m) cable lengths [m]
-    errors : (N, n) reference minus pose in the motion pattern's rows: position, rotation vector [m, rad]
-    feasible : (N,) the method balanced the wanted wrench within the limits, or the winches reached their lengths
+    errors : (N, n) reference minus pose in the motion pattern's rows: position, rotation vector
+        [m, rad]
+    feasible : (N,) the method balanced the wanted wrench within the limits, or the winches
+        reached their lengths
     real_time_factor : simulated over elapsed time of the loop
     settings : how the run was made
-    commanded_lengths : (N, m) the winches were to reach by the step's end, None where tensions are commanded [m]
-    base_poses : (N, p, 3) x, y, heading of each mobile base, None where none was driven [m, m, rad]
+    commanded_lengths : (N, m) the winches were to reach by the step's end, None where tensions
+        are commanded [m]
+    base_poses : (N, p, 3) x, y, heading of each mobile base, None where none was driven [m, m,
+        rad]
     """
 
     world: World

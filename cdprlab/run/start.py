@@ -35,18 +35,26 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
     """Move a world's robot along a task in its engine and log every control step.
 
     world, task : what moves, and one of its tasks' names
-    method : a tension method's name, or a callable (W, w_e, tension_min, tension_max) → tensions or TensionDistribution
-    cables : "tension" (constraint cables under torque), "force" (ideal massless baseline) or "length" (winches pay
-        ropes in and out by inverse kinematics of the reference; method, controller and infeasible then have no say)
-    controller : (t, state, reference) → wrench the cables shall exert; default ComputedTorque(100, 100)
-    dt, control_period : engine step and control step [s], the second a multiple of the first; default equal
-    infeasible : "relax" (least wrench error inside the limits), "stop" (raise), "hold" (last tensions)
-    external_wrench : (n,) at P or t → (n,), felt by the platform and not told to the controller [N, N m]
+    method : a tension method's name, or a callable (W, w_e, tension_min, tension_max) →
+        tensions or TensionDistribution
+    cables : "tension" (constraint cables under torque), "force" (ideal massless baseline) or
+        "length" (winches pay ropes in and out by inverse kinematics of the reference; method,
+        controller and infeasible then have no say)
+    controller : (t, state, reference) → wrench the cables shall exert; default
+        ComputedTorque(100, 100)
+    dt, control_period : engine step and control step [s], the second a multiple of the first;
+        default equal
+    infeasible : "relax" (least wrench error inside the limits), "stop" (raise), "hold" (last
+        tensions)
+    external_wrench : (n,) at P or t → (n,), felt by the platform and not told to the controller
+        [N, N m]
     duration : of the run; default the task's motion and hold [s]
     seed : kept with the log for whatever draws random numbers; the loop itself draws none
-    base_speeds : (3p,) θ̇, ρ̇₁, ρ̇₂ of each mobile base or t → (3p,), driven while the cables work, clipped to the bases'
-        limits; winches and tensions follow the bases; planar worlds [rad/s, m/s]
-    cut : time [s] → cables cut then, by index from 0; methods know at once: limits 0 to 0, and a zero column of W
+    base_speeds : (3p,) θ̇, ρ̇₁, ρ̇₂ of each mobile base or t → (3p,), driven while the cables
+        work, clipped to the bases' limits; winches and tensions follow the bases; planar worlds
+        [rad/s, m/s]
+    cut : time [s] → cables cut then, by index from 0; methods know at once: limits 0 to 0, and
+        a zero column of W
     progress : called as (steps done, steps in all), about a hundred times
     simulator : an open Simulator to use (and leave open) instead of a new one
     engine_options : passed to ``open_simulator``
@@ -76,7 +84,8 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
         engine.reset(job.start)
         wishes: Iterable[Any] = map(Reference, *reference)
         if wound:
-            # By each step's end the lengths of where the platform should then be, from where its bases then stand.
+            # By each step's end the lengths of where the platform should then be, from where
+            # its bases then stand.
             ahead = path(times + period).pose
             wishes = (cable_lengths(robot, ahead).tolist() if drive is None else
                       (cable_lengths(drive.step(engine), pose).tolist() for pose in ahead))

@@ -31,13 +31,16 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
     """Lead a point mass along a sequence by rope lengths alone, in the engine.
 
     world : what the planner knows; sequence : from `plan_configurations`
-    slack : let out of every cable that shall not carry; 0 is the naive way, all ropes by inverse kinematics [m]
+    slack : let out of every cable that shall not carry; 0 is the naive way, all ropes by
+        inverse kinematics [m]
     speed, reeling : the load's largest, and of slack taken up and let out [m/s]
-    length_errors : (m,) or one number: ropes are really this much longer than the winches believe [m]
-    exit_errors : (m, 3) or one number: where the exit points really are, minus where they are believed [m]
+    length_errors : (m,) or one number: ropes are really this much longer than the winches
+        believe [m]
+    exit_errors : (m, 3) or one number: where the exit points really are, minus where they are
+        believed [m]
     cables : "length" or "elastic"
-    Returns Run; its reference is the planned motion, its errors what the load was off, and ``taut_cables`` reads off
-    which cables carried.
+    Returns Run; its reference is the planned motion, its errors what the load was off, and
+    ``taut_cables`` reads off which cables carried.
     Raises InvalidInput, SimulationDiverged.
 
     >>> import cdprlab as cl
@@ -51,7 +54,8 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
     longer = as_array(np.broadcast_to(length_errors, (m,)), "length_errors", (m,), "m")
     real = dataclasses.replace(world, robot=_displaced(world.robot, exit_errors))
     with open_simulator(real, cables) as engine:
-        # At rest where these ropes hold the load; those that are slack there are let out at their winches' speed.
+        # At rest where these ropes hold the load; those that are slack there are let out at
+        # their winches' speed.
         lengths = plan.lengths[0] + longer
         engine.reset(Pose(hanging_position(engine.robot, lengths)[0]))
         while not engine.wind(lengths):
@@ -88,7 +92,8 @@ def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *, sl
     """The same sequence followed by robots whose ropes and exit points are off, drawn evenly within the errors.
 
     world, sequence, slack, speed, reeling : as `follow_sequence`
-    trials : how many; length_error, exit_error : half widths, of each rope and each coordinate of each exit [m]
+    trials : how many; length_error, exit_error : half widths, of each rope and each coordinate
+        of each exit [m]
     seed : of the errors
     Returns one Trial each; a load that leaves the scene counts as off by infinity.
     """

@@ -31,9 +31,11 @@ def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **op
     world : World
     cables : one of ``CABLE_MODELS``; "elastic" in spatial worlds only
     dt : engine time step [s]
-    options : the engine's own (PyBullet: ``tip_mass`` [kg], ``solver_iterations``, ``bodies=True`` for mobile bases
-        that stand on wheels, drive and tip; pymunk: ``solver_iterations``)
-    Raises InvalidInput for an unknown cable model, MissingDependency where the engine is not installed.
+    options : the engine's own (PyBullet: ``tip_mass`` [kg], ``solver_iterations``,
+        ``bodies=True`` for mobile bases that stand on wheels, drive and tip; pymunk:
+        ``solver_iterations``)
+    Raises InvalidInput for an unknown cable model, MissingDependency where the engine is not
+    installed.
     """
     if cables not in _ENGINES[world.engine]:
         raise InvalidInput(f"cable model {cables!r} is not available in the {world.engine} engine; "

@@ -52,7 +52,8 @@ class Boxes:
         if name in self._grips:
             return
         body, platform, bullet = self._body(name), self._platform, self._bullet
-        # What is held must not also push: platform and box overlap where the box lies in the tray.
+        # What is held must not also push: platform and box overlap where the box lies in the
+        # tray.
         bullet.setCollisionFilterPair(platform, body, -1, -1, 0)
         seen = bullet.placed(platform)[1].T @ bullet.placed(body)[1]
         self._grips[name] = bullet.fix(platform, -1, body, -1), seen

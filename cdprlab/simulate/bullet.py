@@ -25,8 +25,9 @@ Link = tuple[float, int, list[float], list[float], int, int, list[int]]
 class Bullet(NamedTuple):
     """One client of PyBullet (DIRECT mode, no window), in which a world's bodies live.
 
-    What the engine can do is asked of it by the engine's names, functions bound to this client. In the loop they are
-    the module's own, and the client stands in its position: keywords take twice the time.
+    What the engine can do is asked of it by the engine's names, functions bound to this client.
+    In the loop they are the module's own, and the client stands in its position: keywords take
+    twice the time.
 
     engine : the module; client : its number
     """
@@ -80,8 +81,8 @@ class Bullet(NamedTuple):
             linkJointAxis=axes))
         # Joints start with motors of 1000 N that would hold the robot in place.
         self.setJointMotorControlArray(body, list(range(n)), self.VELOCITY_CONTROL, forces=[0] * n)
-        # The default of 100 m/s caps the tension at 100 m_tip/dt. In a call of its own: given together with
-        # a link's other settings, Bullet applies all of them to the base.
+        # The default of 100 m/s caps the tension at 100 m_tip/dt. In a call of its own: given
+        # together with a link's other settings, Bullet applies all of them to the base.
         self.changeDynamics(body, -1, maxJointVelocity=1e9)
         for link in range(-1, n):
             self.changeDynamics(body, link, linearDamping=0, angularDamping=0, jointDamping=0)

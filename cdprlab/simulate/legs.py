@@ -1,8 +1,9 @@
 """Cables as bodies of PyBullet: UPS legs, which pull at the platform with the tension commanded.
 
-A leg is a universal joint at the exit point, an actuated prismatic joint, a point mass at the tip, and a point-to-point
-constraint from the tip to the platform's anchor point. A pull on the prismatic joint is the tension. With a 1e-4 kg tip
-the leg reproduces an ideal massless cable to about 1 µm and 0.001 N.
+A leg is a universal joint at the exit point, an actuated prismatic joint, a point mass at the
+tip, and a point-to-point constraint from the tip to the platform's anchor point. A pull on the
+prismatic joint is the tension. With a 1e-4 kg tip the leg reproduces an ideal massless cable to
+about 1 µm and 0.001 N.
 """
 
 from __future__ import annotations
@@ -28,7 +29,8 @@ class Legs:
 
     def __init__(self, bullet: Bullet, legs: list[Leg], platform: int, pivots: Array) -> None:
         self._bullet, self._legs = bullet, legs
-        # The platform as parent; pivots are in center-of-mass frames, and the tip's mass is its origin.
+        # The platform as parent; pivots are in center-of-mass frames, and the tip's mass is its
+        # origin.
         self._ties = [int(bullet.createConstraint(platform, -1, leg, tip, bullet.JOINT_POINT2POINT,
                                                   ORIGIN, pivot, ORIGIN))
                       for (leg, tip), pivot in zip(legs, pivots.tolist())]
@@ -38,15 +40,17 @@ class Legs:
         b, client = self._bullet
         control, torque = b.setJointMotorControl2, b.TORQUE_CONTROL
         for (leg, drum), tension in zip(self._legs, tensions.tolist()):
-            # Joint torques last one step; positive lengthens the leg. All by position (targets and gains,
-            # here unused, stand in between): PyBullet parses keywords in twice the time of the call.
+            # Joint torques last one step; positive lengthens the leg. All by position (targets
+            # and gains, here unused, stand in between): PyBullet parses keywords in twice the
+            # time of the call.
             control(leg, drum, torque, 0.0, 0.0, -tension, 0.0, 0.0, 0.0, client)
 
     def tensions(self, directions: Array) -> Array:
         """(m,) of the last step: each constraint's force along its cable, whose directions then were these (m, 3)."""
         read, client = self._bullet.engine.getConstraintState, self._bullet.client
         # Plain floats: eight products of three are cheaper so than through an array.
-        # Bullet reports the force on the child, the leg's tip; the platform (parent) gets its opposite.
+        # Bullet reports the force on the child, the leg's tip; the platform (parent) gets its
+        # opposite.
         forces = [read(tie, client) if tie >= 0 else _NOTHING for tie in self._ties]
         return np.array([-(a * x + b * y + c * z) for (a, b, c), (x, y, z) in zip(forces, directions.tolist())])
 
@@ -65,7 +69,8 @@ class Legs:
 def fixed_leg(bullet: Bullet, exit_point: Array, anchor: Array, middle: Array, tip_mass: float) -> Leg:
     """A leg that stands in the world: a body of its own, which is faster than one body with all joints.
 
-    middle : (3,) of where the platform is to be: legs aimed there keep their universal joints far from singular [m]
+    middle : (3,) of where the platform is to be: legs aimed there keep their universal joints
+        far from singular [m]
     """
     aim = turn_z_to(middle - exit_point)
     return bullet.add_chain(leg_links(bullet, tip_mass, 0, 0, ORIGIN, STRAIGHT),

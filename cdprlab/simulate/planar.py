@@ -2,13 +2,15 @@
 
 Three facts about the engine, Chipmunk, shape this file.
 
-It moves bodies before it accelerates them, so a step's new speed shows in the position one step late. Reported is
-therefore where a body is about to be, p + v dt: forces and ropes then act where the platform is said to be.
+It moves bodies before it accelerates them, so a step's new speed shows in the position one step
+late. Reported is therefore where a body is about to be, p + v dt: forces and ropes then act
+where the platform is said to be.
 
-A `SlideJoint` is a rope that never pushes, but while it is taut the engine lets it only shorten: paid out, a load
-would fall and be caught in turn; and by default it corrects 0.6 % of its error a millisecond, 80 mm behind a winch
-of 0.5 m/s. Each rope is therefore a joint of length zero to a reel, a static body whose speed (a conveyor belt's: it
-goes nowhere) pays out along the rope what the joint would correct: what remains is l(t + dt) ≤ the winch's length.
+A `SlideJoint` is a rope that never pushes, but while it is taut the engine lets it only
+shorten: paid out, a load would fall and be caught in turn; and by default it corrects 0.6 % of
+its error a millisecond, 80 mm behind a winch of 0.5 m/s. Each rope is therefore a joint of
+length zero to a reel, a static body whose speed (a conveyor belt's: it goes nowhere) pays out
+along the rope what the joint would correct: what remains is l(t + dt) ≤ the winch's length.
 """
 
 from __future__ import annotations
@@ -34,10 +36,11 @@ class PlanarSimulator(Simulator):
     """A planar world in its own pymunk space.
 
     world : a planar World
-    cables : "length" (ropes paid in and out by winches), "tension" or "force" (both ideal: in the plane every
-        cable pulls its anchor point with the tension commanded)
+    cables : "length" (ropes paid in and out by winches), "tension" or "force" (both ideal: in
+        the plane every cable pulls its anchor point with the tension commanded)
     dt : time step [s]
-    solver_iterations : of Chipmunk's constraint solver; default as many as the ropes need, 10 to 1000
+    solver_iterations : of Chipmunk's constraint solver; default as many as the ropes need, 10
+        to 1000
     """
 
     def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *,
@@ -51,14 +54,16 @@ class PlanarSimulator(Simulator):
         self._space: PlanarSpace | None = None
         self.reset()
 
-    # --- the interface ----------------------------------------------------------------------------
+    # --- the interface
+    # ----------------------------------------------------------------------------
     def place(self, start: Pose) -> None:
         self.close()
         robot = self.world.robot
         self.bases = PlanarBases(robot, self.dt)
         self._pulls = [0.0] * robot.n_cables
         self._reach = 20 * (1 + float(np.abs(robot.exit_points).max() + np.abs(start.position).max()))
-        # A new space: nothing of the last run, such as an impulse kept for the solver's start, stays behind.
+        # A new space: nothing of the last run, such as an impulse kept for the solver's start,
+        # stays behind.
         self.space = self._space = PlanarSpace(self._pymunk, self.world, start, self._iterations,
                                                self._order if self.is_wound else ())
         self.space.place_bases(self.bases, self.dt)
@@ -97,7 +102,8 @@ class PlanarSimulator(Simulator):
         """Let the mobile bases drive on at these speeds, (θ̇, ρ̇₁, ρ̇₂) of each in file order, in their own axes.
 
         speeds : (3p,) [rad/s, m/s, m/s]
-        Returns (3p,) what they drive: clipped to each base's limits, 0 where a direction is held.
+        Returns (3p,) what they drive: clipped to each base's limits, 0 where a direction is
+        held.
         """
         driven = self.bases.drive(speeds)
         self.space.place_bases(self.bases, self.dt)
@@ -110,7 +116,8 @@ class PlanarSimulator(Simulator):
         if self._space is not None:
             self._space.clear()
 
-    # --- the present state as arrays ----------------------------------------------------------------
+    # --- the present state as arrays
+    # ----------------------------------------------------------------
     @property
     def robot(self) -> Robot:  # type: ignore[override]
         """The robot with its bases where they are now."""
@@ -149,7 +156,8 @@ class PlanarSimulator(Simulator):
         c, s = self._turn
         return (*self._place, c, -s, s, c, *self._twist, *self._lengths, *self._pulls)
 
-    # --- every step -------------------------------------------------------------------------------
+    # --- every step
+    # -------------------------------------------------------------------------------
     def _load(self, pulls: list[float]) -> None:
         """Sum of the pulls and the push, at the center of mass: held by the engine for one step."""
         c, s = self._turn

@@ -14,7 +14,8 @@ class PlanarBases:
 
     robot : where they start
     dt : time step [s]
-    poses, rates : (p, 3) x, y, heading now [m, m, rad] and their rates in world axes [m/s, m/s, rad/s]
+    poses, rates : (p, 3) x, y, heading now [m, m, rad] and their rates in world axes [m/s, m/s,
+        rad/s]
     exits, exits_ahead : (m, 2) exit points now and after the coming step [m]
     """
 

@@ -35,7 +35,8 @@ class PlanarSpace:
     pymunk : the module
     start : the platform's pose
     iterations : of the constraint solver
-    order : in which the solver takes the ropes, a rope of length zero each from a reel to the platform; empty: no ropes
+    order : in which the solver takes the ropes, a rope of length zero each from a reel to the
+        platform; empty: no ropes
     """
 
     def __init__(self, pymunk: Any, world: World, start: Pose, iterations: int, order: Sequence[int]) -> None:
@@ -59,8 +60,9 @@ class PlanarSpace:
         self._bases = [self._base_body(base) for base in robot.bases]
         self.ropes = [self._rope(anchor) for anchor in robot.anchor_points - platform.center_of_mass] if order else []
         space.add(*[self.ropes[i] for i in order])
-        # What is read and set every step, in one call each, in the engine's order: what moves, then what does not, as
-        # it was added. Setting the reels one by one would take twice the time.
+        # What is read and set every step, in one call each, in the engine's order: what moves,
+        # then what does not, as it was added. Setting the reels one by one would take twice the
+        # time.
         fields = pymunk.batch.BodyFields
         self._motion = fields.POSITION | fields.ANGLE | fields.VELOCITY | fields.ANGULAR_VELOCITY
         self._velocity, self._seen, self._set = fields.VELOCITY, pymunk.batch.Buffer(), pymunk.batch.Buffer()
@@ -128,10 +130,11 @@ class PlanarSpace:
 def solving_order(world: World) -> tuple[tuple[int, ...], int]:
     """The order in which the ropes are best solved, and how many rounds bring the solver's error down a millionfold.
 
-    Ropes are solved one after the other (Gauss and Seidel); a round over all of them projects the remaining error on
-    one rope's complement after the other's. Left unfinished, taut redundant ropes would tighten each other step by
-    step. How quickly it goes depends on who follows whom, not on who begins: of few ropes every order is tried, at
-    every pose where a task starts or ends.
+    Ropes are solved one after the other (Gauss and Seidel); a round over all of them projects
+    the remaining error on one rope's complement after the other's. Left unfinished, taut
+    redundant ropes would tighten each other step by step. How quickly it goes depends on who
+    follows whom, not on who begins: of few ropes every order is tried, at every pose where a
+    task starts or ends.
     """
     robot, ropes = world.robot, range(world.robot.n_cables)
     weights = np.array([robot.mass, robot.mass, float(robot.platform.inertia)])[:robot.n_dof]

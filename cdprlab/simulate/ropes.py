@@ -1,12 +1,14 @@
 """Ropes of commanded length that can only pull: which of them are taut in a step, and how hard they then pull.
 
-At the end of a step every rope is at most as long as its winch has let it out, L' ≤ ρ'; a rope that is shorter carries
-nothing. With L' ≈ L + dt J v' and v' = v_free − dt M⁻¹ Jᵀ T this is the linear complementarity problem
+At the end of a step every rope is at most as long as its winch has let it out, L' ≤ ρ'; a rope
+that is shorter carries nothing. With L' ≈ L + dt J v' and v' = v_free − dt M⁻¹ Jᵀ T this is the
+linear complementarity problem
 
-    T ≥ 0,   A T − b ≥ 0,   Tᵀ (A T − b) = 0,   A = J M⁻¹ Jᵀ + C,   b = (J v_free − (ρ' − L) / dt) / dt,
+    T ≥ 0,   A T − b ≥ 0,   Tᵀ (A T − b) = 0,   A = J M⁻¹ Jᵀ + C,   b = (J v_free − (ρ' − L) /
+    dt) / dt,
 
-whose solution minimizes ½ Tᵀ A T − bᵀ T over T ≥ 0. C is what ropes yield: next to nothing, or what their stiffness
-k = EA / ρ and damping d give over one implicit step, 1 / (dt (k dt + d)).
+whose solution minimizes ½ Tᵀ A T − bᵀ T over T ≥ 0. C is what ropes yield: next to nothing, or
+what their stiffness k = EA / ρ and damping d give over one implicit step, 1 / (dt (k dt + d)).
 """
 
 from __future__ import annotations
@@ -36,8 +38,10 @@ class RopeLaw:
                  push: Array) -> Array:
         """(m,) tensions [N].
 
-        W : (6, m) whole wrench matrix, whatever rows the pattern controls; rotation, twist, lengths : at present
-        now, wound : (m,) let out now and by the step's end [m]; push : (6,) external wrench at P
+        W : (6, m) whole wrench matrix, whatever rows the pattern controls; rotation, twist,
+            lengths : at present
+        now, wound : (m,) let out now and by the step's end [m]; push : (6,) external wrench at
+            P
         """
         self._last = self._solve(*self._body, rotation, twist, push, W, lengths, now, wound, *self._ropes, self._last)
         return self._last

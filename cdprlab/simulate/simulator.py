@@ -28,7 +28,8 @@ class Simulator(ABC):
     robot : with its bases where they are now
     position, rotation, twist, tensions : the present state, as in `State`
     wrench_matrix, lengths : (n, m) and (m,) [m] of the present pose
-    paid_out : (m,) what the winches have let out of each rope [m], empty where tensions are commanded
+    paid_out : (m,) what the winches have let out of each rope [m], empty where tensions are
+        commanded
     cut_cables : indices
     """
 
@@ -46,7 +47,8 @@ class Simulator(ABC):
         self.paid_out: list[float] = []
         self._most = (world.robot.speed_max * self.dt).tolist()   # wound in one step
 
-    # --- what each engine does in its own way --------------------------------------------------------
+    # --- what each engine does in its own way
+    # --------------------------------------------------------
     @abstractmethod
     def place(self, start: Pose) -> None:
         """Put the robot at rest at a pose, all cables whole, and what its winches have paid out to what holds it."""
@@ -79,7 +81,8 @@ class Simulator(ABC):
         """Let the mobile bases drive on at these (3p,) speeds; returns them as their limits allow [rad/s, m/s]."""
         raise InvalidInput(f"{type(self).__name__} has no bases that drive: planar worlds have")
 
-    # --- the interface ----------------------------------------------------------------------------
+    # --- the interface
+    # ----------------------------------------------------------------------------
     def reset(self, pose: Pose | None = None) -> State:
         """Put the robot at rest at a pose (default the world's), all cables whole; time starts at 0."""
         self.steps = 0

@@ -30,15 +30,17 @@ class SpatialSimulator(Simulator):
     """A spatial world in a PyBullet client of its own.
 
     world : a spatial World
-    cables : "tension" (UPS legs), "force" (external forces on the platform), "length" (UPS legs that pull as ropes
-        wound to a length do) or "elastic" (such ropes, that stretch as the world's ``cable:`` block says)
+    cables : "tension" (UPS legs), "force" (external forces on the platform), "length" (UPS legs
+        that pull as ropes wound to a length do) or "elastic" (such ropes, that stretch as the
+        world's ``cable:`` block says)
     dt : time step [s]
     bodies : whether mobile bases are bodies that stand on wheels, drive and tip
     tip_mass : point mass at each leg's tip [kg]; the tension error is about tip_mass (g + a)
-    solver_iterations : of Bullet's constraint solver; for cables 5 give the digits of 200, contacts want 10 to 50
+    solver_iterations : of Bullet's constraint solver; for cables 5 give the digits of 200,
+        contacts want 10 to 50
 
-    Its parts are public: ``bullet`` and ``platform``, the engine and the body; ``bases``; ``boxes``, none at first.
-    ``carrying`` is the robot with the payload it is known to carry.
+    Its parts are public: ``bullet`` and ``platform``, the engine and the body; ``bases``;
+    ``boxes``, none at first. ``carrying`` is the robot with the payload it is known to carry.
     """
 
     carrying: Robot
@@ -57,7 +59,8 @@ class SpatialSimulator(Simulator):
                                "`cable: {axial_stiffness: …}` block")
         self._tip_mass, self._bodies = float(tip_mass), bodies
         self.bullet, self._frame = Bullet.connect(), _BodyFrame(robot)
-        # Threshold 0: the default ends the iterations early, at a moment that depends on the motion.
+        # Threshold 0: the default ends the iterations early, at a moment that depends on the
+        # motion.
         self._set(fixedTimeStep=self.dt, numSolverIterations=solver_iterations or (50 if bodies else 5),
                   solverResidualThreshold=0)
         self.bullet.setGravity(0, 0, -robot.gravity)
@@ -69,7 +72,8 @@ class SpatialSimulator(Simulator):
         self._legs: Legs | None = None
         self.reset()
 
-    # --- the interface ----------------------------------------------------------------------------
+    # --- the interface
+    # ----------------------------------------------------------------------------
     def place(self, start: Pose) -> None:
         b, robot = self.bullet, self.world.robot
         self.boxes.release()
@@ -88,7 +92,8 @@ class SpatialSimulator(Simulator):
 
     def pull(self, tensions: Array, substeps: int) -> None:
         if substeps != self._substeps:
-            # One engine call for all substeps: torques are held over them and Python waits once.
+            # One engine call for all substeps: torques are held over them and Python waits
+            # once.
             self._substeps = substeps
             self._set(fixedTimeStep=self.dt * substeps, numSubSteps=substeps if substeps > 1 else 0)
         if self.cut_cables:
@@ -138,8 +143,7 @@ class SpatialSimulator(Simulator):
         return self.boxes
 
     def sample(self) -> list[float]:
-        row: list[float] = np.concatenate((self._state, self.lengths, self.tensions)).tolist()
-        return row
+        return [*self._state.tolist(), *self.lengths.tolist(), *self.tensions.tolist()]
 
     def close(self) -> None:
         if self.bullet.client >= 0:
@@ -163,7 +167,8 @@ class SpatialSimulator(Simulator):
         lengths, W = cables(self._exits, robot.anchor_points, pose.position[None], pose.rotation[None])
         return Cables(W[0, :3].T, lengths[0], robot.pattern.project(W[0], pose.rotation))
 
-    # --- mobile bases -----------------------------------------------------------------------------
+    # --- mobile bases
+    # -----------------------------------------------------------------------------
     @property
     def robot(self) -> Robot:  # type: ignore[override]
         """The robot with its bases where they are now; how they tilt, `tilts` says."""
@@ -197,12 +202,14 @@ class SpatialSimulator(Simulator):
     def drive(self, speeds: ArrayLike) -> Array:
         return self.bases.drive(speeds) if self._bodies else super().drive(speeds)
 
-    # --- every step -------------------------------------------------------------------------------
+    # --- every step
+    # -------------------------------------------------------------------------------
     def _apply(self, wrench: Array) -> None:
         """A full wrench [f; m] at P in world axes, for the next step."""
         b, client = self.bullet
         force = wrench[:3].tolist()
-        # Applied at P as a world point, so that Bullet adds the moment about the center of mass.
+        # Applied at P as a world point, so that Bullet adds the moment about the center of
+        # mass.
         b.applyExternalForce(self.platform, -1, force, self.position.tolist(), b.WORLD_FRAME, client)
         if wrench[3:].any():
             b.applyExternalTorque(self.platform, -1, wrench[3:].tolist(), b.WORLD_FRAME, client)
@@ -229,7 +236,8 @@ class SpatialSimulator(Simulator):
     def _set(self, **parameters: float) -> None:
         self.bullet.setPhysicsEngineParameter(**parameters)
 
-    # --- building ---------------------------------------------------------------------------------
+    # --- building
+    # ---------------------------------------------------------------------------------
     def _wound_at_rest(self) -> list[float]:
         """(m,) rope lengths at which the robot hangs where it is: stretching ropes are wound shorter."""
         robot, lengths = self.robot, self.lengths

@@ -1,9 +1,10 @@
 """Mobile bases as bodies in PyBullet: they stand on wheels, drive, tip over, and carry their cables' legs.
 
-A base hangs on six joints of its own, two along the floor, one about the vertical, one up, two to tilt, so that driving
-is commanded exactly while rising and tilting are left to physics. Its wheels are spheres without friction: driving is
-the joints' business, and a sphere touches at the one point the footprint names. Everything of a base, legs included,
-is one multibody, which Bullet solves without the slip a constraint between bodies would bring.
+A base hangs on six joints of its own, two along the floor, one about the vertical, one up, two
+to tilt, so that driving is commanded exactly while rising and tilting are left to physics. Its
+wheels are spheres without friction: driving is the joints' business, and a sphere touches at
+the one point the footprint names. Everything of a base, legs included, is one multibody, which
+Bullet solves without the slip a constraint between bodies would bring.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ class SpatialBases:
     robot : whose bases stand; with none of them nothing moves
     is_stabilized : whether they stand on feet, which are where the wheels are: then none drives
     bodies : of the bases, in file order
-    exits : (m, 3) exit points now [m]; exit_steps : (m, 3) how far they went in the last step [m]
+    exits : (m, 3) exit points now [m]; exit_steps : (m, 3) how far they went in the last step
+        [m]
     """
 
     def __init__(self, bullet: Bullet, robot: Robot, tip_mass: float) -> None:
@@ -61,7 +63,8 @@ class SpatialBases:
         self.look()
         return legs
 
-    # --- every step -------------------------------------------------------------------------------
+    # --- every step
+    # -------------------------------------------------------------------------------
     def steer(self, period: float) -> None:
         """Let the motors drive on for so long [s]."""
         b, client = self._bullet
@@ -73,7 +76,8 @@ class SpatialBases:
             heading, force = goal[2] + spin * period / 2, 0.0 if towed else self._traction[k]
             c, s = math.cos(heading), math.sin(heading)
             for joint, rate in ((_ALONG, c * along - s * across), (_ACROSS, s * along + c * across), (_ABOUT, spin)):
-                # Bullet's own position motors lag behind where a step has substeps: half of what is missing a step.
+                # Bullet's own position motors lag behind where a step has substeps: half of
+                # what is missing a step.
                 missing = (goal[joint] - now[joint]) / (2 * period)
                 goal[joint] += rate * period
                 control(body, joint, speed, 0.0, missing + rate, force, *_GAINS, client)
@@ -93,7 +97,8 @@ class SpatialBases:
         self.exit_steps = exits - self.exits
         self.exits = frozen(exits)
 
-    # --- the interface ----------------------------------------------------------------------------
+    # --- the interface
+    # ----------------------------------------------------------------------------
     @property
     def poses(self) -> Array:
         """(p, 3) x, y and heading of each base [m, rad]."""
