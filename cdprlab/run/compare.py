@@ -146,12 +146,12 @@ def _follow(robot: Robot, path: Trajectory, times: Array, W: Array, w_e: Array, 
 
 
 def _timed(solve: Solver, W: Array, w_e: Array) -> tuple[Array, Array]:
-    tensions, elapsed = np.empty((W.shape[0], W.shape[2])), np.empty(W.shape[0])
-    for k in range(W.shape[0]):
-        began = time.perf_counter()
-        tensions[k] = solve(W[k], w_e[k])[0]
-        elapsed[k] = time.perf_counter() - began
-    return tensions, elapsed
+    """Tensions of one solve after the other, and how long each took [s]."""
+    tensions, moments = [], [time.perf_counter()]
+    for problem in zip(W, w_e):
+        tensions.append(solve(*problem)[0])
+        moments.append(time.perf_counter())
+    return np.array(tensions), np.diff(moments)
 
 
 def step_shrinks(robot: Robot, path: Trajectory, span: Array, solve: Solver, step: float) -> bool:

@@ -161,7 +161,7 @@ class Simulator(ABC):
 
     def state(self) -> State:
         """The present state."""
-        return State(self.steps * self.dt, self.robot, self.position, self.rotation, self.twist, self.tensions,
+        return State(self.time, self.robot, self.position, self.rotation, self.twist, self.tensions,
                      self.world.scene, self.rope_lengths, tuple(self.loose_boxes()))
 
     def diverge(self) -> None:
