@@ -36,8 +36,8 @@ class TensionComparison:
     margin : smallest distance to a limit [N]
     solve_time : median of one solve, as the control loop calls it [s]
 
-    Beside the table what it was made of: time (N,) [s], tensions (k, N, m) [N], feasible (k,
-    N).
+    Beside the table what it was made of: time (N,) [s], tensions (k, N, m) [N],
+    feasible (k, N).
     """
 
     world: World

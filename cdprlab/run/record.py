@@ -35,8 +35,8 @@ class Run:
     settings : how the run was made
     commanded_lengths : (N, m) the winches were to reach by the step's end, None where tensions
         are commanded [m]
-    base_poses : (N, p, 3) x, y, heading of each mobile base, None where none was driven [m, m,
-        rad]
+    base_poses : (N, p, 3) x, y, heading of each mobile base, None where none was driven
+        [m, m, rad]
     """
 
     world: World
