@@ -1,5 +1,6 @@
 """What the closed loop costs beside the bare engine step of the same scene, and what the import costs."""
 
+import dataclasses
 import statistics
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import time
 import pytest
 
 import cdprlab as cl
+from cdprlab.course.props.changed_cables import every_cable
 
 STEPS = 200  # 0.2 s of free fall from 0.3 m above the floor: the bare steps meet no contact
 
@@ -52,6 +54,17 @@ def test_closed_loop(benchmark, report, simulator, reference, control_period, pr
     rate = "1 kHz" if control_period is None else "100 Hz"
     report(f"closed loop at {rate} / bare stepSimulation", loop_ratio(simulator, reference, control_period), promised)
     benchmark(lambda: cl.run(simulator.world, duration=0.2, control_period=control_period, simulator=simulator))
+
+
+def test_every_step_relaxed(benchmark, report, reference):
+    """Limits that never carry the platform: each step misses a wrench, and finds the least error."""
+    world = cl.load_world("caroca")
+    weak = dataclasses.replace(world, robot=every_cable(world.robot, tension_min=50.0, tension_max=200.0))
+    with cl.open_simulator(weak) as simulator:
+        run = cl.run(weak, duration=0.2, simulator=simulator)
+        assert not run.feasible.any()
+        report("every step relaxed / bare stepSimulation", loop_ratio(simulator, reference, None), 10)
+        benchmark(lambda: cl.run(weak, duration=0.2, simulator=simulator))
 
 
 def import_time(module):
