@@ -222,7 +222,7 @@ class _Case:
     def worst(self) -> _Worst:
         found = self.brief.best_tensions(self.robot, self.poses)
         margins = np.array([s for s, _ in found])
-        k, i = np.unravel_index(int(np.argmin(margins)), margins.shape)
+        k, i = np.unravel_index(np.argmin(margins), margins.shape)
         held = int((margins.min(axis=0) >= 0).sum())
         return _Worst(float(margins[k, i]), found[k][1][i],
                       f"{_place(self.poses[int(i)])}, {_push(self.brief.wrenches[k])}",
@@ -242,7 +242,7 @@ class _Case:
         if not pairs:
             return True, "none can cross"
         gaps = cable_distances(self.robot, self.poses)
-        i, k = np.unravel_index(int(np.argmin(gaps)), gaps.shape)
+        i, k = np.unravel_index(np.argmin(gaps), gaps.shape)
         gap, (one, other) = float(gaps[i, k]), pairs[k]
         if gap < self.brief.clearance:
             return False, (f"cables {one + 1} and {other + 1} come as near as {1e3 * gap:.0f} mm, at "
@@ -311,10 +311,10 @@ def _none(wrong: Any, well: str, ill: str) -> _Found:
 def _advice(robot: Robot, tau: Array, missing: float) -> str:
     low, high = robot.tension_min - tau, tau - robot.tension_max
     if low.max() > high.max() + 1e-6:      # as much of both is missing: the winch is told
-        i = int(np.argmax(low))
+        i = np.argmax(low)
         return (f"at best cable {i + 1} has {tau[i]:.0f} N, {missing:.0f} N short of what keeps it taut. The others do "
                 "its work there: move its exit point outwards, or its anchor point to the other side")
-    i = int(np.argmax(high))
+    i = np.argmax(high)
     return (f"at best cable {i + 1} needs {tau[i]:.0f} N, {missing:.0f} N more than its winch has. Flat cables pull "
             "hard and lift little, parallel ones turn nothing: move exit points up, or cross the cables")
 
@@ -326,5 +326,5 @@ def _place(pose: Pose) -> str:
 def _push(wrench: Array) -> str:
     if not wrench.any():
         return "not pushed"
-    k = int(np.argmax(np.abs(wrench)))
+    k = np.argmax(np.abs(wrench))
     return f"pushed with {_AXES[k]} = {wrench[k]:g} {'N' if k < 3 else 'N m'}"

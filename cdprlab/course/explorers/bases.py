@@ -106,11 +106,10 @@ class BaseExplorer(Explorer):
         speeds = self._base_speeds(values)
         twist = np.array([values.get(f"v_{row}", 0.0) for row in robot.pattern.rows])
         lengths = cable_lengths(robot, pose)
-        if (lengths == 0).any():
-            nowhere = np.full(robot.n_cables, np.nan)
-            return BaseMotion(robot, pose, speeds, twist, lengths, nowhere, nowhere)
-        return BaseMotion(robot, pose, speeds, twist, lengths, jacobian(robot, pose) @ twist,
-                       -base_jacobian(robot, pose) @ speeds)
+        from_platform = from_bases = np.full(robot.n_cables, np.nan)
+        if lengths.all():
+            from_platform, from_bases = jacobian(robot, pose) @ twist, -base_jacobian(robot, pose) @ speeds
+        return BaseMotion(robot, pose, speeds, twist, lengths, from_platform, from_bases)
 
     def build(self, figure: Figure) -> None:
         above, below = figure.subplots(2, 1, height_ratios=(3, 1.1))

@@ -1,13 +1,14 @@
-"""Tensions as bars that move, a word at the end of each."""
+"""Tensions as bars, a word at the end of each."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import ArrayLike
 
+from ...arrays import Array
 from ...view.style import INK
 
 
@@ -19,20 +20,11 @@ class CableBars:
     """
 
     def __init__(self, axes: Axes, m: int, end: float, gap: float) -> None:
-        cables = np.arange(1, m + 1)
-        self.gap = gap
-        self.bars = axes.barh(cables, np.zeros(m), height=0.62, zorder=2)
-        for bar in self.bars:
-            bar.set_animated(True)
-        self.words = [axes.text(0, float(cable), "", va="center", fontsize=9, color=INK, zorder=5, animated=True)
-                      for cable in cables]
+        self.axes, self.gap, cables = axes, gap, np.arange(1, m + 1)
         axes.set(xlim=(0.0, end), ylim=(m + 0.5, 0.5), xlabel="tension [N]", ylabel="cable", yticks=cables)
 
-    def move(self, lengths: ArrayLike, words: Sequence[str], ends: ArrayLike | None = None) -> None:
+    def draw(self, lengths: Array, words: Sequence[str], ends: Array | None = None, **look: Any) -> None:
         """Bars of these (m,) lengths [N], words beyond their ``ends``, or beyond other ones [N]."""
-        wide = np.asarray(lengths, dtype=float)
-        for bar, length, label, word, end in zip(self.bars, wide, self.words, words,
-                                                 wide if ends is None else np.asarray(ends)):
-            bar.set_width(float(length))
-            label.set_text(word)
-            label.set_x(float(end) + self.gap)
+        self.bars = self.axes.barh(range(1, len(words) + 1), lengths, height=0.62, zorder=2, **look)
+        self.words = [self.axes.text(float(end) + self.gap, k, word, va="center", fontsize=9, color=INK, zorder=5)
+                      for k, (end, word) in enumerate(zip(lengths if ends is None else ends, words), start=1)]

@@ -27,8 +27,6 @@ from .posing import checked_world
 _LISTED = 6
 """Sequences to choose from."""
 
-_AXES = ("x", "y", "z")
-
 REELING = 0.1
 """Speed at which slack is taken up and let out [m/s]."""
 
@@ -98,7 +96,7 @@ class ConfigurationExplorer(Explorer):
         sequence = self.chosen(self.values)
         if sequence is None:
             raise InvalidInput(f"there is no sequence to fly: {self.planned(self.values)[1]}")
-        speed = 0.8 * float(self.robot.speed_max.min())
+        speed = 0.8 * self.robot.speed_max.min()
         run = follow_sequence(self.world, sequence, slack=self.values["slack"], speed=speed,
                               reeling=min(REELING, speed))
         self._show_player(RunPlayer(run))
@@ -190,7 +188,7 @@ def _controls(world: World, uncertain: bool) -> list[Slider | Choice]:
     sliders: list[Slider | Choice] = []
     for name, end in zip("SG", ends):
         sliders += [Slider(f"{name}{axis}", f"{name} {axis}", "m", float(low[k]), float(max(high[k], low[k] + 0.1)),
-                           float(np.clip(end[k], low[k], high[k])), 0.01) for k, axis in enumerate(_AXES)]
+                           float(np.clip(end[k], low[k], high[k])), 0.01) for k, axis in enumerate("xyz")]
     sliders += [Slider("share", "look at share of way", "", 0.0, 1.0, 0.0, 0.01),
                 Choice("pick", "sequence", tuple(range(1, _LISTED + 1)))]
     if uncertain:
@@ -201,7 +199,7 @@ def _controls(world: World, uncertain: bool) -> list[Slider | Choice]:
 
 
 def _ends(values: Values) -> tuple[Array, Array]:
-    start, goal = (np.array([values[name + axis] for axis in _AXES]) for name in "SG")
+    start, goal = (np.array([values[name + axis] for axis in "xyz"]) for name in "SG")
     return start, goal
 
 

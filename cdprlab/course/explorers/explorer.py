@@ -13,6 +13,7 @@ from functools import wraps
 from typing import Any, NoReturn, TypeVar
 
 import ipywidgets
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -298,6 +299,16 @@ class Explorer(Shown):
                                '<span style="font-weight: normal">The picture is the one before this move; '
                                "mend the function it calls, or move on.</span></div>")
         raise error
+
+
+def rounded_up(value: float, digits: int) -> float:
+    """The next number of so many digits.
+
+    >>> rounded_up(123.0, 2)
+    130.0
+    """
+    unit = 10.0 ** np.floor(np.log10(value) - digits + 1)
+    return float(np.ceil(value / unit - 1e-9) * unit)
 
 
 def as_text(numbers: Mapping[str, Any] | str) -> str:

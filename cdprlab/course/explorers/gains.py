@@ -179,12 +179,11 @@ class GainExplorer(Explorer):
         along = np.linspace(0, span, 400)
         self._smooth.set_data(along, START * error_decay(kp, kd, along))
         poles, shown = judge(kp, kd, dt).poles, 1.9
-        out = np.abs(poles) >= 1 - 1e-9
-        far = np.abs(poles) > shown
-        placed = np.where(far, shown * poles / np.where(far, np.abs(poles), 1), poles)
+        size = np.abs(poles)
+        out, placed = size >= 1 - 1e-9, poles * shown / np.maximum(size, shown)
         self._inside.set_data(placed[~out].real, placed[~out].imag)
         self._outside.set_data(placed[out].real, placed[out].imag)
-        self._far.set_text(f"off the picture: |z| = {np.abs(poles).max():.1f}" if far.any() else "")
+        self._far.set_text(f"off the picture: |z| = {size.max():.1f}" if size.max() > shown else "")
 
     def describe(self, values: Values) -> str:
         """One sentence for those who do not see the picture."""

@@ -16,9 +16,7 @@ from ...view.style import INK, cable_style
 from ...world import World
 from ..text_table import in_brackets
 from .cable_bars import CableBars
-from .explorer import Explorer, Slider, Values, once_a_move
-
-_AXES = ("x", "y", "z")
+from .explorer import Explorer, Slider, Values, once_a_move, rounded_up
 
 
 class HangingExplorer(Explorer):
@@ -42,7 +40,7 @@ class HangingExplorer(Explorer):
 
     def pose(self, values: Values) -> Pose:
         """Level, where the sliders say."""
-        return Pose([values[axis] for axis in _AXES])
+        return Pose([values[axis] for axis in "xyz"])
 
     @once_a_move
     def tensions(self, values: Values) -> TensionDistribution:
@@ -57,33 +55,32 @@ class HangingExplorer(Explorer):
         self._drawing = RobotDrawing(left, self.robot, self.world.scene, Pose(np.array(ends)))
         # Three times what the start needs: a pull that grows is seen to grow, and beyond it the number tells.
         start = self.tensions(self.values).tensions
-        self._largest = _round_up(3.0 * float(np.nanmax(start, initial=1.0)))
+        self._largest = rounded_up(3.0 * np.nanmax(start, initial=1.0), 2)
         self.bars = CableBars(right, self.robot.n_cables, 1.25 * self._largest, 0.02 * self._largest)
-        for k, bar in enumerate(self.bars.bars):
-            look = cable_style(k)
-            bar.set(facecolor=look.color, edgecolor=INK, linestyle=look.linestyle)
 
     def draw(self, values: Values) -> None:
         self._drawing.move(self.pose(values))
-        held = self.tensions(values)
+        held, m = self.tensions(values), self.robot.n_cables
+        shown, words = np.zeros(m), ["?"] * m
         if held.feasible:
+            shown = np.minimum(held.tensions, self._largest)
             words = [f"{tension:.0f}" + (" →" if tension > self._largest else "") for tension in held.tensions]
-            self.bars.move(np.minimum(held.tensions, self._largest), words)
-        else:
-            self.bars.move(np.zeros(self.robot.n_cables), ["?"] * self.robot.n_cables)
+        self.bars.draw(shown, words, color=[cable_style(k).color for k in range(m)], edgecolor=INK)
+        for k, bar in enumerate(self.bars.bars):
+            bar.set_linestyle(cable_style(k).linestyle)
 
     def numbers(self, values: Values) -> dict[str, Any]:
         held, robot = self.tensions(values), self.robot
         weight = {"weight [N]": f"{robot.mass * robot.gravity:.1f}"}
         if not held.feasible:
             return weight | {"In words": "Within their limits the cables\ncannot hold it here."}
-        tau, hardest = held.tensions, int(np.argmax(held.tensions))
+        tau, hardest = held.tensions, np.argmax(held.tensions)
         vertical = tau @ wrench_matrix(robot, self.pose(values))[2]
         return weight | {
             "Σ τ u, vertical [N]": f"{vertical:.1f}",
             "Σ τ [N]": f"{tau.sum():.0f}",
             "hardest pull": f"{tau[hardest]:.0f} N, cable {hardest + 1}",
-            "softest pull": f"{tau.min():.0f} N, cable {int(np.argmin(tau)) + 1}",
+            "softest pull": f"{tau.min():.0f} N, cable {np.argmin(tau) + 1}",
         }
 
     def describe(self, values: Values) -> str:
@@ -103,10 +100,4 @@ def _sliders(world: World) -> list[Slider]:
     low[2], high[2] = world.scene.floor_height, robot.exit_points[:, 2].min()
     inset = robot.platform.size / 2 + 0.1
     return [Slider(axis, axis, "m", min(round(bottom, 1), place), max(round(top, 1), place), place, 0.05)
-            for axis, bottom, top, place in zip(_AXES, (low + inset).tolist(), (high - inset).tolist(), start.tolist())]
-
-
-def _round_up(value: float) -> float:
-    """To two digits."""
-    unit = 10.0 ** np.floor(np.log10(value) - 1)
-    return float(np.ceil(value / unit) * unit)
+            for axis, bottom, top, place in zip("xyz", (low + inset).tolist(), (high - inset).tolist(), start.tolist())]

@@ -133,8 +133,8 @@ def _gap(plan: Plan) -> str:
     """Whether the way crosses the racks above the middle one's center."""
     x, y = plan.poses[:, 0], plan.poses[:, 1]
     k = int(np.argmax(x > _RACKS))
-    share = (_RACKS - x[k - 1]) / (x[k] - x[k - 1])
-    return "upper" if y[k - 1] + share * (y[k] - y[k - 1]) > (_MIDDLE + _DETOUR[0]) / 2 else "lower"
+    across = np.interp(_RACKS, x[k - 1:k + 1], y[k - 1:k + 1])
+    return "upper" if across > (_MIDDLE + _DETOUR[0]) / 2 else "lower"
 
 
 def _stations(poses: Array, step: float = 0.9, turn_step: float = 0.8) -> Array:

@@ -7,18 +7,18 @@ from typing import Any
 import ipywidgets
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from ...arrays import Array
 from ...errors import InvalidInput
+from ...robot import Robot
 from ...robot.pose import Pose
 from ...run import Run
 from ...view.drawing import RobotDrawing
 from ...view.style import GREY, INK, tension_colors
 from ..text_table import fixed, tension_text, text_table
 from .cable_bars import CableBars
-from .explorer import Explorer, Slider, Values, movable
+from .explorer import Explorer, Slider, Values
 
 _FRAME = 0.1
 """Seconds between two pictures of the playing run: a slow notebook connection keeps up."""
@@ -69,7 +69,7 @@ class RunPlayer(Explorer):
 
             below = figure.subplots()
             self.scene = RobotScene(self.world, self.run.poses[0], self.run.measured_tensions[0], self.limits)
-        self.bars = _TensionBars(below, self.run, self.limits)
+        self.bars = _framed_bars(below, self.world.robot, self.limits[1])
 
     def draw(self, values: Values) -> None:
         """Robot and bars at that time."""
@@ -81,7 +81,11 @@ class RunPlayer(Explorer):
             if "azimuth" in values:
                 self.drawing.turn(values["azimuth"])
             self.drawing.move(pose, tau)
-        self.bars.show(tau, self.run.commanded_tensions[k])
+        shown, commanded = np.nan_to_num(np.maximum(tau, 0.0)), self.run.commanded_tensions[k]
+        self.bars.draw(shown, [tension_text(pull) for pull in tau], np.maximum(shown, commanded),
+                       color=tension_colors(tau, self.limits) / 255)
+        self.bars.axes.plot(commanded, range(1, len(commanded) + 1), "|", color=INK, markersize=11,
+                            markeredgewidth=2, zorder=4)
 
     def numbers(self, values: Values) -> str:
         """Time, error, and every cable's tension between its limits."""
@@ -111,44 +115,26 @@ class RunPlayer(Explorer):
     def _add_play_button(self) -> None:
         frames = max(1, round(self.end / _FRAME))
         self.play = ipywidgets.Play(value=0, min=0, max=frames, interval=round(1000 * _FRAME))
-        self.play.observe(lambda change: self._show_frame(change["new"], frames), names="value")
+        self.play.observe(lambda change: self._show_frame(change["new"]), names="value")
         self.panel.children = (self.play, *self.panel.children)
         if self.scene is not None:
             self.stage.children = (self.scene.plot, *self.stage.children)
-        self.on_move(lambda values: self._follow(round(values["t"] / max(self.end, 1e-9) * frames)))
+        self.on_move(self._follow)
 
-    def _show_frame(self, frame: int, frames: int) -> None:
+    def _frame(self, values: Values) -> int:
+        return round(values["t"] / max(self.end, 1e-9) * self.play.max)
+
+    def _show_frame(self, frame: int) -> None:
         # The button also follows the slider (``_follow``); then there is nothing to show.
-        if round(self.values["t"] / max(self.end, 1e-9) * frames) != frame:
-            self.set(t=self.end * frame / frames)
+        if self._frame(self.values) != frame:
+            self.set(t=self.end * frame / self.play.max)
 
-    def _follow(self, frame: int) -> None:
+    def _follow(self, values: Values) -> None:
         """Playing goes on from where the slider is."""
-        if self.play.value != frame:
-            self.play.value = frame
+        self.play.value = self._frame(values)
 
 
 run_player = RunPlayer
-
-
-class _TensionBars(CableBars):
-    """A bar for each cable from 0 to its tension, in the cable's color of the robot's picture, with both limits."""
-
-    def __init__(self, axes: Axes, run: Run, limits: tuple[float, float]) -> None:
-        robot, top = run.world.robot, limits[1]
-        self.limits = limits
-        super().__init__(axes, robot.n_cables, 1.18 * top, 0.02 * top)
-        axes.grid(visible=False, axis="y")
-        axes.tick_params(axis="y", labelsize=9)
-        self.wanted = movable(axes, "|", color=INK, markersize=11, markeredgewidth=2, zorder=4)
-        _draw_limits(axes, robot.tension_min, robot.tension_max, 1.18 * top)
-
-    def show(self, measured: Array, commanded: Array) -> None:
-        shown = np.nan_to_num(np.maximum(measured, 0.0))
-        self.move(shown, [tension_text(tau) for tau in measured], np.maximum(shown, commanded))
-        for bar, color in zip(self.bars, tension_colors(measured, self.limits) / 255):
-            bar.set_facecolor(tuple(color))
-        self.wanted.set_data(commanded, np.arange(1, len(commanded) + 1))
 
 
 def _checked_view(run: Any, view: str) -> str:
@@ -178,18 +164,26 @@ def _poses_to_hold(run: Run) -> Pose:
     return run.poses[np.unique(np.linspace(0, len(run.time) - 1, 20).astype(int))]
 
 
-def _draw_limits(axes: Axes, low: Array, high: Array, end: float) -> None:
-    """Each cable's limits as small brackets; in words where they are off the scale."""
-    shown = [(k, limit) for k, limits in enumerate(zip(low, high)) for limit in limits if limit <= end]
-    brackets = [[(limit, k + 0.6), (limit, k + 1.4)] for k, limit in shown]
-    axes.add_collection(LineCollection(brackets, colors=INK, linewidths=1.6, linestyles=[(0, (1, 1))], zorder=3,
-                                       animated=True), autolim=False)  # animated: over the bars, which are too
+def _framed_bars(axes: Axes, robot: Robot, top: float) -> CableBars:
+    """Each cable's limits as small brackets around a bar to come; in words where they are off the scale.
+
+    top : the largest tension [N]
+    """
+    low, high, end = robot.tension_min, robot.tension_max, 1.18 * top
+    bars = CableBars(axes, robot.n_cables, end, 0.02 * top)
+    axes.grid(visible=False, axis="y")
+    axes.tick_params(axis="y", labelsize=9)
+    for limits in (low, high):
+        k = np.flatnonzero(limits <= end) + 1
+        axes.vlines(limits[k - 1], k - 0.4, k + 0.4, color=INK, linewidth=1.6, linestyle=(0, (1, 1)), zorder=3,
+                    animated=True)  # as the bars, or it would be below them
     names = ((r"$\tau_\mathrm{min}$", low), (r"$\tau_\mathrm{max}$", high))
     far = [f"{name} {_spread(limit)} N" for name, limit in names if (limit > end).any()]
     note = "dots: limits" + (f", off scale {', '.join(far)}" if far else "")
     axes.set_title(f"bar: measured · line: commanded · {note}", fontsize=9, fontweight="normal", color=GREY, loc="left")
+    return bars
 
 
 def _spread(limits: Array) -> str:
-    low, high = float(limits.min()), float(limits.max())
+    low, high = limits.min(), limits.max()
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"

@@ -166,7 +166,7 @@ def _middle(robot: Robot) -> Pose:
     low, high = robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)
     middle: Array = (low + high) / 2
     if high[-1] - low[-1] < 1e-9:  # all exits at one height: hang below them
-        middle[-1] = high[-1] - 0.5 * float((high - low).max())
+        middle[-1] = high[-1] - 0.5 * (high - low).max()
     return Pose(middle)
 
 
@@ -178,7 +178,7 @@ def _position_sliders(robot: Robot, floor: float, start: Pose) -> list[Slider]:
     axes = [row for row in robot.pattern.rows if row in "xyz"]
     for axis, bottom, top, place in zip(axes, low, high, start.position):
         middle, half = (bottom + top) / 2, 0.4 * (top - bottom)
-        half = half or max(0.5, 2 * float(robot.platform.size.max()))  # all exits on one height or line
+        half = half or max(0.5, 2 * robot.platform.size.max())  # all exits on one height or line
         sliders.append(_slider(axis, "m", middle - half, middle + half, float(place), 0.01))
     return sliders
 

@@ -18,6 +18,7 @@ from ...tensions import TensionDistribution, distribute_tensions, tension_method
 from ...world import World
 from ..pictures.tension_panels import MARKS, OWN, draw_bars, draw_set
 from ..pictures.tension_polygon import TensionSet, set_in_words, tension_set
+from ..props.point_load import decimal
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
 from .posing import Posing
 
@@ -132,7 +133,8 @@ class TensionExplorer(Explorer):
             return f"On the border; limits met: {met}." if met else "There is no border to walk along."
         answer = here.found[values["method"]]
         if not answer.feasible:
-            return f"{str(answer.reason)[:1].upper()}{str(answer.reason)[1:]}."
+            reason = str(answer.reason)
+            return f"{reason[:1].upper()}{reason[1:]}."
         met = ", ".join(here.free.met_limits(answer.tensions))
         return f"Balanced within the limits, {f'at {met}' if met else 'none of them met'}."
 
@@ -149,8 +151,8 @@ def _limit_sliders(robot: Robot, start: Pose) -> list[Slider]:
     """The same limits for all cables, in ranges that touch but never cross, near the tensions at the start."""
     W, w_e = wrench_matrix(robot, start), gravity_wrench(robot, start)
     held = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max, "relaxed").tensions
-    least, most = float(robot.tension_min.max()), float(robot.tension_max.min())
-    largest = max(float(held.max()), 2 * least, 1e-3 * most)
+    least, most = robot.tension_min.max(), robot.tension_max.min()
+    largest = max(held.max(), 2 * least, 1e-3 * most)
     unit = 10.0 ** np.floor(np.log10(largest) - 1)
     border = float(np.ceil(largest / unit) * unit)
     return [Slider("tension_min", "τ_min", "N", 0.0, border, least, unit / 2),
@@ -159,8 +161,7 @@ def _limit_sliders(robot: Robot, start: Pose) -> list[Slider]:
 
 def _balances(answer: TensionDistribution) -> bool:
     """Whether an answer is balanced at all, limits aside."""
-    return bool(np.isfinite(answer.tensions).all()) and float(np.abs(answer.residual).max()) < 1e-6 * (
-        1 + float(np.abs(answer.tensions).max()))
+    return bool(np.abs(answer.residual).max() < 1e-6 * (1 + np.abs(answer.tensions).max()))
 
 
 def _row(answer: TensionDistribution) -> str:
@@ -171,4 +172,4 @@ def _row(answer: TensionDistribution) -> str:
 
 
 def _number(value: float) -> str:
-    return "–" if not np.isfinite(value) else f"{round(float(value), 1) + 0.0:.1f}".replace("-", "−")
+    return "–" if not np.isfinite(value) else decimal(value)

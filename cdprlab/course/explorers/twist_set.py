@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...arrays import Array
@@ -58,7 +57,7 @@ class Reach(NamedTuple):
     def verdict(self, moving: bool) -> str:
         """Inside or outside, and how much of the twist can be had."""
         scale = self.scales[moving]
-        where = "inside" if bool((self.fixed, self.moving)[moving].contains(self.twist)) else "OUTSIDE"
+        where = "inside" if (self.fixed, self.moving)[moving].contains(self.twist) else "OUTSIDE"
         return f"{where}, scale at most {scale:.3f}" if np.isfinite(scale) else f"{where}, any scale"
 
 
@@ -104,11 +103,17 @@ class TwistSetExplorer(Explorer):
                      jacobian(robot, pose) @ twist, resolve_twist(robot, pose, share * twist))
 
     def build(self, figure: Figure) -> None:
-        left, right = figure.subplots(1, 2, width_ratios=(1, 1.35))
+        left, panel = figure.subplots(1, 2, width_ratios=(1, 1.35))
         self._drawing = self._posing.drawing(left)
         left.set_title(f"arrow: {_SECONDS:g} s of the twist", fontsize=10)
-        self._panel = right
-        self._build_sets(right)
+        self._panel = panel
+        flat = self._robot.n_dof == 2
+        labels = ["bases fixed", "bases driving"] if flat else ["bases fixed, all else 0", "driving, all else 0",
+                                                                "driving, all else free"]
+        self._patches = set_patches(panel, labels, self._names, np.outer(self._reach, [-1, 1]))
+        for shadow in self._patches[2:]:
+            shadow.set_facecolor("none")
+        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2 if flat else 1, fontsize=9)
 
     def draw(self, values: Values) -> None:
         found, wanted = self.reach(values), np.array([values[name] for name in self._names])
@@ -136,15 +141,6 @@ class TwistSetExplorer(Explorer):
         return in_brackets([values[name] for name in self._names], 3)
 
     # --- parts of the picture -------------------------------------------------------------------------
-    def _build_sets(self, panel: Axes) -> None:
-        flat = self._robot.n_dof == 2
-        labels = ["bases fixed", "bases driving"] if flat else ["bases fixed, all else 0", "driving, all else 0",
-                                                                "driving, all else free"]
-        self._patches = set_patches(panel, labels, self._names, np.outer(self._reach, [-1, 1]))
-        for shadow in self._patches[2:]:
-            shadow.set_facecolor("none")
-        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2 if flat else 1, fontsize=9)
-
     def _outlines(self, found: Reach) -> list[Polytope]:
         if found.moving.n == 2:
             return [found.fixed, found.moving]

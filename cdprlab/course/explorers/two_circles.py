@@ -13,7 +13,6 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
 from ...arrays import Array, as_array
-from ...robot import Robot
 from ...robot.pose import Pose
 from ...view.outlines import hanging
 from ...view.style import INK, SKY, cable_style
@@ -51,7 +50,10 @@ class TwoCirclesExplorer(Explorer):
     """
 
     def __init__(self, formula: Formula | None = None) -> None:
-        self._formula, self._robot = formula or _lower_crossing, two_ropes()
+        load = point_load(2)
+        self._robot = replace(load, cables=tuple(replace(cable, exit_point=place)
+                                                 for cable, place in zip(load.cables, EXIT_POINTS)))
+        self._formula = formula or _lower_crossing
         controls: list[Slider | Choice] = [Slider("l1", "length l₁", "m", 1.0, 7.0, 3.0, 0.05),
                                            Slider("l2", "length l₂", "m", 1.0, 7.0, 4.0, 0.05),
                                            Choice("hang", "hang a load", (_HELD, _HUNG), _HELD)]
@@ -119,23 +121,12 @@ class TwoCirclesExplorer(Explorer):
         place = in_brackets(settled.pose.position, 3)
         text = {"load": f"hangs at {place} m\n" + (", ".join(loose) or "both ropes are taut")}
         if self._found is not None:
-            apart = 1e3 * float(np.linalg.norm(settled.pose.position - self._found))
+            apart = 1e3 * np.linalg.norm(settled.pose.position - self._found)
             text[f"load to {self._whose} [mm]"] = f"{apart:.3f}"
         return text
 
 
 two_circles_explorer = TwoCirclesExplorer
-
-
-def two_ropes() -> Robot:
-    """The 10 kg load on cables from ``EXIT_POINTS``.
-
-    >>> two_ropes().exit_points.tolist()
-    [[0.0, 3.0], [5.0, 3.0]]
-    """
-    load = point_load(2)
-    return replace(load, cables=tuple(replace(cable, exit_point=place)
-                                      for cable, place in zip(load.cables, EXIT_POINTS)))
 
 
 def _lower_crossing(first: Array, second: Array, l1: float, l2: float) -> Array:

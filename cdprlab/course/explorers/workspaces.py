@@ -27,7 +27,7 @@ from ...workspace.tensions import DynamicEquilibrium, StaticEquilibrium, WrenchC
 from ...world import World
 from ..props.changed_cables import every_cable
 from ..text_table import cable_table, fixed
-from .explorer import Choice, Explorer, Slider, Values, once_a_move
+from .explorer import Choice, Explorer, Slider, Values, once_a_move, rounded_up
 from .posing import Posing, checked_world
 
 CRITERIA = ("wrench_feasible", "wrench_closure", "static_equilibrium", "dynamic_equilibrium")
@@ -65,13 +65,14 @@ class WorkspaceState(NamedTuple):
     """What the controls ask, and the answers.
 
     robot : with the limits of the sliders
-    criterion : which is asked
+    criterion, words : which is asked, and in a sentence
     inside, margin : (rows, columns) of the cells' centers
     here : (inside, margin) where the platform is
     """
 
     robot: Robot
     criterion: Criterion
+    words: str
     inside: Flags
     margin: Array
     here: tuple[bool, float]
@@ -111,11 +112,11 @@ class WorkspaceExplorer(Explorer):
     def state(self, values: Values) -> WorkspaceState:
         """Every cell judged at some values of the controls."""
         robot = every_cable(self._posing.robot, tension_min=values["tension_min"], tension_max=values["tension_max"])
-        criterion, here = _criterion(robot, values), self._posing.pose(values)
+        (criterion, words), here = _asked(robot, values), self._posing.pose(values)
         places = np.vstack([self.grid.positions, here.position])
         inside, margin = criterion.judge(robot, Pose(places, matrix=here.rotation))
         shape = len(self.grid.y), len(self.grid.x)
-        return WorkspaceState(robot, criterion, inside[:-1].reshape(shape), margin[:-1].reshape(shape),
+        return WorkspaceState(robot, criterion, words, inside[:-1].reshape(shape), margin[:-1].reshape(shape),
                               (bool(inside[-1]), float(margin[-1])))
 
     def tensions(self, values: Values) -> Array | None:
@@ -166,25 +167,13 @@ class WorkspaceExplorer(Explorer):
             name = "h" if values["criterion"] == "wrench_closure" else "best τ [N]"
             digits = 2 if name == "h" else 1
             said += ["", cable_table({name: [fixed(t, digits) for t in tau]})]
-        return "\n".join([*said, "", *textwrap.wrap(self.words(values), 56)])
-
-    def words(self, values: Values) -> str:
-        """What the criterion asks, in a sentence."""
-        limits = f"Tensions from {values['tension_min']:g} to {values['tension_max']:g} N"
-        if values["criterion"] == "wrench_closure":
-            return "Pulling cables could hold every push and every turn, if they may pull as hard as needed."
-        if values["criterion"] == "static_equilibrium":
-            return "Pulling cables hold the weight, however hard they must pull for it."
-        if values["criterion"] == "dynamic_equilibrium":
-            return f"{limits} give P every acceleration up to {values['acceleration']:g} m/s² in x and in y."
-        push = f" and every push up to {values['push']:g} N in x and in y" if values["push"] else ""
-        return f"{limits} hold the weight{push}."
+        return "\n".join([*said, "", *textwrap.wrap(self.state(values).words, 56)])
 
     def describe(self, values: Values) -> str:
         state = self.state(values)
         turned = f", turned by {values['angle']:g}°" if "angle" in values else ""
         return (f"{self.title}: map of {values['criterion'].replace('_', ' ')}{turned}, "
-                f"{100 * state.inside.mean():.0f} % of the frame inside. {self.words(values)} "
+                f"{100 * state.inside.mean():.0f} % of the frame inside. {self.state(values).words} "
                 f"The platform at ({values['x']:g}, {values['y']:g}) m is {_FOUND[state.here[0]].lower()}.")
 
 
@@ -195,30 +184,31 @@ workspace_explorer = WorkspaceExplorer
 def _limit_sliders(robot: Robot) -> list[Slider]:
     """The same limits for all cables, in ranges that touch but never cross; a push and an acceleration of both axes."""
     weight = robot.mass * max(robot.gravity, 1.0)
-    least, most = float(robot.tension_min.max()), float(min(robot.tension_max.min(), 30 * weight))
-    border = max(_round(0.3 * most), least)
+    least, most = robot.tension_min.max(), float(min(robot.tension_max.min(), 30 * weight))
+    border = max(rounded_up(0.3 * most, 1), least)
     return [Slider("tension_min", "τ_min", "N", 0.0, border, least, border / 60),
             Slider("tension_max", "τ_max", "N", border, max(5 * border, most), most, border / 30),
             Slider("push", "push up to", "N", 0.0, border, 0.0, border / 60),
             Slider("acceleration", "acceleration up to", "m/s²", 0.0, 10.0, 1.0, 0.1)]
 
 
-def _round(number: float) -> float:
-    """To one digit."""
-    unit = 10.0 ** np.floor(np.log10(number))
-    return float(np.ceil(number / unit - 1e-9) * unit)
-
-
-def _criterion(robot: Robot, values: Values) -> Criterion:
-    if values["criterion"] == "wrench_closure":
-        return WrenchClosure()
-    if values["criterion"] == "static_equilibrium":
-        return StaticEquilibrium()
+def _asked(robot: Robot, values: Values) -> tuple[Criterion, str]:
+    """The criterion, and what it asks in a sentence."""
+    name, push, acceleration = values["criterion"], values["push"], values["acceleration"]
+    if name == "wrench_closure":
+        return WrenchClosure(), ("Pulling cables could hold every push and every turn, if they may pull as hard as "
+                                 "needed.")
+    if name == "static_equilibrium":
+        return StaticEquilibrium(), "Pulling cables hold the weight, however hard they must pull for it."
+    limits = f"Tensions from {values['tension_min']:g} to {values['tension_max']:g} N"
     still = [0.0] * (robot.n_dof - 2)
-    if values["criterion"] == "dynamic_equilibrium":
-        return DynamicEquilibrium([values["acceleration"]] * 2 + still)
-    push = values["push"]
-    return WrenchFeasible([[x, y, *still] for x, y in product((push, -push), repeat=2)] if push else None)
+    if name == "dynamic_equilibrium":
+        return (DynamicEquilibrium([acceleration, acceleration, *still]),
+                f"{limits} give P every acceleration up to {acceleration:g} m/s² in x and in y.")
+    if not push:
+        return WrenchFeasible(), f"{limits} hold the weight."
+    return (WrenchFeasible([[x, y, *still] for x, y in product((push, -push), repeat=2)]),
+            f"{limits} hold the weight and every push up to {push:g} N in x and in y.")
 
 
 # --- the map ------------------------------------------------------------------------------------------------
@@ -228,7 +218,7 @@ def _grid(world: World) -> Grid:
     low, high = (robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)) if frame is None else frame
     if frame is None:
         low = np.array([low[0], min(low[1], floor_height(robot, world.scene))])
-    size = float((high - low).max()) / _CELLS
+    size = (high - low).max() / _CELLS
     centers = []
     for bottom, top in zip(low, high):
         count = max(2, round((top - bottom) / size))

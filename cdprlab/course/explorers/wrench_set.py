@@ -6,7 +6,6 @@ import dataclasses
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...arrays import Array
@@ -69,9 +68,9 @@ class Capability(NamedTuple):
 
     def words(self) -> str:
         """The verdict in a sentence."""
-        if not bool(self.limits.contains(self.hold)):
+        if not self.limits.contains(self.hold):
             return "The limits do not let the cables hold the platform here."
-        if not bool(self.standing.contains(self.hold)):
+        if not self.standing.contains(self.hold):
             return "No tensions within the limits hold the platform without tipping a base."
         taken = 1 - self.standing.volume / self.limits.volume if self.limits.volume > 0 else 0.0
         count = f"{len(self.facets)} facet{'' if len(self.facets) == 1 else 's'}"
@@ -100,7 +99,7 @@ class WrenchSetExplorer(Explorer):
         robot = checked_set_world(world, "wrench", "wrenches", "tension").robot
         self._posing, self._chosen = Posing(world), [0, robot.dimension - 1]
         self._names = [axis_names(robot.motion_pattern, "wrench")[k] for k in self._chosen]
-        high, low = float(robot.tension_max.max()), float(robot.tension_min.min())
+        high, low = robot.tension_max.max(), robot.tension_min.min()
         sliders = [Slider("tension_max", "τ_max", "N", 0.3 * high, 1.5 * high, high, high / 100),
                    Slider("tension_min", "τ_min", "N", 0.0, max(0.25 * high, low), low, high / 100)]
         if masses := [base.mass for base in robot.bases if len(base.footprint)]:
@@ -120,15 +119,19 @@ class WrenchSetExplorer(Explorer):
                           tuple(self._edges(robot, pose, limits, -weight)), _tipping_facets(limits, standing))
 
     def build(self, figure: Figure) -> None:
-        left, right = figure.subplots(1, 2, width_ratios=(1, 1.35))
+        left, panel = figure.subplots(1, 2, width_ratios=(1, 1.35))
         self._drawing = self._posing.drawing(left)
         mark = {"linestyle": "none", "zorder": 9, "markeredgecolor": "white"}
         self._stands = movable(left, "o", color=GREEN, markersize=9, label="stands for certain", **mark)
         self._tips = movable(left, "X", color=VERMILION, markersize=11, label="could tip over this", **mark)
         if "base_mass" in self.controls:
             left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=9)
-        self._panel = right
-        self._build_sets(right)
+        self._panel = panel
+        self._patches = set_patches(panel, _LABELS, self._names, self._reach())
+        panel.plot([], [], color=INK, linewidth=4, label="facets made by tipping")
+        self._mark = movable(panel, linestyle="none", marker="*", markersize=13, markeredgecolor="white",
+                             color=GREEN, zorder=6, label="holds the weight, −w_g")
+        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=9)
 
     def draw(self, values: Values) -> None:
         found = self.capability(values)
@@ -187,17 +190,10 @@ class WrenchSetExplorer(Explorer):
         return found
 
     # --- parts of the picture -------------------------------------------------------------------------
-    def _build_sets(self, panel: Axes) -> None:
-        self._patches = set_patches(panel, _LABELS, self._names, self._reach())
-        panel.plot([], [], color=INK, linewidth=4, label="facets made by tipping")
-        self._mark = movable(panel, linestyle="none", marker="*", markersize=13, markeredgecolor="white",
-                             color=GREEN, zorder=6, label="holds the weight, −w_g")
-        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=9)
-
     def _reach(self) -> Array:
         """(2, 2) ends of the picture's axes: what the largest limits allow wherever the sliders end."""
         robot = every_cable(self._posing.robot, tension_min=0.0,
-                            tension_max=1.5 * float(self._posing.robot.tension_max.max()))
+                            tension_max=1.5 * self._posing.robot.tension_max.max())
         ranges = [np.zeros((2, 2))]
         for pose in self._posing.ends:
             whole = self._shown(available_wrench_set(robot, pose), -gravity_wrench(robot, pose))
@@ -239,7 +235,7 @@ def _tipping_facets(limits: Polytope, standing: Polytope) -> Array:
     corners = standing.vertices
     if len(corners) < 3 or limits.volume <= 0:
         return np.zeros((0, 2, 2))
-    size = float(np.ptp(corners, axis=0).max())
+    size = np.ptp(corners, axis=0).max()
     ends: Array = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
     along = ends[:, 1] - ends[:, 0]
     outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1, keepdims=True)

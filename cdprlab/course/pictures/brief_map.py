@@ -51,16 +51,15 @@ def plot_design(brief: Brief, world: World, title: str = "") -> Figure:
     return figure
 
 
-def draw_design(axes: Axes, brief: Brief, world: World, azimuth: float = 25.0) -> RobotDrawing:
+def draw_design(axes: Axes, brief: Brief, world: World) -> None:
     """The robot at its start, the box of positions dashed."""
-    drawing = RobotDrawing(axes, world.robot, world.scene, world.pose, azimuth)
+    drawing = RobotDrawing(axes, world.robot, world.scene, world.pose)
     middle = Pose((brief.lower + brief.upper) / 2)
     box = box_corners(brief.upper - brief.lower, middle)
     axes.add_collection(LineCollection(list(drawing.view.flat(box[box_edges(3)])), colors=INK, linewidths=1.2,
                                        linestyles=[(0, (4, 3))], zorder=7), autolim=False)
     for artist in axes.get_children():
         artist.set_animated(False)  # a still picture
-    return drawing
 
 
 def _draw_margins(axes: Axes, brief: Brief, world: World, height: float) -> None:

@@ -83,16 +83,17 @@ def plot_flight(run: Any, planned: ArrayLike, taut: ArrayLike) -> Figure:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1.0))
         above.plot(time, off, color=INK)
         above.set(ylabel="off the plan [mm]", title=f"{run.world.name}: distance from the planned motion")
-        above.set_ylim(0, max(1.15 * float(off.max()), 1e-3))
+        above.set_ylim(0, max(1.15 * off.max(), 1e-3))
         for i in range(did.shape[1]):
-            below.broken_barh(_spans(plan[:, i], time), (i + 0.62, 0.76), facecolor="none", edgecolor=GREY,
-                              linestyle="--")
-            below.broken_barh(_spans(did[:, i], time), (i + 0.78, 0.44), facecolor=cable_style(i).color)
+            below.fill_between(time, i + 0.62, i + 1.38, plan[:, i], step="post", facecolor="none", edgecolor=GREY,
+                               linestyle="--")
+            below.fill_between(time, i + 0.78, i + 1.22, did[:, i], step="post", color=cable_style(i).color,
+                               linewidth=0)
         below.set(xlabel="time [s]", ylabel="cable", yticks=range(1, did.shape[1] + 1),
                   ylim=(did.shape[1] + 0.5, 0.5))
         below.set_title("Taut: filled bars; allowed by the plan: dashed frames", fontsize=11)
         below.grid(visible=False, axis="y")
-        wrong = 100 * float((did & ~plan).any(axis=1).mean())
+        wrong = 100 * (did & ~plan).any(axis=1).mean()
         figure.alt_text = (f"The load stays within {off.max():.2g} mm of the plan; during {wrong:.1f} % of the time a "
                            "cable carried that the plan had slack.")
     return figure
@@ -150,10 +151,3 @@ def fill_sequence(panel: Axes, robot: Robot, sequence: ConfigurationSequence) ->
 def in_words(classes: Mapping[Any, str]) -> str:
     """The classes as text: "A123 inside, A124 outside"."""
     return ", ".join(f"{Configuration(chosen)} {verdict}" for chosen, verdict in classes.items())
-
-
-def _spans(flags: Array, time: Array) -> list[tuple[float, float]]:
-    """(start, width) of every row of true values [s]."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(int), [0]])))
-    step = float(time[1] - time[0]) if len(time) > 1 else 0.0
-    return [(float(time[a]), (b - a) * step) for a, b in zip(edges[::2], edges[1::2])]

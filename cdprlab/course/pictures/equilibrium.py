@@ -21,9 +21,6 @@ from .panels import arrow, draw_exit_points, label
 SLACK = "#A50F15"
 """A cable that would have to push; always dashed and said in words as well."""
 
-SIZE = (11.5, 4.3)
-"""Of the figure [inch]."""
-
 _ARROW = 1.1 / (MASS * 9.81)
 """Length of a force arrow beside the robot [m/N]: the weight is 1.1 m long."""
 
@@ -51,7 +48,7 @@ def draw_equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 
     if tensions is not None:
         state = state.held(tensions)
     with house_style():
-        figure = Figure(figsize=SIZE, layout="constrained")
+        figure = Figure(figsize=(11.5, 4.3), layout="constrained")
         draw_panels(panels(figure), robot, position, push, state)
         figure.alt_text = ("A point load on cables, the polygon of the forces on it, and its cable tensions. "
                            + state.words())
@@ -145,7 +142,7 @@ def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
         panel.plot(*np.transpose([corners[-1], corners[0]]), color=SLACK, linestyle=(0, (1, 2)))
         label(panel, "open!", (corners[0] + corners[-1]) / 2, _outwards(corners[0] - corners[-1]), color=SLACK)
     low, high = corners.min(axis=0), corners.max(axis=0)
-    reach, middle = 0.85 * max(float((high - low).max()), 1.0), (low + high) / 2
+    reach, middle = 0.85 * max((high - low).max(), 1.0), (low + high) / 2
     # In coarse steps, a third for the middle: limits that stay need not be drawn again.
     reach = _round_up(1.15 * reach)
     middle = np.round(3 * middle / reach) * reach / 3
@@ -157,7 +154,7 @@ def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
 
 def _draw_bars(panel: Axes, state: Equilibrium) -> None:
     m = state.tensions.size
-    top = max(float(np.abs(state.tensions).max()), 1.0)
+    top = max(np.abs(state.tensions).max(), 1.0)
     for i, tension in enumerate(state.tensions):
         color, _, _ = _look(i, state)
         slack = bool(state.slack[i])
@@ -167,7 +164,7 @@ def _draw_bars(panel: Axes, state: Equilibrium) -> None:
                        (0, -3 if slack else 3), textcoords="offset points", ha="center",
                        va="top" if slack else "bottom", color=color if slack else INK, fontsize=11 if m < 4 else 9)
     panel.axhline(0, color=INK, linewidth=1)
-    low, high = min(0.0, float(state.tensions.min())), max(0.3 * top, float(state.tensions.max()))
+    low, high = min(0.0, state.tensions.min()), max(0.3 * top, state.tensions.max())
     room = high - low  # for two lines of text below a bar, for one above
     low, high = -_round_up((0.4 if state.slack.any() else 0.1) * room - low), _round_up(high + 0.2 * room)
     panel.set(xlim=(0.4, m + 0.6), ylim=(low, high), xlabel="cable", ylabel="tension [N]")

@@ -35,6 +35,6 @@ def draw_exit_points(panel: Axes, points: ArrayLike, names: Sequence[str] = (), 
     middle = places.mean(axis=0)
     for i, place in enumerate(places):
         panel.plot(*place, marker="s", markersize=7, color=INK, zorder=4)
-        side = np.where(np.abs(place - middle) < 1e-9, 0.0, np.sign(place - middle))
+        side = np.sign(np.round(place - middle, 9))
         panel.annotate(names[i] if names else str(i + 1), place, (11 * side[0], 11 * side[1]),
                        textcoords="offset points", ha="center", va="center", color=INK, **look)

@@ -40,14 +40,14 @@ def outline(robot: Robot, pose: Pose) -> Array:
     return np.asarray(pose.position[..., None, :] + corners @ np.swapaxes(pose.rotation, -1, -2))
 
 
-def draw_robot(panel: Axes, robot: Robot, pose: Pose, color: str = INK, label: str = "", cables: bool = True,
+def draw_robot(panel: Axes, robot: Robot, pose: Pose, color: str = INK, cables: bool = True,
                linestyle: Any = "solid") -> None:
     """A planar robot: exit points with their numbers, cables, the platform with its center marked."""
     if cables:
         anchors = pose.position + anchor_offsets(robot, pose)
         for i, (exit_point, anchor) in enumerate(zip(robot.exit_points, anchors)):
             panel.plot(*np.transpose([exit_point, anchor]), linewidth=1.6, **cable_style(i)._asdict())
-    panel.plot(*outline(robot, pose).T, color=color, linestyle=linestyle, linewidth=2.0, label=label or "_platform")
+    panel.plot(*outline(robot, pose).T, color=color, linestyle=linestyle, linewidth=2.0)
     panel.plot(*pose.position, marker="o", markersize=5, color=color)
     draw_exit_points(panel, robot.exit_points)
 
@@ -133,8 +133,8 @@ def residual_bars(all_cables: ArrayLike, left_out: ArrayLike) -> Figure:
             panel.margins(y=0.2)
         left.set(xlabel="cable", ylabel="residual [mm]", title="All cables in the fit")
         right.set(xlabel="cable left out", ylabel="remaining residual ‖r‖ [mm]", title="One cable left out")
-        figure.alt_text = (f"Largest residual in the fit to all: cable {int(np.abs(together).argmax()) + 1}; "
-                           f"least remains without cable {int(without.argmin()) + 1}.")
+        figure.alt_text = (f"Largest residual in the fit to all: cable {np.abs(together).argmax() + 1}; "
+                           f"least remains without cable {without.argmin() + 1}.")
     return figure
 
 

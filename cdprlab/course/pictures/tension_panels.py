@@ -70,7 +70,7 @@ def plot_tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, tensi
     return figure
 
 
-def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array], feasible: Mapping[str, bool] | None = None,
+def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array], feasible: Mapping[str, bool],
              chosen: str = "") -> None:
     """Fill a panel, under house style.
 
@@ -89,7 +89,7 @@ def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array], feasibl
     own = iter(OWN * len(shown))
     for name, places in shown.items():
         mark = MARKS.get(name) or next(own)
-        inside = (feasible or {}).get(name, True) and mark not in OWN
+        inside = feasible.get(name, True) and mark not in OWN
         xy = places if free.redundancy == 2 else np.column_stack([places, np.zeros(len(places))])
         panel.plot(*xy.T, linestyle="none", marker=mark.marker, markersize=mark.size, markeredgecolor=mark.color,
                    markerfacecolor=mark.color if inside else "none", markeredgewidth=1.6, alpha=0.9, zorder=5,
@@ -109,28 +109,35 @@ def _frame(free: TensionSet, shown: Mapping[str, Array]) -> Array:
         low, high = free.corners.min(axis=0), free.corners.max(axis=0)
     else:
         steps = np.maximum(free.low - free.least, free.least - free.high)
-        far = float((np.maximum(steps, 0.0) / np.maximum(np.linalg.norm(free.directions, axis=1), 0.1)).max())
+        far = (steps / np.maximum(np.linalg.norm(free.directions, axis=1), 0.1)).max(initial=0.0)
         low, high = np.full(r, -far), np.full(r, far)
-    size = max(float((high - low).max()), 1e-3 * float(free.high.max()), 1e-9)
+    size = max((high - low).max(), 1e-3 * free.high.max(), 1e-9)
     # Points outside come into view unless they are too far: the polygon must not shrink to a dot.
     for spots in shown.values():
         near = spots[(np.abs(spots - (low + high) / 2) <= 1.3 * size).all(axis=1)]
         if len(near) and len(free.corners):
             low, high = np.minimum(low, near.min(axis=0)), np.maximum(high, near.max(axis=0))
-    pad = (0.16 if r == 2 else 0.5) * max(float((high - low).max()), size)
+    pad = (0.16 if r == 2 else 0.5) * max((high - low).max(), size)
     return np.stack([low - pad, high + pad])
 
 
 def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
-    middle, reach = frame.mean(axis=0), 0.5 * float((frame[1] - frame[0]).max())
+    middle, reach = frame.mean(axis=0), 0.5 * (frame[1] - frame[0]).max()
     for i, row in enumerate(free.directions):
-        for limit in (free.low[i], free.high[i]):
-            line = _line_through(row, limit - free.least[i], middle, 3 * reach)
-            if line is not None:
-                look = cable_style(i)
-                panel.plot(*line.T, color=look.color, linestyle=look.linestyle, linewidth=0.9, alpha=0.6)
-                if len(free.corners) == 0 and limit == free.low[i] > free.least[i]:
-                    _name_broken(panel, line.mean(axis=0), row, 0.16 * reach, i)
+        look, size = cable_style(i), np.linalg.norm(row)
+        for limit in (free.low[i], free.high[i]) if size > 1e-9 else ():
+            foot = middle + row * (limit - free.least[i] - row @ middle) / size**2
+            if np.linalg.norm(foot - middle) > 3 * reach:
+                continue
+            panel.axline(foot, foot + [-row[1] / size, row[0] / size], color=look.color, linestyle=look.linestyle,
+                         linewidth=0.9, alpha=0.6)
+            if len(free.corners) == 0 and limit == free.low[i] > free.least[i]:
+                # To where the limit is kept.
+                way = 0.16 * reach * row / size
+                x, y = foot + 1.25 * way
+                arrow(panel, foot, foot + way, color=look.color, linewidth=1.6)
+                panel.text(x, y, f"{i + 1} min", fontsize=9, color=INK, ha="center", va="center",
+                           clip_on=True, bbox=HALO)
     if len(free.corners):
         panel.fill(*free.corners.T, facecolor=GREY, alpha=0.22, edgecolor=INK, linewidth=2.0, zorder=3)
         center = free.corners.mean(axis=0)
@@ -148,27 +155,6 @@ def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
     panel.locator_params(axis="x", nbins=6)
 
 
-def _name_broken(panel: Axes, foot: Array, row: Array, length: float, i: int) -> None:
-    """An arrow from a lower limit's line to where it is kept, with the limit's name at its tip."""
-    way = length * row / np.linalg.norm(row)
-    arrow(panel, foot, foot + way, color=cable_style(i).color, linewidth=1.6)
-    x, y = foot + 1.25 * way
-    panel.text(x, y, f"{i + 1} min", fontsize=9, color=INK, ha="center", va="center", clip_on=True,
-               bbox=HALO)
-
-
-def _line_through(row: Array, value: float, middle: Array, reach: float) -> Array | None:
-    """(2, 2) ends of {λ : row · λ = value} near a middle; None where there is no such line."""
-    size = float(np.linalg.norm(row))
-    if size < 1e-9:
-        return None
-    foot = middle + row * (value - row @ middle) / size**2
-    if np.linalg.norm(foot - middle) > reach:
-        return None
-    along = np.array([-row[1], row[0]]) / size * reach
-    return np.stack([foot - along, foot + along])
-
-
 def _draw_interval(panel: Axes, free: TensionSet, frame: Array) -> None:
     """Each cable's own interval of λ as a bar; what all of them share is shaded."""
     h, m = free.directions[:, 0], free.least.size
@@ -182,10 +168,11 @@ def _draw_interval(panel: Axes, free: TensionSet, frame: Array) -> None:
             ends = [low - 1, high + 1] if kept else [np.nan, np.nan]
         left, right = np.clip(ends, low - 0.05 * (high - low), high + 0.05 * (high - low))
         panel.barh(i + 1, right - left, left=left, height=0.5, color=look.color, alpha=0.55, edgecolor=look.color)
-        for end, name, side in zip(ends, ("min", "max") if h[i] > 0 else ("max", "min"), ("left", "right")):
+        for end, name, side, gap in zip(ends, ("min", "max") if h[i] > 0 else ("max", "min"), ("left", "right"),
+                                        (4, -4)):
             if low < end < high:
-                panel.annotate(name, (end, i + 1), (4 if side == "left" else -4, 0), textcoords="offset points",
-                               ha=side, va="center", fontsize=9, color=INK)
+                panel.annotate(name, (end, i + 1), (gap, 0), textcoords="offset points", ha=side, va="center",
+                               fontsize=9, color=INK)
     if len(free.corners):
         panel.axvspan(free.corners[0, 0], free.corners[-1, 0], facecolor=GREY, alpha=0.22, edgecolor=INK, zorder=0)
         words = " to ".join(f"{end + 0.0:.4g}" for end in free.corners[[0, -1], 0])
@@ -203,25 +190,21 @@ def draw_bars(panel: Axes, tensions: Array, low: Array, high: Array, title: str)
 
     tensions : (m,) [N], NaN where there are none
     """
-    m = tensions.size
-    top = max(float(np.nanmax(np.abs(tensions))) if np.isfinite(tensions).any() else 0.0, 1.5 * float(low.max()), 1.0)
+    m, close = tensions.size, MET * high.max()
+    top = max(np.nanmax(np.abs(tensions), initial=1.0), 1.5 * low.max())
     near = high <= 1.6 * top
-    for i, tension in enumerate(np.where(np.isfinite(tensions), tensions, 0.0)):
-        look, close = cable_style(i), MET * float(high.max())
+    for i in np.flatnonzero(np.isfinite(tensions)).tolist():
+        look, tension = cable_style(i), tensions[i]
         broken = "below min" if tension < low[i] - close else "above max" if tension > high[i] + close else ""
-        if not np.isfinite(tensions[i]):
-            continue
         panel.barh(i + 1, tension, height=0.56, color="white" if broken else look.color, edgecolor=look.color,
                    linestyle=look.linestyle, hatch="//" if broken else None, linewidth=1.4)
         panel.annotate(f"{tension:.4g} N {broken}".strip().replace("-", "−"), (max(tension, 0.0), i + 1), (5, 0),
                        textcoords="offset points", va="center", fontsize=9, color=INK, zorder=6,
                        bbox=HALO)
-    for i in range(m):
-        for limit, seen in ((low[i], True), (high[i], bool(near[i]))):
-            if seen:
-                panel.plot([limit, limit], [i + 0.6, i + 1.4], color=INK, linewidth=2.2, zorder=5)
-    bottom = float(np.nanmin(np.append(tensions, 0.0)))
-    right = max(top, float(high[near].max()) if near.any() else 0.0)
+    for limits, cables in ((low, np.arange(m)), (high, np.flatnonzero(near))):
+        panel.vlines(limits[cables], cables + 0.6, cables + 1.4, color=INK, linewidth=2.2, zorder=5)
+    bottom = np.nanmin(tensions, initial=0.0)
+    right = high[near].max(initial=top)
     ends = f"{_span(low)} and {_span(high)} N" + ("" if near.all() else " (off scale)")
     room = 1.0 if (tensions > high).any() else 0.5
     panel.set(xlim=(1.15 * bottom, right + room * (right - bottom)), ylim=(m + 0.6, 0.4), yticks=range(1, m + 1),
@@ -232,5 +215,5 @@ def draw_bars(panel: Axes, tensions: Array, low: Array, high: Array, title: str)
 
 def _span(limits: Array) -> str:
     """One number, or the range of several."""
-    low, high = float(limits.min()), float(limits.max())
+    low, high = limits.min(), limits.max()
     return f"{low:.4g}" if low == high else f"{low:.4g}…{high:.4g}"

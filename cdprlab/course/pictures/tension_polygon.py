@@ -55,7 +55,7 @@ class TensionSet(NamedTuple):
 
     def met_limits(self, tensions: ArrayLike) -> list[str]:
         """The limits that tensions lie on, such as "3 min"."""
-        tau, close = np.asarray(tensions, float), MET * float(self.high.max())
+        tau, close = np.asarray(tensions, float), MET * self.high.max()
         return [f"{i + 1} {name}" for i in range(tau.size) for name, limit in (("min", self.low), ("max", self.high))
                 if abs(tau[i] - limit[i]) <= close]
 

@@ -14,6 +14,7 @@ from ...mechanics.statics import gravity_wrench, wrench_matrix
 from ...robot import MOTION_PATTERNS, Cable, Platform, Robot
 from ...robot.pose import Pose
 from ...tensions import distribute_tensions
+from ..text_table import fixed
 
 EXIT_POINTS = {
     2: ((-2.0, 3.0), (2.0, 3.0)),
@@ -174,4 +175,4 @@ def decimal(value: float) -> str:
     >>> decimal(-0.01), decimal(-12.34)
     ('0.0', '−12.3')
     """
-    return f"{round(value, 1) + 0.0:.1f}".replace("-", "−")
+    return fixed(value, 1).replace("-", "−")
