@@ -32,7 +32,7 @@ def largest_last(A: Any, b: Array, A_eq: Any = None, b_eq: Array | None = None,
     return {2: -np.inf, 3: np.inf}.get(found.status, np.nan), np.full(cost.size - 1, np.nan)
 
 
-def least_quadratic(H: Array, a: Array, C: Array, b: Array, equal: int = 0, *, factored: bool = False) -> Array | None:
+def least_quadratic(H: Array, a: Array, C: Array, b: Array, equal: int = 0, factored: bool = False) -> Array | None:
     """min ½ xᵀ H x − aᵀ x with Cᵀ x ≥ b, the first ``equal`` rows as equalities; None where nothing keeps them.
 
     H : (v, v) positive definite, or factored: R⁻¹ of its Cholesky factor Rᵀ R; a : (v,); C : (v, k); b : (k,)
@@ -43,6 +43,8 @@ def least_quadratic(H: Array, a: Array, C: Array, b: Array, equal: int = 0, *, f
     """
     import quadprog
 
+    if not np.isfinite(b).all():   # quadprog answers NaN with numbers
+        return None
     try:
         found: Array = quadprog.solve_qp(H, a, C, b, equal, factored)[0]
     except ValueError:

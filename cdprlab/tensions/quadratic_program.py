@@ -39,26 +39,21 @@ class LeastNorm:
 
     def __call__(self, W: Array, w_e: Array) -> Solution:
         """Tensions and '' or the reason why there are none."""
-        tau = self.least(W, w_e)
+        tau, kept = self.no_limit_active(W, w_e, self.low, self.high)
+        if not kept:
+            tau = least_quadratic(*self.program(W, w_e))
         return self.by_independent_rows(W, w_e) if tau is None else (tau, "")
 
-    def least(self, W: Array, w_e: Array) -> Array | None:
-        """Tensions, mostly without the program; None if it has no answer."""
-        tau, kept = self.no_limit_active(W, w_e, self.low, self.high)
-        return tau if kept else self.program(W, w_e)
-
     def program(self, W: Array, w_e: Array, rows: Array | None = None, offset: Array | None = None,
-                toward: Array | None = None) -> Array | None:
-        """min ‖τ − τ_0‖², with G τ + g ≤ 0 besides if there are such rows; None if nothing keeps them."""
+                toward: Array | None = None) -> tuple[Array, Array, Array, Array, int, bool]:
+        """What `least_quadratic` takes for min ‖τ − τ_0‖², with G τ + g ≤ 0 besides if there are such rows."""
         C, b = self.constraints
         C[:, :self.n] = W.T
         np.negative(w_e, out=b[:self.n])
         if rows is not None and offset is not None:
             C, b = np.concatenate([C, -rows.T], axis=1), np.concatenate([b, offset])
-        if not np.isfinite(b).all():   # quadprog answers NaN with numbers
-            return None
         goal = np.zeros(self.low.size) if toward is None else toward
-        return least_quadratic(self.identity, goal, C, b, self.n, factored=True)
+        return self.identity, goal, C, b, self.n, True
 
     @cached_property
     def identity(self) -> Array:
@@ -80,10 +75,11 @@ class LeastNorm:
         if outside > RESIDUAL_TOLERANCE * (1 + np.abs(w_e).max()):
             return nothing, (f"the cables cannot exert this wrench at any tension: W has rank {len(rows)} of "
                              f"{len(W)}, and {outside:.3g} N or N m lies outside its range")
-        found = LeastNorm(len(rows), self.low, self.high).program(rows, -values)
+        found = least_quadratic(*LeastNorm(len(rows), self.low, self.high).program(rows, -values))
         if found is None:   # one last tension on the very border is lost to rounding: half of what the check forgives
             slack = LIMIT_TOLERANCE / 2 * self.high.max()
-            found = LeastNorm(len(rows), self.low - slack, self.high + slack).program(rows, -values)
+            wider = LeastNorm(len(rows), self.low - slack, self.high + slack)
+            found = least_quadratic(*wider.program(rows, -values))
             if found is None:
                 return nothing, INFEASIBLE
             found = sharpened(W, w_e, self.low, self.high, found)

@@ -60,7 +60,9 @@ def _relaxed(scale: Array, low: Array, high: Array) -> Solver:
     exact = LeastNorm(scale.size, low, high)
 
     def solve(W: Array, w_e: Array) -> Solution:
-        tau = exact.least(W, w_e)
+        tau, kept = exact.no_limit_active(W, w_e, low, high)
+        if not kept:
+            tau = least_quadratic(*exact.program(W, w_e))
         if tau is not None:
             return tau, ""
         if not np.isfinite(w_e).all():

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
+from ..mechanics.optimization import least_quadratic
 from .method import INFEASIBLE, NOT_FINITE, Solution
 from .quadratic_program import LeastNorm
 
@@ -25,7 +26,7 @@ def standing_tensions(W: Array, w_e: Array, low: Array, high: Array, rows: Array
     array([1., 1.])
     """
     goal = np.full(low.size, toward, dtype=float)
-    found = LeastNorm(len(w_e), low, high).program(W, w_e, rows, offset, goal)
+    found = least_quadratic(*LeastNorm(len(w_e), low, high).program(W, w_e, rows, offset, goal))
     if found is not None:
         return np.clip(found, low, high), ""
     reason = f"{INFEASIBLE} and keep every base standing" if rows.size else INFEASIBLE
