@@ -45,14 +45,17 @@ def compiled(function: Callable[..., Any], signature: Any = None) -> Any:
         function.__qualname__ = name
 
 
-def compiled_for(*axes: int) -> Callable[[Callable[..., Any]], Any]:
+def compiled_for(*axes: int, writes: tuple[int, ...] = ()) -> Callable[[Callable[..., Any]], Any]:
     """Compiled as it is made, once, for arrays of so many axes each whatever their layout; 0 is a number.
 
     What many call from many places is compiled so: it takes slices and read-only arrays as they are.
+
+    writes : as axes, of the arrays that follow those, which it writes into: new ones, row by row
     """
     if not COMPILES:
         return compiled
     kinds = [numba.types.Array(numba.float64, n, "A", readonly=True) if n else numba.float64 for n in axes]
+    kinds += [numba.types.Array(numba.float64, n, "C") for n in writes]
     return lambda function: compiled(function, tuple(kinds))
 
 

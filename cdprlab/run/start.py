@@ -101,7 +101,9 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
             if callable(external_wrench):
                 engine.push(external_wrench(k * period))
 
-        log, elapsed = fly(engine, command, counted(wishes, times.size, progress), substeps, happen)
+        eventful = cuts or callable(external_wrench) or (drive is not None and not wound)
+        log, elapsed = fly(engine, command, counted(wishes, times.size, progress), substeps,
+                           happen if eventful else None)
     finally:
         if simulator is None:
             engine.close()

@@ -15,8 +15,8 @@ along the rope what the joint would correct: what remains is l(t + dt) ≤ the w
 
 from __future__ import annotations
 
-import math
 from functools import cache
+from struct import Struct
 from typing import Any
 
 import numpy as np
@@ -46,11 +46,20 @@ class PlanarSimulator(Simulator):
     def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *,
                  solver_iterations: int | None = None) -> None:
         super().__init__(world, cables, dt)
-        self._pymunk, body = import_pymunk(), world.robot.platform
+        from ..compiled import reels
+
+        self._pymunk, self._compiled, robot = import_pymunk(), reels, world.robot
         self._order, rounds = solving_order(world)
         self._iterations = solver_iterations or rounds
-        self._center = [float(x) for x in body.center_of_mass]
-        self._anchors = (world.robot.anchor_points - body.center_of_mass).tolist()
+        self._center = robot.platform.center_of_mass
+        self._anchors = robot.anchor_points - self._center
+        # What every step is written into: the platform and the cables as `sample` tells them,
+        # and what pulls of 1 N come to at the center of mass.
+        self._seen, self._columns = np.zeros(9 + robot.n_cables), np.zeros((3, robot.n_cables))
+        self._position, self._rotation, self._twist, self._lengths = np.split(self._seen, (2, 6, 9))
+        # What ropes are to be wound to; of a few numbers `Struct` makes an array quicker than numpy.
+        self._wound: Any = np.zeros(robot.n_cables)
+        self._pack = Struct(f"{robot.n_cables}d").pack_into
         self._space: PlanarSpace | None = None
         self.reset()
 
@@ -67,27 +76,25 @@ class PlanarSimulator(Simulator):
         self.space = self._space = PlanarSpace(self._pymunk, self.world, start, self._iterations,
                                                self._order if self.is_wound else ())
         self.space.place_bases(self.bases, self.dt)
-        self._string()
         self._look()
-        self.paid_out = self._lengths if self.is_wound else []
+        self.paid_out = self._lengths.tolist() if self.is_wound else []
 
     def pull(self, tensions: Array, substeps: int) -> None:
-        pulls = [0.0 if i in self.cut_cables else float(tension) for i, tension in enumerate(tensions)]
+        pulls = np.array(tensions, dtype=float)
+        pulls[list(self.cut_cables)] = 0.0
         for _ in range(substeps):
             self._load(pulls)
             self._advance()
-        self._pulls = pulls
+        self._pulls = pulls.tolist()
 
     def reel(self, lengths: list[float]) -> None:
         if self.pushed is not None:
-            self._load([])
-        dt, space, rate = self.dt, self.space, -1 / self.dt
-        speeds: list[float] = []
-        for length, (ux, uy) in zip(lengths, self._directions):
-            speeds += length * rate * ux, length * rate * uy
-        if self.bases.moving:   # the reels are where their bases are, and move with them
-            speeds = (self.bases.exit_velocities.ravel() + speeds).tolist()
-        space.reel(self._velocity, speeds)
+            self._load(np.zeros(len(lengths)))
+        dt, space = self.dt, self.space
+        self._pack(self._wound, 0, *lengths)
+        self._compiled.reel(space.motion, self._wound, dt, self._columns, self.bases.exit_velocities,
+                            space.velocities)
+        space.write_velocities()
         self._advance()
         self._pulls = [rope.impulse / dt for rope in space.ropes]
         for cable in self.cut_cables:
@@ -125,16 +132,15 @@ class PlanarSimulator(Simulator):
 
     @property
     def position(self) -> Array:  # type: ignore[override]
-        return np.array(self._place)
+        return self._position.copy()
 
     @property
     def rotation(self) -> Array:  # type: ignore[override]
-        c, s = self._turn
-        return np.array(((c, -s), (s, c)))
+        return self._rotation.reshape(2, 2).copy()
 
     @property
     def twist(self) -> Array:  # type: ignore[override]
-        return np.array(self._twist)
+        return self._twist.copy()
 
     @property
     def tensions(self) -> Array:  # type: ignore[override]
@@ -142,7 +148,7 @@ class PlanarSimulator(Simulator):
 
     @property
     def lengths(self) -> Array:  # type: ignore[override]
-        return np.array(self._lengths)
+        return self._lengths.copy()
 
     @property
     def wrench_matrix(self) -> Array:  # type: ignore[override]
@@ -152,23 +158,19 @@ class PlanarSimulator(Simulator):
         _, W = cables(self.bases.exits, robot.anchor_points, self.position[None], self.rotation[None])
         return W[0, :robot.n_dof]
 
-    def sample(self) -> tuple[float, ...]:
-        c, s = self._turn
-        return (*self._place, c, -s, s, c, *self._twist, *self._lengths, *self._pulls)
+    def sample(self) -> list[float]:
+        return self._seen.tolist() + self._pulls
 
     # --- every step
     # -------------------------------------------------------------------------------
-    def _load(self, pulls: list[float]) -> None:
+    def _load(self, pulls: Array) -> None:
         """Sum of the pulls and the push, at the center of mass: held by the engine for one step."""
-        c, s = self._turn
-        fx, fy, moment = 0.0, 0.0, 0.0
+        wrench = self._columns @ pulls
         if self.pushed is not None:
-            fx, fy, moment = self.pushed.tolist()
-            moment += self._arm[1] * fx - self._arm[0] * fy
-        for tension, (ux, uy), (bx, by) in zip(pulls, self._directions, self._anchors):
-            fx += tension * ux
-            fy += tension * uy
-            moment += tension * ((bx * c - by * s) * uy - (bx * s + by * c) * ux)
+            x, y = self.rotation @ self._center
+            wrench += self.pushed
+            wrench[2] += y * self.pushed[0] - x * self.pushed[1]
+        fx, fy, moment = wrench.tolist()
         self.space.body.force, self.space.body.torque = (fx, fy), moment
 
     def _advance(self) -> None:
@@ -178,33 +180,15 @@ class PlanarSimulator(Simulator):
         self.space.space.step(self.dt)
         if moving:
             self.bases.advance()
-            self._string()
         self.steps += 1
         self._look()
 
-    def _string(self) -> None:
-        """Both ends of every cable in one list, exit point and anchor point, which `_look` runs through quicker."""
-        self._ends = [(*exit_point, *anchor) for exit_point, anchor in zip(self.bases.exits.tolist(), self._anchors)]
-
     def _look(self) -> None:
-        """Where the platform is about to be, and the cables there; plain floats, which are quicker than arrays."""
-        dt, reach = self.dt, self._reach
-        x, y, angle, vx, vy, spin = self.space.motion()
-        x, y, angle = x + vx * dt, y + vy * dt, angle + spin * dt
-        if not (-reach < x < reach and -reach < y < reach and -math.tau < spin * dt < math.tau):
+        """Where the platform is about to be, and the cables there."""
+        self.space.read_motion()
+        if not self._compiled.look(self.space.motion, self.dt, self._reach, self._center, self.bases.exits,
+                                   self._anchors, self._seen, self._columns):
             self.diverge()
-        c, s = math.cos(angle), math.sin(angle)
-        lengths, directions = [], []
-        for ax, ay, bx, by in self._ends:
-            dx, dy = ax - x - bx * c + by * s, ay - y - bx * s - by * c
-            length = math.hypot(dx, dy) or 1e-12
-            lengths.append(length)
-            directions.append((dx / length, dy / length))
-        self._lengths, self._directions, self._turn = lengths, directions, (c, s)
-        cx, cy = self._center
-        cx, cy = cx * c - cy * s, cx * s + cy * c
-        self._arm, self._place, self._velocity = (cx, cy), (x - cx, y - cy), (vx, vy)
-        self._twist = (vx + spin * cy, vy - spin * cx, spin)
 
 
 @cache

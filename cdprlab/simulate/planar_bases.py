@@ -17,6 +17,7 @@ class PlanarBases:
     poses, rates : (p, 3) x, y, heading now [m, m, rad] and their rates in world axes [m/s, m/s,
         rad/s]
     exits, exits_ahead : (m, 2) exit points now and after the coming step [m]
+    exit_velocities : (m, 2) their mean velocities over that step [m/s]
     """
 
     _present: Robot | None
@@ -43,11 +44,6 @@ class PlanarBases:
             self._present = self._start.with_bases(dict(zip((base.name for base in self._start.bases), self.poses)))
         return self._present
 
-    @property
-    def exit_velocities(self) -> Array:
-        """(m, 2) mean velocity of each exit point over the coming step [m/s]."""
-        return (self.exits_ahead - self.exits) / self._dt
-
     def advance(self) -> None:
         """One step on."""
         self.poses, self.exits = self.poses + self.rates * self._dt, self.exits_ahead
@@ -63,3 +59,5 @@ class PlanarBases:
         self.exits_ahead = np.array([
             place if k < 0 else after[k, :2] + turned_to(after[k, 2], 2) @ cable.exit_point
             for cable, k, place in zip(self._start.cables, self._start.base_indices, self.exits)])
+        # What stands still does so exactly, not to rounding.
+        self.exit_velocities = self.moving * (self.exits_ahead - self.exits) / self._dt

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from functools import reduce
 from itertools import permutations
-from struct import Struct
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,8 @@ class PlanarSpace:
     iterations : of the constraint solver
     order : in which the solver takes the ropes, a rope of length zero each from a reel to the
         platform; empty: no ropes
+    motion : (6,) the platform's x, y, angle and their rates [m, rad, m/s, rad/s], as last read
+    velocities : x and y of one body after the other, the reels last, as next written [m/s]
     """
 
     def __init__(self, pymunk: Any, world: World, start: Pose, iterations: int, order: Sequence[int]) -> None:
@@ -64,14 +66,15 @@ class PlanarSpace:
         # then what does not, as it was added. Setting the reels one by one would take twice the
         # time.
         fields = pymunk.batch.BodyFields
-        self._motion = fields.POSITION | fields.ANGLE | fields.VELOCITY | fields.ANGULAR_VELOCITY
-        self._velocity, self._seen, self._set = fields.VELOCITY, pymunk.batch.Buffer(), pymunk.batch.Buffer()
+        motion = fields.POSITION | fields.ANGLE | fields.VELOCITY | fields.ANGULAR_VELOCITY
+        # A flag works out its value whenever it is asked.
+        self._motion, self._velocity = SimpleNamespace(value=motion.value), SimpleNamespace(value=fields.VELOCITY.value)
+        self._seen, self._set = pymunk.batch.Buffer(), pymunk.batch.Buffer()
         self._batch.get_space_bodies(space, self._motion, self._seen)
-        self._numbers, self._unpack = self._seen.float_buf(), Struct("6d").unpack_from
-        self._still = [0.0, 0.0] * (1 + len(self._bases))   # the ground, and bases, which `place_bases` drives
-        rows = Struct(f"{2 + len(self._still) + 2 * len(self.ropes)}d")
-        self._pack, self._velocities = rows.pack_into, bytearray(rows.size)
-        self._set.set_float_buf(self._velocities)
+        self.motion = np.frombuffer(self._seen.float_buf(), count=6)
+        # The platform, the ground, bases (which `place_bases` drives) and reels.
+        self.velocities = np.zeros(2 * (2 + len(self._bases) + len(self.ropes)))
+        self._set.set_float_buf(self.velocities)
 
     def clear(self) -> None:
         """Take everything out of the space. pymunk aborts where Python frees a body while pymunk frees its space."""
@@ -86,15 +89,13 @@ class PlanarSpace:
         for rope, place in zip(self.ropes, bases.exits.tolist()):
             rope.a.position = place
 
-    def motion(self) -> tuple[float, ...]:
-        """The platform's x, y, angle and their rates [m, rad, m/s, rad/s]."""
+    def read_motion(self) -> None:
+        """Bring `motion` up to date."""
         self._seen.clear()
         self._batch.get_space_bodies(self.space, self._motion, self._seen)
-        return self._unpack(self._numbers)
 
-    def reel(self, velocity: tuple[float, float], speeds: list[float]) -> None:
-        """Set the reels' speeds, x and y of one after the other; the platform keeps its velocity [m/s]."""
-        self._pack(self._velocities, 0, *velocity, *self._still, *speeds)
+    def write_velocities(self) -> None:
+        """Let the bodies have their `velocities`."""
         self._batch.set_space_bodies(self.space, self._velocity, self._set)
 
     def contact_force(self, dt: float) -> float:

@@ -1,0 +1,55 @@
+"""Every step in the plane: where the platform and its cables are, and how the reels must turn."""
+
+from __future__ import annotations
+
+import math
+
+from ..arrays import Array
+from .jit import compiled_for
+
+
+@compiled_for(1, 0, 0, 1, 2, 2, writes=(1, 2))
+def look(motion: Array, dt: float, reach: float, center: Array, exit_points: Array, anchors: Array,
+         seen: Array, columns: Array) -> bool:
+    """Where the platform is about to be, and the cables there.
+
+    Returns False where it is beyond reach of the origin [m], or turns by more than 2π in a step.
+
+    motion : (6,) the center of mass's x, y, angle and their rates [m, rad, m/s, rad/s]
+    center, anchors : (2,) from P to the center of mass, (m, 2) from there to the anchor points,
+        both in the platform's axes [m]; exit_points : (m, 2) [m]
+    seen : (9 + m,) becomes position, rotation (row by row), twist of P, lengths
+    columns : (3, m) become the columns of W, but moments are about the center of mass
+    """
+    x, y, angle, vx, vy, spin = motion
+    x, y, angle = x + vx * dt, y + vy * dt, angle + spin * dt
+    c, s = math.cos(angle), math.sin(angle)
+    rx, ry = center[0] * c - center[1] * s, center[0] * s + center[1] * c
+    seen[:9] = x - rx, y - ry, c, -s, s, c, vx + spin * ry, vy - spin * rx, spin
+    for i, (bx, by) in enumerate(anchors):
+        # v = A − p − R B, l = ‖v‖, u = v / l
+        dx = exit_points[i, 0] - x - bx * c + by * s
+        dy = exit_points[i, 1] - y - bx * s - by * c
+        length = math.hypot(dx, dy) or 1e-12
+        seen[9 + i] = length
+        ux, uy = dx / length, dy / length
+        columns[0, i], columns[1, i] = ux, uy
+        columns[2, i] = (bx * c - by * s) * uy - (bx * s + by * c) * ux
+    return abs(x) < reach and abs(y) < reach and abs(spin * dt) < math.tau
+
+
+@compiled_for(1, 1, 0, 2, 2, writes=(1,))
+def reel(motion: Array, lengths: Array, dt: float, columns: Array, exit_velocities: Array,
+         velocities: Array) -> None:
+    """How fast the reels must go to keep their ropes to these lengths by the end of a step [m/s].
+
+    motion, columns : as `look` has them; lengths : (m,) [m]
+    exit_velocities : (m, 2) of what the reels stand on
+    velocities : x and y of one body after the other: the first is the platform, which keeps its
+        own, and the last m become the reels'
+    """
+    first, rate = velocities.size - 2 * lengths.size, -1 / dt
+    velocities[:2] = motion[3:5]
+    for i, length in enumerate(lengths):
+        for k in range(2):
+            velocities[first + 2 * i + k] = exit_velocities[i, k] + length * rate * columns[k, i]
