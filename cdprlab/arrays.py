@@ -1,7 +1,5 @@
 """The one gate for numbers from outside: float64, finite, of the right shape, read-only."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -80,7 +78,8 @@ def as_number(value: Any, name: str, unit: str = "", *, minimum: float | None = 
 
 def _numbers_only(given: Array) -> Array:
     """Raises TypeError unless it is empty or holds Python numbers (object arrays of a mixture do)."""
-    if given.size and not (given.dtype.kind == "O" and all(isinstance(item, int | float) for item in given.flat)):
+    if given.size and not (given.dtype.kind == "O"
+                           and all(isinstance(item, int | float) for item in given.flat)):
         raise TypeError
     return given
 

@@ -1,7 +1,5 @@
 """The command line: ``python -m cdprlab worlds | run WORLD | workspace WORLD``."""
 
-from __future__ import annotations
-
 import argparse
 import csv
 import os
@@ -45,19 +43,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="cdprlab", description="Cable-driven parallel robots, simulated and drawn.")
+    parser = _Parser(prog="cdprlab",
+                     description="Cable-driven parallel robots, simulated and drawn.")
     commands = parser.add_subparsers(title="commands", required=True, parser_class=_Parser)
     worlds = commands.add_parser("worlds", help="list the robots that come with cdprlab")
     worlds.set_defaults(command=_worlds)
     flight = commands.add_parser("run", help="move a robot along a task, headless, and write plots, film and log")
     flight.set_defaults(command=_run, parser=flight)
     add = flight.add_argument
-    add("world", metavar="WORLD", help="a world's name (see `worlds`) or the path of a .yaml file")
+    add("world", metavar="WORLD",
+        help="a world's name (see `worlds`) or the path of a .yaml file")
     add("--task", default="default", help="one of the world's tasks (default: %(default)s)")
-    add("--method", default="quadratic_program", choices=[*tension_methods(), "all"], metavar="METHOD",
+    add("--method", default="quadratic_program", choices=[*tension_methods(), "all"],
+        metavar="METHOD",
         help=f"tension distribution: {', '.join(tension_methods())} (default: %(default)s); or all: each along the "
              "task's reference, without an engine, side by side")
-    add("--cables", default="tension", choices=list(CABLE_MODELS), help="cable model (default: %(default)s)")
+    add("--cables", default="tension", choices=list(CABLE_MODELS),
+        help="cable model (default: %(default)s)")
     add("--kp", type=float, default=100.0, help="position gain [1/s²] (default: %(default)g)")
     add("--kd", type=float, default=100.0, help="velocity gain [1/s] (default: %(default)g)")
     add("--dt", type=float, default=1e-3, help="engine step [s] (default: %(default)g)")
@@ -105,7 +107,8 @@ def _fly(options: argparse.Namespace, world: World) -> None:
     print(f"{world.title or world.name}: task {options.task}, {how}, cables={options.cables}")
     law = None if wound else ComputedTorque(options.kp, options.kd)
     with Bar("flying") as bar:
-        flown = run(world, options.task, options.method, options.cables, law, options.dt, options.control_period,
+        flown = run(world, options.task, options.method, options.cables, law, options.dt,
+                    options.control_period,
                     options.infeasible, duration=options.duration, progress=bar)
     print_table(flown.table())
     _write(options, world, flown.save, {
@@ -124,8 +127,10 @@ def _compare(options: argparse.Namespace, world: World) -> None:
     def save(folder: Path) -> None:
         with (folder / "methods.csv").open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow(f"{name} [{unit}]" if unit else name for name, unit in table.COLUMNS.items())
-            writer.writerows([f"{value:.9g}" if isinstance(value, float) else str(value) for value in row.values()]
+            writer.writerow(f"{name} [{unit}]" if unit else name
+                            for name, unit in table.COLUMNS.items())
+            writer.writerows([f"{value:.9g}" if isinstance(value, float) else str(value)
+                              for value in row.values()]
                              for row in table.rows())
 
     _write(options, world, save, {"methods.png": lambda path: save_figure(plot(table), path)})
@@ -134,7 +139,8 @@ def _compare(options: argparse.Namespace, world: World) -> None:
 def _pick_and_place(options: argparse.Namespace, world: World) -> None:
     from ..fastkit import pick_and_place, plot_job, save_job_film
 
-    _refuse(options, (*_ENGINES, "method"), "--{} has no say in a pick_and_place task, which flies under --control")
+    _refuse(options, (*_ENGINES, "method"),
+            "--{} has no say in a pick_and_place task, which flies under --control")
     print(f"{world.title or world.name}: task {options.task}, {options.control} control")
     with Bar("working", "ms") as bar:
         job = pick_and_place(world, options.task, options.control, progress=bar)
@@ -165,4 +171,5 @@ def _refuse(options: argparse.Namespace, names: Sequence[str], why: str) -> None
 
 def _write(options: argparse.Namespace, world: World, save: Callable[[Path], Any],
            pictures: Mapping[str, Callable[[Path], Any]]) -> None:
-    write(options.out or Path("out") / world.name, save, {} if options.no_pictures else pictures)
+    write(options.out or Path("out") / world.name, save,
+          {} if options.no_pictures else pictures)

@@ -1,7 +1,5 @@
 """``python -m cdprlab run WORLD --task mission``: a hall around the shelf, there, work, back, pictures, a film."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -21,7 +19,8 @@ PEOPLE = (Walker([[2.5, -1.0], [6.0, -1.0]]),)  # type: ignore[arg-type]
 def fly_mission(world: World, folder: Path, pictures: bool, work: Any = None) -> Mission:
     """Run the mission in the hall above, print what happened, write it to a folder."""
     with Bar("mission", "s simulated") as bar:
-        mission = run_mission(in_hall(world, BOUNDS, PALLETS), BOUNDS, START, walkers=PEOPLE, work=work,
+        mission = run_mission(in_hall(world, BOUNDS, PALLETS), BOUNDS, START, walkers=PEOPLE,
+                              work=work,
                               progress=lambda state, time: bar(time, name=state))
     print_table(mission.table(), width=42)
     if mission.state != DONE:
@@ -45,7 +44,8 @@ def _pictures(mission: Mission) -> dict[str, Callable[[Path], Any]]:
     if there is not None:
         found |= {"journey.png": lambda path: save_figure(plot_journey(there), path),
                   "scans.png": lambda path: save_figure(plot_scans(there), path),
-                  "drives.png": lambda path: save_figure(plot_drives(mission), path), "mission.gif": film}
+                  "drives.png": lambda path: save_figure(plot_drives(mission), path),
+                  "mission.gif": film}
     if back is not None:
         found["way_home.png"] = lambda path: save_figure(plot_journey(back), path)
     if job is not None:

@@ -25,7 +25,8 @@ class Bar:
         if self.bar is None:
             from tqdm import tqdm
 
-            self.bar = tqdm(total=total, desc=name or self.name, unit=f" {self.unit}", leave=False)
+            self.bar = tqdm(total=total, desc=name or self.name, unit=f" {self.unit}",
+                            leave=False)
         if name and name != self.bar.desc:
             self.bar.set_description_str(name)
         self.bar.update(round(done) - self.bar.n)

@@ -1,7 +1,5 @@
 """``python -m cdprlab workspace WORLD``: a workspace as figure, table and data."""
 
-from __future__ import annotations
-
 import argparse
 import csv
 from collections.abc import Callable
@@ -41,10 +39,14 @@ CRITERIA: dict[str, Callable[[World, argparse.Namespace], Criterion]] = {
     "wrench_feasible": lambda world, options: WrenchFeasible(
         half_widths=_box(world, options.push) if options.push else None),
     "static_equilibrium": lambda world, options: StaticEquilibrium(),
-    "dynamic_equilibrium": lambda world, options: DynamicEquilibrium(_box(world, options.acceleration)),
-    "statically_stable": lambda world, options: StaticallyStable(options.method, options.axial_stiffness),
-    "twist_feasible": lambda world, options: TwistFeasible(half_widths=_box(world, options.speed), moving="all"),
-    "interference_free": lambda world, options: InterferenceFree(options.clearance, world.scene.boxes),
+    "dynamic_equilibrium": lambda world,
+    options: DynamicEquilibrium(_box(world, options.acceleration)),
+    "statically_stable": lambda world,
+    options: StaticallyStable(options.method, options.axial_stiffness),
+    "twist_feasible": lambda world,
+    options: TwistFeasible(half_widths=_box(world, options.speed), moving="all"),
+    "interference_free": lambda world,
+    options: InterferenceFree(options.clearance, world.scene.boxes),
     "tipping_safe": lambda world, options: TippingSafe(),
 }
 
@@ -58,23 +60,32 @@ def add_workspace_command(commands: Any) -> None:
     parser = commands.add_parser("workspace", help="judge poses over a plane or a volume; write map, table, data")
     parser.set_defaults(command=_workspace)
     add = parser.add_argument
-    add("world", metavar="WORLD", help="a world's name (see `worlds`) or the path of a .yaml file")
+    add("world", metavar="WORLD",
+        help="a world's name (see `worlds`) or the path of a .yaml file")
     add("--criterion", default="wrench_feasible", metavar="NAME[,NAME…]",
         help=f"{', '.join(CRITERIA)}; several with commas must all hold (default: %(default)s)")
     add("--plane", metavar="AXES", help="xy, xz or yz, in space (default: xz)")
     add("--at", type=float, help="where the plane cuts its third axis [m] (default: in the middle of the exit points)")
     add("--volume", action="store_true", help="all of the space instead of a plane")
-    add("--step", type=float, help="between poses [m] (default: a hundredth of the size, a thirtieth for a volume)")
-    add("--rpy", type=float, nargs=3, metavar=("ROLL", "PITCH", "YAW"), help="orientation in space [rad] (default: 0)")
+    add("--step", type=float,
+        help="between poses [m] (default: a hundredth of the size, a thirtieth for a volume)")
+    add("--rpy", type=float, nargs=3, metavar=("ROLL", "PITCH", "YAW"),
+        help="orientation in space [rad] (default: 0)")
     add("--angle", type=float, help="orientation in the plane [rad] (default: 0)")
-    add("--push", type=float, default=0.0, help="external force along each axis that must be balanced too [N]")
-    add("--acceleration", type=float, default=1.0, help="of dynamic_equilibrium, along each axis [m/s²]")
+    add("--push", type=float, default=0.0,
+        help="external force along each axis that must be balanced too [N]")
+    add("--acceleration", type=float, default=1.0,
+        help="of dynamic_equilibrium, along each axis [m/s²]")
     add("--speed", type=float, default=1.0, help="of twist_feasible, along each axis [m/s]")
     add("--clearance", type=float, default=0.0, help="of interference_free [m]")
-    add("--method", default="quadratic_program", help="tension distribution of statically_stable")
-    add("--axial-stiffness", type=float, help="EA of statically_stable [N] (default: the world's)")
-    add("--jobs", type=int, default=1, help="processes, -1 for all cores (default: %(default)d)")
-    add("--checkpoint", type=Path, help="folder that keeps finished chunks; the same command goes on there")
+    add("--method", default="quadratic_program",
+        help="tension distribution of statically_stable")
+    add("--axial-stiffness", type=float,
+        help="EA of statically_stable [N] (default: the world's)")
+    add("--jobs", type=int, default=1,
+        help="processes, -1 for all cores (default: %(default)d)")
+    add("--checkpoint", type=Path,
+        help="folder that keeps finished chunks; the same command goes on there")
     add_output_options(parser, "out/WORLD/workspace", "table and data")
 
 
@@ -84,7 +95,8 @@ def _workspace(options: argparse.Namespace) -> None:
     grid = _grid(world, options)
     print(f"{world.title or world.name}: {options.criterion} at {len(grid)} poses over {', '.join(grid.axes)}")
     with Bar("judging", "poses") as bar:
-        found = workspace(world.robot, grid, criterion, n_jobs=options.jobs, checkpoint=options.checkpoint,
+        found = workspace(world.robot, grid, criterion, n_jobs=options.jobs,
+                          checkpoint=options.checkpoint,
                           progress=bar)
     table = _table(world, grid, criterion, found, options.jobs)
     print_table(table)
@@ -99,7 +111,8 @@ def _workspace(options: argparse.Namespace) -> None:
             save_figure(plot_workspaces(world.robot, grid, {"": found}, title=title, unit=criterion.unit), path)
 
     drawn = not options.no_pictures and (len(grid.axes) < 3 or found.inside.any())
-    write(options.out or Path("out") / world.name / "workspace", lambda folder: _save(folder, grid, found, table),
+    write(options.out or Path("out") / world.name / "workspace",
+          lambda folder: _save(folder, grid, found, table),
           {"workspace.png": draw} if drawn else {})
 
 
@@ -121,7 +134,8 @@ def _box(world: World, size: float) -> Array:
 
 def _grid(world: World, options: argparse.Namespace) -> PoseGrid:
     exits, d, scene = world.robot.exit_points, world.robot.dimension, world.scene
-    low, high = np.array([exits.min(axis=0), exits.max(axis=0)] if scene.frame is None else scene.frame)
+    low, high = np.array([exits.min(axis=0), exits.max(axis=0)]
+                         if scene.frame is None else scene.frame)
     if d == 3 or high[-1] - low[-1] < 0.1 * np.ptp(low):
         low[-1] = min(low[-1], scene.floor_height)
     if d == 3 and not options.volume:
@@ -132,7 +146,8 @@ def _grid(world: World, options: argparse.Namespace) -> PoseGrid:
         low[held] = high[held] = (low[held] + high[held]) / 2 if options.at is None else options.at
     elif options.plane or (d == 2 and options.at is not None):
         raise InvalidInput("plane and at choose a plane in space; this is " + ("the plane" if d == 2 else "a volume"))
-    step = options.step or float((high - low).max()) / (30 if options.volume and d == 3 else 100)
+    step = options.step or float((high - low).max()) / (30 if options.volume
+                                                        and d == 3 else 100)
     return position_grid(low, high, step, rpy=options.rpy, angle=options.angle)
 
 
@@ -156,9 +171,12 @@ def _table(world: World, grid: PoseGrid, criterion: Criterion, found: Judgement,
 def _save(folder: Path, grid: PoseGrid, found: Judgement, table: dict[str, str]) -> None:
     poses = grid.poses
     axes: dict[str, Any] = {f"axis_{name}": places for name, places in grid.axes.items()}
-    np.savez(folder / "workspace.npz", **axes, position=poses.position, rotation=grid.origin.rotation,
+    np.savez(folder / "workspace.npz", **axes, position=poses.position,
+             rotation=grid.origin.rotation,
              inside=found.inside, margin=found.margin)
-    columns = {name: (places, "m") for name, places in zip(axis_names(poses.dimension), poses.position.T)}
-    write_csv(folder / "workspace.csv", {**columns, "inside": (found.inside, ""), "margin": (found.margin, "")})
+    columns = {name: (places, "m")
+               for name, places in zip(axis_names(poses.dimension), poses.position.T)}
+    write_csv(folder / "workspace.csv",
+              {**columns, "inside": (found.inside, ""), "margin": (found.margin, "")})
     with (folder / "table.csv").open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows(table.items())

@@ -1,7 +1,5 @@
 """`python -m cdprlab.compiled`: compiles this room, once, into the folder that keeps it; nobody waits for it later."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from pkgutil import iter_modules
 
@@ -30,7 +28,8 @@ def compile_all() -> None:
     least_norms(W, w_e, low, high)
     closest(W, w_e, low, high, 0.5, 1)
     margins(W, w_e, low[0], high[0], 1.0, 1.0)
-    capacity(plain(np.concatenate([W, np.ones((1, 1, 1))], axis=2)), w_e, w_e, w_e[0], low[0], high[0], True)
+    capacity(plain(np.concatenate([W, np.ones((1, 1, 1))], axis=2)), w_e, w_e, w_e[0], low[0],
+             high[0], True)
 
 
 if __name__ == "__main__":

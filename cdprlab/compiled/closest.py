@@ -1,7 +1,5 @@
 """The compiled closed forms: the tensions nearest to a wish, with cables fixed at the limits that they leave."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -11,7 +9,8 @@ from . import FOUND, OUT_OF_RANGE, SPENT
 from .jit import compiled
 from .linear_algebra import FREE, HELD, balance, nearest
 
-# Cables with limits closer than this have no choice; a limit is broken beyond rounding from this on.
+# Cables with limits closer than this have no choice; a limit is broken beyond rounding from
+# this on.
 FIXED, BROKEN = 1e-9, 1e-12
 
 
@@ -30,9 +29,11 @@ def worst_cable(tau: Array, low: Array, high: Array, row: int, held: Any, slack:
 def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds: int) -> tuple[Array, Any]:
     """The tensions nearest to low + share (high − low) among all that balance the wrench; equal limits hold a cable.
 
-    rounds : how often the cable that leaves its limits by most may be fixed there, and the others solved anew
+    rounds : how often the cable that leaves its limits by most may be fixed there, and the
+        others solved anew
     W (k, n, m); w_e (k, n); low, high both (k, m) or both (1, m)
-    Returns tensions (k, m); FOUND, OUT_OF_RANGE or, where rounds or redundancy ran out, SPENT (k,).
+    Returns tensions (k, m); FOUND, OUT_OF_RANGE or, where rounds or redundancy ran out, SPENT
+    (k,).
     """
     count, n, m = W.shape
     tensions, found = np.empty((count, m)), np.empty(count, np.int64)

@@ -1,7 +1,5 @@
 """The columns of W, cable after cable, and the cables' lengths: what every loop, sweep, engine and set asks for."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array
@@ -12,8 +10,10 @@ from .jit import compiled_for
 def cables(exit_points: Array, anchor_points: Array, positions: Array, rotations: Array) -> tuple[Array, Array]:
     """Lengths l (k, m) and whole wrench matrices W (k, 3 planar or 6 spatial, m) at k poses.
 
-    exit_points A, anchor_points B : (m, d) [m]; positions p : (k, d) [m]; rotations R : (k, d, d)
-    Column i of W is [u_i; r_i × u_i]: its first d rows are the directions. Of a cable without length it is NaN.
+    exit_points A, anchor_points B : (m, d) [m]; positions p : (k, d) [m]; rotations R :
+        (k, d, d)
+    Column i of W is [u_i; r_i × u_i]: its first d rows are the directions. Of a cable without
+    length it is NaN.
     """
     count, d = positions.shape
     m = exit_points.shape[0]

@@ -1,14 +1,13 @@
 """Ropes that can only pull, one step of an engine: a linear complementarity problem, set up and solved."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array
 from .control import mass_and_bias
 from .jit import compiled, compiled_for
 
-# Of A's trace: keeps the tensions of redundant ropes unique and smooth; at 1e-9 they ripple, see the tests.
+# Of A's trace: keeps the tensions of redundant ropes unique and smooth; at 1e-9 they ripple,
+# see the tests.
 YIELD = 1e-6
 
 
@@ -34,8 +33,9 @@ def solve(A: Array, B: Array) -> None:
 def complementary(A: Array, b: Array, last: Array) -> Array:
     """T ≥ 0 (m,) with A T − b ≥ 0 and Tᵀ (A T − b) = 0, for a positive definite A.
 
-    Mostly the ropes that were taut with the ``last`` tensions are taut still; from there Murty's least-index pivoting
-    comes to the answer, of which there is one, whatever was tried first.
+    Mostly the ropes that were taut with the ``last`` tensions are taut still; from there
+    Murty's least-index pivoting comes to the answer, of which there is one, whatever was tried
+    first.
     """
     m = b.size
     T, taut, order, small = np.zeros(m), last > 0.0, np.zeros(m, np.int64), 1e-13 * np.abs(b).max()
@@ -68,12 +68,15 @@ def complementary(A: Array, b: Array, last: Array) -> Array:
 
 
 @compiled_for(0, 2, 1, 0, 2, 1, 1, 2, 1, 1, 1, 0, 0, 0, 1)
-def rope_tensions(mass: float, inertia: Array, center: Array, gravity: float, R: Array, t: Array, push: Array,
-                  W: Array, lengths: Array, now: Array, wound: Array, dt: float, stiffness: float, damping: float,
+def rope_tensions(mass: float, inertia: Array, center: Array, gravity: float, R: Array,
+                  t: Array, push: Array,
+                  W: Array, lengths: Array, now: Array, wound: Array, dt: float,
+                  stiffness: float, damping: float,
                   last: Array) -> Array:
     """T (m,) of ropes that are wound from ``now`` to ``wound`` by the end of the step.
 
-    mass, inertia, center, gravity, R, t : as `mass_and_bias` takes them; push : (6,) at P; W : whole, (6, m)
+    mass, inertia, center, gravity, R, t : as `mass_and_bias` takes them; push : (6,) at P; W :
+        whole, (6, m)
     stiffness : EA [N], 0 of ropes that do not stretch; damping : fraction of critical
     last : (m,) tensions of the step before
     """

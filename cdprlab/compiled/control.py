@@ -1,7 +1,5 @@
 """What a controller asks for a thousand times a second: how far off the platform is, and what it takes to move it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array
@@ -31,12 +29,14 @@ def put_error(p: Array, R: Array, p_d: Array, R_d: Array, error: Array) -> None:
 def pose_errors(positions: Array, rotations: Array, wanted_positions: Array, wanted_rotations: Array) -> Array:
     """e (k, 3 planar or 6 spatial) of k poses, in world axes.
 
-    positions, wanted_positions : p, p_d (k, d) [m]; rotations, wanted_rotations : R, R_d (k, d, d)
+    positions, wanted_positions : p, p_d (k, d) [m]; rotations, wanted_rotations : R, R_d
+        (k, d, d)
     """
     count, d = positions.shape
     errors = np.empty((count, 3 * (d - 1)))
     for k in range(count):
-        put_error(positions[k], rotations[k], wanted_positions[k], wanted_rotations[k], errors[k])
+        put_error(positions[k], rotations[k], wanted_positions[k],
+                  wanted_rotations[k], errors[k])
     return errors
 
 
@@ -45,7 +45,8 @@ def mass_and_bias(mass: float, inertia: Array, center: Array, gravity: float, R:
                   t: Array) -> tuple[Array, Array]:
     """M (n, n) and h (n,) of W τ = M a + h: Newton and Euler, moments taken at P, n = 3 planar or 6 spatial.
 
-    inertia : (1, 1) or (3, 3) about the center of mass; center : (d,) of mass; both in platform axes
+    inertia : (1, 1) or (3, 3) about the center of mass; center : (d,) of mass; both in platform
+        axes
     R : (d, d); t = [v; ω] : (n,) twist of P in world axes
     """
     d, n = center.size, t.size
@@ -96,11 +97,13 @@ def mass_and_bias(mass: float, inertia: Array, center: Array, gravity: float, R:
 
 
 @compiled_for(2, 2, 0, 2, 1, 0, 1, 2, 1, 1, 2, 1, 1)
-def computed_torque(K_p: Array, K_d: Array, mass: float, inertia: Array, center: Array, gravity: float,
+def computed_torque(K_p: Array, K_d: Array, mass: float, inertia: Array, center: Array,
+                    gravity: float,
                     p: Array, R: Array, t: Array, p_d: Array, R_d: Array, t_d: Array, a_d: Array) -> Array:
     """W τ = M (a_d + K_d (t_d − t) + K_p e) + h, (3 planar or 6 spatial,).
 
-    K_p, K_d : (n, n) gains in world axes; then as in `mass_and_bias` and `put_error`, and the wanted twist and a_d
+    K_p, K_d : (n, n) gains in world axes; then as in `mass_and_bias` and `put_error`, and the
+        wanted twist and a_d
     """
     n = t.size
     M, h = mass_and_bias(mass, inertia, center, gravity, R, t)

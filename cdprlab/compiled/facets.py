@@ -1,11 +1,10 @@
 """The compiled capacity margin: how far a box of wrenches is from the nearest facet of the available wrench set.
 
-Hyperplane shifting, one facet's normal n being orthogonal to n − 1 columns of W, seen from the other side: y = Wᵀ n is
-zero on these columns, so it has r + 1 others, and it is orthogonal to the null space D of W. These y are cofactors of
-r + 1 rows of D, a few products for up to two redundant cables.
+Hyperplane shifting, one facet's normal n being orthogonal to n − 1 columns of W, seen from the
+other side: y = Wᵀ n is zero on these columns, so it has r + 1 others, and it is orthogonal to
+the null space D of W. These y are cofactors of r + 1 rows of D, a few products for up to two
+redundant cables.
 """
-
-from __future__ import annotations
 
 from typing import Any
 
@@ -54,12 +53,14 @@ def next_choice(at: Any, size: int, m: int) -> bool:
 
 
 @compiled
-def distance(y: Array, at: Any, free: int, identity: Array, c: Array, loads: Array, half: Array, low: Array,
+def distance(y: Array, at: Any, free: int, identity: Array, c: Array, loads: Array, half: Array,
+             low: Array,
              high: Array, normal: Array) -> float:
     """How far all loads and their box are inside the nearer of the two facets whose y = Wᵀ n; ``normal`` becomes its n.
 
-    Both facets are at Σ y_i τ_i with each τ_i at the limit that makes it largest or least, and the wrench that the
-    cables must exert at Σ y_i c_i less n · load; n is in terms of the columns that the identity became.
+    Both facets are at Σ y_i τ_i with each τ_i at the limit that makes it largest or least, and
+    the wrench that the cables must exert at Σ y_i c_i less n · load; n is in terms of the
+    columns that the identity became.
     """
     n = normal.shape[0]
     middle, most, least = 0.0, 0.0, 0.0
@@ -94,10 +95,12 @@ def capacity(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: 
              any_sign: bool) -> tuple[Array, Array, Any]:
     """Smallest distance from −(w_e + load + box) to a facet of {W τ : low ≤ τ ≤ high}, negative outside.
 
-    W (k, n, m + n), the last n columns the identity; w_e (k, n); loads (v, n); half (n,); low, high (m,)
-    any_sign : go on past a margin that is negative; without, one negative facet is answer enough
-    Returns (k,), NaN without an answer; outward unit normal of that facet (k, n); FOUND or why not (k,),
-    TOO_REDUNDANT where W loses rank too.
+    W (k, n, m + n), the last n columns the identity; w_e (k, n); loads (v, n); half (n,); low,
+    high (m,)
+    any_sign : go on past a margin that is negative; without, one negative facet is answer
+        enough
+    Returns (k,), NaN without an answer; outward unit normal of that facet (k, n); FOUND or why
+    not (k,), TOO_REDUNDANT where W loses rank too.
     """
     count, n = w_e.shape
     m = low.shape[0]

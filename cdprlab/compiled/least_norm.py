@@ -1,7 +1,5 @@
 """The compiled least-norm tensions, for up to two redundant cables: the point nearest to 0 of the feasible polygon."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -17,8 +15,8 @@ from .polygon import polygon
 def no_limit_active(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, bool]:
     """τ = −Wᵀ (W Wᵀ)⁻¹ w_e (m,) by Cholesky, and whether it can be trusted and keeps the limits.
 
-    W Wᵀ has W's condition squared, of which the factor's diagonal is an estimate: 1e-3 leaves residuals of about
-    1e6 ε = 1e-10.
+    W Wᵀ has W's condition squared, of which the factor's diagonal is an estimate: 1e-3 leaves
+    residuals of about 1e6 ε = 1e-10.
     """
     n, m = W.shape
     L, y, tau = np.empty((n, n)), -w_e, np.zeros(m)
@@ -86,7 +84,8 @@ def least_norms(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, A
     """min ‖τ‖² with W τ + w_e = 0 and the limits: exact, as the program's only active sets are none, an edge, a corner.
 
     W (k, n, m); w_e (k, n); low, high both (k, m) or both (1, m)
-    Returns tensions (k, m), NaN without an answer; FOUND or why not (k,); redundancy r = m − rank (k,).
+    Returns tensions (k, m), NaN without an answer; FOUND or why not (k,); redundancy r = m −
+    rank (k,).
     """
     count, n, m = W.shape
     tensions, found, spare = np.empty((count, m)), np.empty(count, np.int64), np.empty(count, np.int64)

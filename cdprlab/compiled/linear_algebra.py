@@ -1,10 +1,9 @@
 """All tensions τ = c + D λ that balance a wrench, by Gauss–Jordan elimination, and the nearest of them to a wish.
 
-Elimination makes D the identity in the free cables, so that λ are these cables' own tensions. Nothing chosen from
-them in this room (the nearest tensions, the centroid, a vertex) depends on which basis of W's null space that is.
+Elimination makes D the identity in the free cables, so that λ are these cables' own tensions.
+Nothing chosen from them in this room (the nearest tensions, the centroid, a vertex) depends on
+which basis of W's null space that is.
 """
-
-from __future__ import annotations
 
 from typing import Any
 
@@ -17,19 +16,22 @@ from .jit import compiled
 FREE, HELD, CARRIED = -1, -2, -3
 """Before elimination: a column that may solve a row, one held at a value, one that only comes along."""
 
-# A row this much smaller than it was depends on those before it: elimination leaves about 1e-15 of it.
+# A row this much smaller than it was depends on those before it: elimination leaves about 1e-15
+# of it.
 DEPENDENT = 1e-12
 OFF_RANGE = 1e-8
 
 
 @compiled
-def balance(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: Array, owner: Any, c: Array,
+def balance(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: Array, owner: Any,
+            c: Array,
             D: Array) -> tuple[int, int]:
     """c and D of pose k, by Gauss–Jordan on [W | −w_e − W_held τ_held]; a λ that is not there moves nothing.
 
-    W (…, n, m); w_e (…, n); ``owner[j]`` becomes the row of ``rows`` that column j solves; line : (m + 1,)
-    Returns OUT_OF_RANGE where rows that depend on others do not agree with them, else TOO_REDUNDANT or FOUND; and how
-    many λ there are, one per free cable.
+    W (…, n, m); w_e (…, n); ``owner[j]`` becomes the row of ``rows`` that column j solves; line
+    : (m + 1,)
+    Returns OUT_OF_RANGE where rows that depend on others do not agree with them, else
+    TOO_REDUNDANT or FOUND; and how many λ there are, one per free cable.
     """
     n, m = rows.shape[0], c.size
     size = 1.0

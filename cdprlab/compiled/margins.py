@@ -1,10 +1,9 @@
 """The compiled margin: how far inside its limits a cable robot can balance a wrench, for many poses.
 
-The facets of `capacity`, asked for another distance: each y with Σ y_i D_i = 0 of least many cables bounds the margin
-from above, by duality, and the least of these bounds is the margin itself.
+The facets of `capacity`, asked for another distance: each y with Σ y_i D_i = 0 of least many
+cables bounds the margin from above, by duality, and the least of these bounds is the margin
+itself.
 """
-
-from __future__ import annotations
 
 from typing import Any
 

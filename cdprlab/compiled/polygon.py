@@ -1,10 +1,8 @@
 """The compiled polygon of feasible tensions, for up to two redundant cables, and the points one may want of it.
 
-With τ = c + D λ, D the identity in the free cables, the polygon of feasible λ starts as the rectangle of these
-cables' limits, and is cut by those of the others.
+With τ = c + D λ, D the identity in the free cables, the polygon of feasible λ starts as the
+rectangle of these cables' limits, and is cut by those of the others.
 """
-
-from __future__ import annotations
 
 from typing import Any
 
@@ -15,9 +13,11 @@ from . import CENTROID, EMPTY, FOUND, LOWEST, NOTHING
 from .jit import compiled
 from .linear_algebra import FREE, balance
 
-# Limits are met when missed by rounding only; and if nothing meets them, by half of what the result's check forgives.
+# Limits are met when missed by rounding only; and if nothing meets them, by half of what the
+# result's check forgives.
 ROUNDING, BORDER = 1e-13, 5e-9
-# A polygon of less area than this, relative to its length squared, is a segment: rounding leaves about 1e-16.
+# A polygon of less area than this, relative to its length squared, is a segment: rounding
+# leaves about 1e-16.
 THIN = 1e-12
 
 
@@ -25,7 +25,8 @@ THIN = 1e-12
 def clip(corners: Array, first: int, count: int, limit: float, sign: float, miss: float) -> int:
     """Cuts a convex polygon where sign · t > limit + miss, t linear over it (Sutherland and Hodgman 1974).
 
-    corners[first:first + count] are (x, y, t); those kept go to the other half of the array; returns how many.
+    corners[first:first + count] are (x, y, t); those kept go to the other half of the array;
+    returns how many.
     """
     to = begin = corners.shape[0] // 2 - first
     before = first + count - 1
@@ -129,8 +130,10 @@ def corner(D: Array, corners: Array, first: int, count: int, sign: float, close:
 def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[Array, Any, Any]:
     """One point of each polygon of feasible tensions; with NOTHING only whether there is one.
 
-    W (k, n, m); w_e (k, n); low, high both (k, m) or both (1, m); pick NOTHING or one of the others
-    Returns tensions (k, m), NaN without an answer; FOUND or why not (k,); redundancy r = m − rank (k,).
+    W (k, n, m); w_e (k, n); low, high both (k, m) or both (1, m); pick NOTHING or one of the
+    others
+    Returns tensions (k, m), NaN without an answer; FOUND or why not (k,); redundancy r = m −
+    rank (k,).
     """
     count, n, m = W.shape
     tensions, found, spare = np.empty((count, m)), np.empty(count, np.int64), np.empty(count, np.int64)
@@ -152,7 +155,8 @@ def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[
             elif pick == CENTROID:
                 centroid(corners, first, sides, point)
             elif pick != NOTHING:
-                corner(D, corners, first, sides, 1.0 if pick == LOWEST else -1.0, 1e-9 * largest, point)
+                corner(D, corners, first, sides, 1.0 if pick == LOWEST else -1.0,
+                       1e-9 * largest, point)
         for i in range(m):
             tensions[k, i] = c[i] + D[i, 0] * point[0] + D[i, 1] * point[1]
     return tensions, found, spare

@@ -1,7 +1,5 @@
 """Every step in the plane: where the platform and its cables are, and how the reels must turn."""
 
-from __future__ import annotations
-
 import math
 
 from ..arrays import Array
@@ -9,11 +7,13 @@ from .jit import compiled_for
 
 
 @compiled_for(1, 0, 0, 1, 2, 2, writes=(1, 2))
-def look(motion: Array, dt: float, reach: float, center: Array, exit_points: Array, anchors: Array,
+def look(motion: Array, dt: float, reach: float, center: Array, exit_points: Array,
+         anchors: Array,
          seen: Array, columns: Array) -> bool:
     """Where the platform is about to be, and the cables there.
 
-    Returns False where it is beyond reach of the origin [m], or turns by more than 2π in a step.
+    Returns False where it is beyond reach of the origin [m], or turns by more than 2π in a
+    step.
 
     motion : (6,) the center of mass's x, y, angle and their rates [m, rad, m/s, rad/s]
     center, anchors : (2,) from P to the center of mass, (m, 2) from there to the anchor points,

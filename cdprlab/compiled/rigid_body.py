@@ -1,7 +1,5 @@
 """Where a platform and its cables are, from what an engine tells of the platform's body."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array
@@ -14,7 +12,8 @@ def platform_and_cables(body: Array, axes: Array, center: Array, exit_points: Ar
                         anchor_points: Array) -> tuple[Array, Array, Array]:
     """[p, R row by row, v, ω] (18,) of the platform at P, lengths l (m,) and whole wrench matrix W (6, m).
 
-    body : (13,) of the body's frame: position, quaternion (x, y, z, w), velocity, angular velocity, in world axes
+    body : (13,) of the body's frame: position, quaternion (x, y, z, w), velocity, angular
+        velocity, in world axes
     axes, center : (3, 3) and (3,) of the body's frame, seen from the platform's
     exit_points, anchor_points : (m, 3) [m]
     """

@@ -6,5 +6,7 @@ from .detour import plan_detour
 from .measured import compatible_configurations, hanging_position, reset_by_marks
 from .sequence import ConfigurationSequence, plan_configurations
 
-__all__ = ["Configuration", "ConfigurationSequence", "classify_configurations", "compatible_configurations",
-           "hanging_position", "plan_configurations", "plan_detour", "reset_by_marks", "taut_configurations"]
+__all__ = ["Configuration", "ConfigurationSequence", "classify_configurations",
+           "compatible_configurations",
+           "hanging_position", "plan_configurations", "plan_detour", "reset_by_marks",
+           "taut_configurations"]

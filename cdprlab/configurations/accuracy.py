@@ -1,12 +1,11 @@
 """How far a length error moves the load: the interval system J Δx = Δρ of a triplet, solved with guarantee.
 
-J(M) has rows −u_i. Over boxes of the position and of the exit points its entries are exact ranges J_c ± Δ, and
-|Δx| ≤ (I − |J_c⁻¹| Δ)⁻¹ |J_c⁻¹| |Δρ| holds for every matrix in between, as long as the spectral radius of |J_c⁻¹| Δ
-stays below 1 (Neumann series). This form is stated because another one would move the switching point: near x = 1.85 in
-the paper's room, A123 and A234 differ by less than half a percent.
+J(M) has rows −u_i. Over boxes of the position and of the exit points its entries are exact
+ranges J_c ± Δ, and |Δx| ≤ (I − |J_c⁻¹| Δ)⁻¹ |J_c⁻¹| |Δρ| holds for every matrix in between, as
+long as the spectral radius of |J_c⁻¹| Δ stays below 1 (Neumann series). This form is stated
+because another one would move the switching point: near x = 1.85 in the paper's room, A123 and
+A234 differ by less than half a percent.
 """
-
-from __future__ import annotations
 
 import numpy as np
 
@@ -26,7 +25,8 @@ def position_sensitivity(exits: Array, position: Array, position_uncertainty: fl
     >>> float(position_sensitivity(at_right_angles, np.zeros(3)))
     1.0
     """
-    low, high = _direction_range(exits - position[..., None, :], position_uncertainty + exit_uncertainty)
+    low, high = _direction_range(exits - position[..., None, :],
+                                 position_uncertainty + exit_uncertainty)
     center, radius = (low + high) / 2, (high - low) / 2
     regular = np.abs(np.linalg.det(center)) > 1e-12
     inverse = np.abs(np.linalg.inv(np.where(regular[..., None, None], center, np.eye(3))))

@@ -1,7 +1,5 @@
 """Which triplets hold a point mass at a position: certainly, perhaps, or certainly not."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -14,18 +12,23 @@ from .sides import side_range
 INSIDE, UNCERTAIN, OUTSIDE = "inside", "uncertain", "outside"
 
 
-def classify_configurations(robot: Robot, position: ArrayLike, position_uncertainty: float = 0.05,
+def classify_configurations(robot: Robot, position: ArrayLike,
+                            position_uncertainty: float = 0.05,
                             exit_uncertainty: float = 0.02, *, form: str = "corners") -> dict[Configuration, str]:
     """Each triplet of cables → "inside", "uncertain" or "outside" at a position.
 
-    Inside: for every exit point and position within the uncertainties the three sides (A_j − A_i) × (M − A_i) seen from
-    above are positive and M is below the plane of the exits. Outside: one of these is negative for all of them.
+    Inside: for every exit point and position within the uncertainties the three sides
+    (A_j − A_i) × (M − A_i) seen from above are positive and M is below the plane of the exits.
+    Outside: one of these is negative for all of them.
 
     robot : a point mass (3T) on three cables or more
     position : (3,) M, or a Pose [m]
-    position_uncertainty, exit_uncertainty : half widths of the boxes around M and around each A_i [m]
-    form : how the range of the sides is computed: "corners" (exact), "translated", "natural", "contractor"
-    Raises InvalidInput for another kind of robot, a bad position, negative uncertainties or an unknown form.
+    position_uncertainty, exit_uncertainty : half widths of the boxes around M and around each
+        A_i [m]
+    form : how the range of the sides is computed: "corners" (exact), "translated", "natural",
+        "contractor"
+    Raises InvalidInput for another kind of robot, a bad position, negative uncertainties or an
+    unknown form.
     Source: Ramadour and Merlet 2014, sections III and IV.A (δ_a and δ_b as section V has them).
 
     >>> import cdprlab as cl
@@ -46,8 +49,9 @@ def classify_configurations(robot: Robot, position: ArrayLike, position_uncertai
 def taut_configurations(robot: Robot, position: ArrayLike, tolerance: float = 1e-6) -> tuple[Configuration, ...]:
     """Every set of one, two or three cables that alone holds a weight at a position, nothing uncertain.
 
-    One cable holds what hangs straight below its exit point, two what hangs below the line between theirs, three what
-    hangs inside their triangle; a set is listed only if all its cables are needed.
+    One cable holds what hangs straight below its exit point, two what hangs below the line
+    between theirs, three what hangs inside their triangle; a set is listed only if all its
+    cables are needed.
 
     position : (3,) or a Pose [m]
     tolerance : how far off the vertical plane or line still counts as on it [m]
@@ -59,7 +63,8 @@ def taut_configurations(robot: Robot, position: ArrayLike, tolerance: float = 1e
     True
     """
     M, exits = as_position(position), robot.exit_points
-    return tuple(chosen for chosen in few_cables(robot) if _holds(exits[chosen.indices], M, tolerance))
+    return tuple(chosen for chosen in few_cables(robot)
+                 if _holds(exits[chosen.indices], M, tolerance))
 
 
 def _holds(exits: Array, M: Array, tolerance: float) -> bool:
@@ -69,7 +74,8 @@ def _holds(exits: Array, M: Array, tolerance: float) -> bool:
     shares = np.linalg.lstsq(up.T, np.array([0.0, 0.0, 1.0]), rcond=None)[0]
     rise = float(up[:, 2].max())
     off = np.abs(shares @ up - [0, 0, 1]).max() * abs(rise)
-    # A share of the height: below tolerance/span the cable would be slack but for the tolerance.
+    # A share of the height: below tolerance/span the cable would be slack but for the
+    # tolerance.
     needed = tolerance / max(float(np.ptp(exits[:, :2], axis=0).max()), rise, tolerance)
     return rise > 0 and bool(off <= tolerance and (shares * rise > needed).all())
 
@@ -85,4 +91,5 @@ def certainty(exits: Array, M: Array, position_uncertainty: float, exit_uncertai
     a = counterclockwise(exits)[:, :2]
     sides = [side_range(a[i], a[j], M[:2], exit_uncertainty, position_uncertainty, form)
              for i, j in ((0, 1), (1, 2), (2, 0))]
-    return min(float(below[0]), *(low for low, _ in sides)), min(float(below[1]), *(high for _, high in sides))
+    return min(float(below[0]), *(low for low, _ in sides)), min(float(below[1]),
+                                                                 *(high for _, high in sides))

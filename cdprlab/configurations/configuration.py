@@ -61,7 +61,8 @@ def few_cables(robot: Robot) -> tuple[Configuration, ...]:
 
 
 def _choices(robot: Robot, size: int) -> Iterator[Configuration]:
-    return (Configuration(chosen) for chosen in combinations(range(1, robot.n_cables + 1), size))
+    return (Configuration(chosen)
+            for chosen in combinations(range(1, robot.n_cables + 1), size))
 
 
 def counterclockwise(exits: Array) -> Array:

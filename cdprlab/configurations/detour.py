@@ -1,7 +1,5 @@
 """Ways around what a straight way cannot pass safely: the crossing of the diagonals, and ends amid an edge."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from itertools import product
@@ -20,18 +18,22 @@ _OFFSETS = np.arange(1, 41) * 0.05  # m, to either side
 _STEP, _FARTHEST = 0.02, 1.0  # m
 
 
-def plan_detour(robot: Robot, start: ArrayLike, goal: ArrayLike, *, position_uncertainty: float = 0.05,
+def plan_detour(robot: Robot, start: ArrayLike, goal: ArrayLike, *,
+                position_uncertainty: float = 0.05,
                 exit_uncertainty: float = 0.02) -> ConfigurationSequence | None:
     """The shortest way over one waypoint whose every change is safe; the straight way if that is safe already.
 
-    Near the crossing of two diagonals no triplet is certain, so a straight way across it has no safe sequence; the
-    waypoint leads past it, at the height of the way. A start or goal that is not certainly inside any triplet is left
-    for, or reached from, the nearest point at its height that is (the literature's M₀); such a sequence is not `safe`.
+    Near the crossing of two diagonals no triplet is certain, so a straight way across it has no
+    safe sequence; the waypoint leads past it, at the height of the way. A start or goal that is
+    not certainly inside any triplet is left for, or reached from, the nearest point at its
+    height that is (the literature's M₀); such a sequence is not `safe`.
 
     robot, start, goal, position_uncertainty, exit_uncertainty : as for `plan_configurations`
-    Returns a ConfigurationSequence whose steps include the waypoint, or None where no waypoint helps.
+    Returns a ConfigurationSequence whose steps include the waypoint, or None where no waypoint
+    helps.
     Raises InvalidInput as `plan_configurations`.
-    Source: Ramadour and Merlet 2014, sections IV.A (step 1) and VII, which leaves the crossing open.
+    Source: Ramadour and Merlet 2014, sections IV.A (step 1) and VII, which leaves the crossing
+    open.
 
     >>> import cdprlab as cl
     >>> robot = cl.load_world("point_mass").robot
@@ -44,11 +46,13 @@ def plan_detour(robot: Robot, start: ArrayLike, goal: ArrayLike, *, position_unc
                    exit_uncertainty=exit_uncertainty)
     S, G = as_position(start), as_position(goal)
     plan(S, G)  # says what is wrong with the ends, if anything
-    regions = [region(robot.exit_points[c.indices], exit_uncertainty, position_uncertainty) for c in triplets(robot)]
+    regions = [region(robot.exit_points[c.indices], exit_uncertainty, position_uncertainty)
+               for c in triplets(robot)]
     first, last = _safe_start(regions, S), _safe_start(regions, G)
     if first is None or last is None:
         return None
-    core = _between(lambda a, b: [sequence for sequence in plan(a, b) if sequence.safe], first, last, regions)
+    core = _between(lambda a, b: [sequence for sequence in plan(a, b) if sequence.safe], first,
+                    last, regions)
     return core and _with_ends(core, S, G, robot)
 
 
@@ -58,7 +62,8 @@ def _safe_start(regions: list[Region], position: Array) -> Array | None:
         return position
     turns = np.linspace(0, 2 * np.pi, 73)[:-1]
     circle = np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
-    near = (position + radius * way for radius in np.arange(_STEP, _FARTHEST, _STEP) for way in circle)
+    near = (position + radius * way for radius in np.arange(_STEP, _FARTHEST, _STEP)
+            for way in circle)
     return next((place for place in near if _certain(regions, place)), None)
 
 

@@ -1,7 +1,5 @@
 """What measurements say about the configuration: lengths with errors, and marks on the cables."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from itertools import product
 
@@ -20,8 +18,9 @@ def compatible_configurations(robot: Robot, lengths: ArrayLike, length_error: fl
                               exit_uncertainty: float = 0.0) -> tuple[Configuration, ...]:
     """Every configuration of one, two or three taut cables that measured lengths ± error do not exclude.
 
-    Taut cables give the position: ‖M − A_i‖ = ρ_i; the others must reach it, ρ_l ≥ ‖M − A_l‖, and the taut ones must
-    hold the load. A configuration is dropped only if no lengths within the error allow it.
+    Taut cables give the position: ‖M − A_i‖ = ρ_i; the others must reach it, ρ_l ≥ ‖M − A_l‖,
+    and the taut ones must hold the load. A configuration is dropped only if no lengths within
+    the error allow it.
 
     lengths : (m,) measured, slack included [m]
     length_error : ± of each [m]; exit_uncertainty : half width of the box around each A_i [m]
@@ -48,7 +47,8 @@ def reset_by_marks(readings: ArrayLike, marks: Iterable[tuple[int, float]]) -> A
 
     readings : (N,) length as the drum's turns give it [m]
     marks : (sample, true length [m]) of each mark seen, in order of time
-    Returns (N,): the reading plus the last mark's correction; before the first mark the reading itself.
+    Returns (N,): the reading plus the last mark's correction; before the first mark the reading
+    itself.
     Source: Ramadour and Merlet 2014, section II (foils glued to the cable at known lengths).
 
     >>> reset_by_marks([2.00, 2.11, 2.22, 2.33], [(1, 2.10)]).round(2)
@@ -66,12 +66,13 @@ def reset_by_marks(readings: ArrayLike, marks: Iterable[tuple[int, float]]) -> A
 def hanging_position(robot: Robot, lengths: ArrayLike) -> tuple[Array, Configuration]:
     """Where a weight comes to rest on ropes of given lengths, and which of them are then taut.
 
-    The lowest point that every rope reaches: min z subject to ‖M − A_i‖ ≤ ρ_i, which is convex and so has one answer,
-    on one, two or three taut ropes.
+    The lowest point that every rope reaches: min z subject to ‖M − A_i‖ ≤ ρ_i, which is convex
+    and so has one answer, on one, two or three taut ropes.
 
     lengths : (m,) of rope let out [m]
     Returns (3,) M [m] and the taut Configuration.
-    Raises InvalidInput for another kind of robot, or ropes so short that no point is within reach of all.
+    Raises InvalidInput for another kind of robot, or ropes so short that no point is within
+    reach of all.
     Source: the point-mass case of Carricato and Merlet 2011 (direct geometrico-static problem).
 
     >>> import cdprlab as cl
@@ -90,7 +91,8 @@ def hanging_position(robot: Robot, lengths: ArrayLike) -> tuple[Array, Configura
             found.append((M, chosen))
     if not found:
         raise InvalidInput(f"no point is within reach of all ropes of lengths {rho.tolist()} m")
-    # The first, of fewest ropes, where several hold the same point: the others are just not slack.
+    # The first, of fewest ropes, where several hold the same point: the others are just not
+    # slack.
     return min(found, key=lambda candidate: round(float(candidate[0][2]), 9))
 
 
@@ -143,7 +145,8 @@ def _below_three(exits: Array, rho: Array, error: float) -> tuple[Array, float] 
 def _lowest(exits: Array, rho: Array, nearest: bool = False) -> Array | None:
     """The lowest point at these distances from one, two or three exits; None where there is none.
 
-    nearest : lengths that just do not meet are off by their error, the nearest point between the exits stands for them
+    nearest : lengths that just do not meet are off by their error, the nearest point between
+        the exits stands for them
     """
     edges = exits[1:] - exits[0]
     levels = (rho[0]**2 - rho[1:]**2 + (edges**2).sum(axis=1)) / 2

@@ -1,10 +1,8 @@
 """Where three cables hold a point mass: inside their triangle seen from above, and below its plane.
 
-All four conditions read n · (M − A) > 0, where n is made of exit points: exactly multilinear in every coordinate, so
-that the range over boxes is found at their corners.
+All four conditions read n · (M − A) > 0, where n is made of exit points: exactly multilinear in
+every coordinate, so that the range over boxes is found at their corners.
 """
-
-from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
@@ -44,8 +42,10 @@ class Region:
     def window(self, start: Array, end: Array, slack: float = 0.0) -> tuple[float, float] | None:
         """The share [λ₀, λ₁] of the way start + λ (end − start), 0 ≤ λ ≤ 1, that is certainly inside; None if none is.
 
-        Each condition at each corner is linear in λ, so the window is one interval and its ends are exact.
-        slack : added to every condition, so that a way along an edge counts as inside both neighbors [m², m³]
+        Each condition at each corner is linear in λ, so the window is one interval and its ends
+        are exact.
+        slack : added to every condition, so that a way along an edge counts as inside both
+            neighbors [m², m³]
         """
         n, c, r = map(np.concatenate, (self.normals, self.offsets, self.spreads))
         begin, slope = n @ start - c - r + slack, n @ (end - start)
@@ -91,8 +91,10 @@ def region(exits: Array, exit_uncertainty: float = 0.0, position_uncertainty: fl
     """The region of one triplet.
 
     exits : (3, 3) exit points [m]
-    exit_uncertainty, position_uncertainty : half widths of the boxes around them and around the position [m]
-    Source: Ramadour and Merlet 2014, section IV.A; the range of each side is exact over the boxes' corners.
+    exit_uncertainty, position_uncertainty : half widths of the boxes around them and around the
+        position [m]
+    Source: Ramadour and Merlet 2014, section IV.A; the range of each side is exact over the
+    boxes' corners.
 
     >>> corners = np.array([[0, 0, 3], [4, 0, 3], [0, 3, 3.0]])
     >>> region(corners).window(np.array([1, 1, 0.0]), np.array([1, 3, 0.0]))

@@ -1,7 +1,5 @@
 """Sequences of cable configurations along a straight way: where to change, how good each is, which is safest."""
 
-from __future__ import annotations
-
 import logging
 from dataclasses import dataclass
 from functools import cached_property
@@ -35,11 +33,13 @@ _Places = list[tuple[float, float, bool]]
 class ConfigurationSequence:
     """One way to go: positions and the configuration each is reached in, with scores; lower is better.
 
-    steps : (position (3,) [m], Configuration) of S, of each change twice (old and new), and of G
+    steps : (position (3,) [m], Configuration) of S, of each change twice (old and new), and of
+        G
     location_scores : one a step: 0 (amid its triangle) to 4, or with method "accuracy" [m/m]
     transition_scores : one a change: 0 safe, 4 where a cable may be missing
     score : their sum; with "accuracy" the largest location score
-    safe : every position certainly inside its triangle, every change where both configurations certainly hold
+    safe : every position certainly inside its triangle, every change where both configurations
+        certainly hold
     """
 
     steps: tuple[Step, ...]
@@ -58,7 +58,8 @@ class ConfigurationSequence:
     @property
     def configurations(self) -> tuple[Configuration, ...]:
         """In order, each once."""
-        return tuple(c for k, (_, c) in enumerate(self.steps) if k == 0 or c != self.steps[k - 1][1])
+        return tuple(c for k, (_, c) in enumerate(self.steps) if k == 0
+                     or c != self.steps[k - 1][1])
 
     def __str__(self) -> str:
         way = " → ".join(map(str, self.configurations))
@@ -99,7 +100,8 @@ class _Way:
         """Of a configuration at shares (…) of the way, larger is better: min d / max d, or minus its sensitivity."""
         exits, places = self.robot.exit_points[chosen.indices], self.at(shares)
         if self.method == "accuracy":
-            return -position_sensitivity(exits, places, self.position_uncertainty, self.exit_uncertainty)
+            return -position_sensitivity(exits, places, self.position_uncertainty,
+                                         self.exit_uncertainty)
         return _plan_ratio(exits, places)
 
     def ends(self, windows: dict[Configuration, tuple[float, float]], end: int) -> set[Configuration]:
@@ -108,7 +110,8 @@ class _Way:
 
     def overlap(self, old: Configuration, new: Configuration) -> tuple[float, float, bool] | None:
         """Where old may become new: the certain window if there is one, else the nominal overlap; and which it is."""
-        # A certain window is more than a point: on a shared edge, known exactly, only two cables hold.
+        # A certain window is more than a point: on a shared edge, known exactly, only two
+        # cables hold.
         for windows, least in ((self.certain, _EDGE), (self.nominal, -_EDGE)):
             if old in windows and new in windows:
                 first = max(windows[old][0], windows[new][0])
@@ -131,21 +134,24 @@ class _Way:
         return float(share) if 0 <= share <= 1 and 0 <= along <= 1 else None
 
 
-def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike, method: str = "stability", *,
+def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike,
+                        method: str = "stability", *,
                         position_uncertainty: float = 0.05, exit_uncertainty: float = 0.02
                         ) -> list[ConfigurationSequence]:
     """Ranked sequences of configurations from S straight to G with the fewest changes; best first.
 
-    A change is safe where the old and the new configuration are both certainly inside; there, "stability" takes the
-    point where the smaller of their min d / max d (plan distances to the three exits) is largest, "accuracy" where the
-    larger of their position sensitivities is smallest. Without such a point it lies at the edge both share, or amid
-    the nominal overlap where that is not crossed, and scores 4; "accuracy" does not take it at all.
+    A change is safe where the old and the new configuration are both certainly inside; there,
+    "stability" takes the point where the smaller of their min d / max d (plan distances to the
+    three exits) is largest, "accuracy" where the larger of their position sensitivities is
+    smallest. Without such a point it lies at the edge both share, or amid the nominal overlap
+    where that is not crossed, and scores 4; "accuracy" does not take it at all.
 
     robot : a point mass (3T) on three cables or more
     start, goal : (3,) S and G, or Pose [m]
     method : "stability" or "accuracy"
     position_uncertainty, exit_uncertainty : half widths of the boxes around M and each A_i [m]
-    Returns list of ConfigurationSequence; empty, the reason logged, where the method allows none.
+    Returns list of ConfigurationSequence; empty, the reason logged, where the method allows
+    none.
     Raises InvalidInput for an unknown method, or a start or goal that no three cables hold.
     Source: Ramadour and Merlet 2014, section IV, scores as in section V.
 
@@ -156,7 +162,8 @@ def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike, method:
     """
     if method not in METHODS:
         raise InvalidInput(f"method must be one of {', '.join(METHODS)}, got {method!r}")
-    way = _Way(robot, as_position(start), as_position(goal), position_uncertainty, exit_uncertainty,
+    way = _Way(robot, as_position(start), as_position(goal), position_uncertainty,
+               exit_uncertainty,
                method)
     for name, end in (("start", 0), ("goal", 1)):
         if not way.ends(way.nominal, end):
@@ -170,7 +177,8 @@ def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike, method:
         logging.getLogger(__name__).warning(
             "no sequence: %s has no change where both configurations are certainly inside, which method 'accuracy' "
             "asks for", ", ".join("→".join(map(str, chain)) for chain, _ in chains))
-    return sorted(found, key=lambda sequence: (not sequence.safe if method == "accuracy" else 0, sequence.score))
+    return sorted(found, key=lambda sequence: (not sequence.safe if method == "accuracy" else 0,
+                                               sequence.score))
 
 
 def _fewest_changes(way: _Way) -> list[tuple[_Chain, _Places]]:
@@ -179,7 +187,8 @@ def _fewest_changes(way: _Way) -> list[tuple[_Chain, _Places]]:
         goals = way.ends(ends, 1)
         chains: dict[_Chain, _Places] = {(c,): [] for c in way.ends(ends, 0)}
         for _ in range(len(way.nominal)):
-            if done := [(chain, places) for chain, places in chains.items() if chain[-1] in goals]:
+            if done := [(chain, places) for chain, places in chains.items()
+                        if chain[-1] in goals]:
                 return sorted(done)
             chains = {(*chain, new): places for chain in chains for new in way.nominal
                       if new not in chain and (places := _places(way, (*chain, new))) is not None}
@@ -212,7 +221,8 @@ def _sequence(way: _Way, chain: _Chain, places: _Places) -> ConfigurationSequenc
     scores = [-grade if way.method == "accuracy" else _from_ratio(grade) for grade in grades]
     changes = tuple(0 if safe else UNSAFE_CHANGE for *_, safe in places)
     certain = chain[0] in way.ends(way.certain, 0) and chain[-1] in way.ends(way.certain, 1)
-    return ConfigurationSequence(tuple((way.at(share), c) for share, c in points), tuple(scores), changes,
+    return ConfigurationSequence(tuple((way.at(share), c) for share, c in points),
+                                 tuple(scores), changes,
                                  certain and not any(changes), way.method)
 
 
@@ -228,8 +238,8 @@ def location_score(exits: Array, position: Array) -> int:
 
 
 def _from_ratio(ratio: float) -> int:
-    # A ratio that is a fifth but for rounding is a fifth; below an exit point the score is 5 by the formula, 4 by the
-    # range the paper gives.
+    # A ratio that is a fifth but for rounding is a fifth; below an exit point the score is 5 by
+    # the formula, 4 by the range the paper gives.
     return min(4, int(np.floor(5 * (1 - ratio) + 1e-9)))
 
 

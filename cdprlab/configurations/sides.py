@@ -1,10 +1,9 @@
 """The same side of an edge, (A_j − A_i) × (M − A_i), in interval forms that differ in how much they over-estimate.
 
-Interval arithmetic takes every occurrence of a variable as a new, independent one. A form in which a variable occurs
-twice therefore answers with a range that is too wide: it may call uncertain what is certain, never the reverse.
+Interval arithmetic takes every occurrence of a variable as a new, independent one. A form in
+which a variable occurs twice therefore answers with a range that is too wide: it may call
+uncertain what is certain, never the reverse.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import product
@@ -19,7 +18,8 @@ Side = Callable[[Intervals, Intervals, Intervals], Intervals]
 """Boxes (…, 2) of A_i, A_j and M in plan → the range of the side."""
 
 
-def side_range(start: Array, end: Array, position: Array, exit_uncertainty: float, position_uncertainty: float,
+def side_range(start: Array, end: Array, position: Array, exit_uncertainty: float,
+               position_uncertainty: float,
                form: str) -> tuple[float, float]:
     """Lower and upper end of (A_j − A_i) × (M − A_i) over boxes, in one of ``FORMS`` [m²].
 
@@ -63,7 +63,8 @@ def _corner_range(a: Intervals, b: Intervals, m: Intervals) -> Intervals:
 def _contractor(a: Intervals, b: Intervals, m: Intervals) -> Intervals:
     """The natural form, then its ends pulled in while a contractor proves the strip beyond empty."""
     whole = _natural(a, b, m)
-    return Intervals(_pull_in(a, b, m, whole.lower, whole.upper), -_pull_in(b, a, m, -whole.upper, -whole.lower))
+    return Intervals(_pull_in(a, b, m, whole.lower, whole.upper),
+                     -_pull_in(b, a, m, -whole.upper, -whole.lower))
 
 
 def _pull_in(a: Intervals, b: Intervals, m: Intervals, low: float, high: float) -> float:
@@ -79,16 +80,19 @@ def _pull_in(a: Intervals, b: Intervals, m: Intervals, low: float, high: float) 
 def _out_of_reach(a: Intervals, b: Intervals, m: Intervals, strips: Intervals) -> Flags:
     """(k,) for each strip: narrow the boxes to what it allows until one of them is empty.
 
-    The side is of second degree: side(c + h) = side(c) + g · h with its gradient g at c + h / 2.
+    The side is of second degree: side(c + h) = side(c) + g · h with its gradient g at c + h /
+    2.
     """
-    box = Intervals(np.concatenate([a.lower, b.lower, m.lower]), np.concatenate([a.upper, b.upper, m.upper]))
+    box = Intervals(np.concatenate([a.lower, b.lower, m.lower]),
+                    np.concatenate([a.upper, b.upper, m.upper]))
     box, before = box * np.ones((len(strips.lower), 1)), np.full(6, np.inf)
     empty = np.zeros(len(strips.lower), dtype=bool)
     with np.errstate(all="ignore"):
         while not (empty | ~(box.width < 0.999 * before).any(axis=-1)).all():
             before, c = box.width, (box.lower + box.upper) / 2
             h, z = box - c, (box + c) * 0.5
-            g = stack([z[:, j] - z[:, k] for j, k in ((3, 5), (4, 2), (5, 1), (0, 4), (1, 3), (2, 0))])
+            g = stack([z[:, j] - z[:, k]
+                       for j, k in ((3, 5), (4, 2), (5, 1), (0, 4), (1, 3), (2, 0))])
             wanted = strips - _natural(exact(c[:, :2]), exact(c[:, 2:4]), exact(c[:, 4:]))
             others = ((g * h)[:, None, :] * (1 - np.eye(6))).total()
             box = box & (wanted[:, None] - others) / g + c
@@ -96,6 +100,7 @@ def _out_of_reach(a: Intervals, b: Intervals, m: Intervals, strips: Intervals) -
     return empty
 
 
-FORMS: dict[str, Side] = {"corners": _corner_range, "translated": _translated, "natural": _natural,
+FORMS: dict[str, Side] = {"corners": _corner_range, "translated": _translated,
+                          "natural": _natural,
                           "contractor": _contractor}
 """Exact · (A_i − M) × (A_j − M) · as written · as written, then contracted."""

@@ -1,7 +1,5 @@
 """A sequence of configurations as rope lengths over time: the chosen cables taut, the others let out by some slack."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -22,8 +20,8 @@ class Winding:
 
     time : (N,) [s]; positions : (N, 3) where the load shall be [m]
     lengths : (N, m) of rope let out [m]
-    taut : (N, m) whether the plan lets the cable be taut; while it changes, both the old and the new ones, and all
-        of them until the first slack is out
+    taut : (N, m) whether the plan lets the cable be taut; while it changes, both the old and
+        the new ones, and all of them until the first slack is out
     """
 
     time: Array
@@ -32,20 +30,26 @@ class Winding:
     taut: Flags
 
 
-def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0.2, speed: float = 0.2,
+def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0.2,
+                 speed: float = 0.2,
                  reeling: float = 0.05, dt: float = 1e-3) -> Winding:
     """Rope lengths that lead a point mass along a sequence.
 
-    The cables that shall not carry are first let out by ``slack``; then the load moves from step to step. All is done
-    rest to rest. At a change the cable that comes in is taken up **before** the one that goes is paid out: done at
-    once, two taut cables would be left for a moment, and the load would swing.
+    The cables that shall not carry are first let out by ``slack``; then the load moves from
+    step to step. All is done rest to rest. At a change the cable that comes in is taken up
+    **before** the one that goes is paid out: done at once, two taut cables would be left for a
+    moment, and the load would swing.
 
-    robot : as the sequence was planned for; slack : 0 winds every rope by inverse kinematics alone [m]
+    robot : as the sequence was planned for; slack : 0 winds every rope by inverse kinematics
+        alone [m]
     speed : the load's largest [m/s]
-    reeling : of slack taken up and let out, slow enough for the load to follow without swinging [m/s]
+    reeling : of slack taken up and let out, slow enough for the load to follow without swinging
+        [m/s]
     dt : [s]
-    Raises InvalidInput for numbers that are not positive (slack: negative), or speeds above a winch's limit.
-    Source: Ramadour and Merlet 2014, sections II and VI (slack of 0.20 m); the order of the change is our own.
+    Raises InvalidInput for numbers that are not positive (slack: negative), or speeds above a
+    winch's limit.
+    Source: Ramadour and Merlet 2014, sections II and VI (slack of 0.20 m); the order of the
+    change is our own.
 
     >>> import cdprlab as cl
     >>> robot = cl.load_world("marionet").robot
@@ -53,7 +57,8 @@ def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0
     >>> winding_plan(robot, best).lengths.shape[1]
     4
     """
-    pace, step = as_number(speed, "speed", "m/s", positive=True), as_number(dt, "dt", "s", positive=True)
+    pace, step = as_number(speed, "speed", "m/s", positive=True), as_number(dt, "dt", "s",
+                                                                            positive=True)
     reel = as_number(reeling, "reeling", "m/s", positive=True)
     if not 0 <= slack < np.inf:
         raise InvalidInput(f"slack must be zero or more [m], got {slack}")
@@ -64,15 +69,18 @@ def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0
     at = np.append(sequence.steps[0][0], np.zeros(robot.n_cables))
     for end, taut in _legs(robot.n_cables, sequence, float(slack)):
         way = end - at
-        duration = PEAK_SPEED * max(np.linalg.norm(way[:3]) / pace, np.abs(way[3:]).max() / reel)
+        duration = PEAK_SPEED * max(np.linalg.norm(way[:3]) / pace,
+                                    np.abs(way[3:]).max() / reel)
         count = int(np.ceil(duration / step))
-        # Rest to rest: a rope that is a little off becomes taut, or slack, while the winch is slow, and jerks nothing.
+        # Rest to rest: a rope that is a little off becomes taut, or slack, while the winch is
+        # slow, and jerks nothing.
         rows.append(at + rest_to_rest(np.arange(1, count + 1)[:, None] / max(count, 1)) * way)
         flags.append(np.tile(taut, (count, 1)))
         at = end
     positions, loose = np.split(np.concatenate(rows), [3], axis=1)
     lengths = cable_lengths(robot, Pose(positions)) + loose
-    return Winding(np.arange(1.0, len(positions) + 1) * step, positions, lengths, np.concatenate(flags))
+    return Winding(np.arange(1.0, len(positions) + 1) * step, positions, lengths,
+                   np.concatenate(flags))
 
 
 def _legs(m: int, sequence: ConfigurationSequence, slack: float) -> Iterator[tuple[Array, Flags]]:

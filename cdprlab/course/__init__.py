@@ -7,8 +7,6 @@ Lessons import ``cdprlab`` and from here, and nothing deeper. Everything loads w
 'mass [kg]'
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import Any
 
@@ -59,7 +57,8 @@ _EXPORTS = {
 }
 """File, seen from here → the names that lessons take from it."""
 
-_HOMES = {name: file if file.startswith("..") else f".{file}" for file, names in _EXPORTS.items() for name in names}
+_HOMES = {name: file if file.startswith("..") else f".{file}"
+          for file, names in _EXPORTS.items() for name in names}
 
 __all__ = sorted(_HOMES)
 

@@ -1,7 +1,5 @@
 """A brief: what a robot is wanted for, judged point by point on anybody's world, with reasons that help."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -38,7 +36,8 @@ class Verdict(NamedTuple):
     """What became of a brief, point by point; prints as a list.
 
     points : Point a requirement; those that could not be looked at are missing
-    margin : smallest distance of a tension from its limits over the box, negative if it breaks them [N]
+    margin : smallest distance of a tension from its limits over the box, negative if it breaks
+        them [N]
     """
 
     points: tuple[Point, ...]
@@ -55,14 +54,16 @@ class Verdict(NamedTuple):
         return tuple(f"{point.name}: {point.words}" for point in self.points if not point.met)
 
     def __str__(self) -> str:
-        return "\n".join(f"{'✓' if point.met else '✗'} {point.name}: {point.words}" for point in self.points)
+        return "\n".join(f"{'✓' if point.met else '✗'} {point.name}: {point.words}"
+                         for point in self.points)
 
 
 @dataclass(frozen=True, eq=False)
 class Brief:
     """A load to be held over a box of poses, by given winches in a given hall, with few cables.
 
-    mass, size : of the platform with its load, a uniform box with P at its center [kg], (3,) [m]
+    mass, size : of the platform with its load, a uniform box with P at its center [kg], (3,)
+        [m]
     lower, upper : (3,) corners of the box of positions of P [m]
     yaw : largest turn about the vertical, either way [rad]
     pushes : (6,) external forces and moments either way, one at a time [N, N m]
@@ -114,7 +115,8 @@ class Brief:
             return Pose(spread.position, rpy=spread.rpy * [0.0, 0.0, 1.0])
         shares = np.stack(np.meshgrid(*[[0.0, 0.5, 1.0]] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
         turns = self.yaw * (2 * shares[:, 3:] - 1)
-        return Pose(self.lower + shares[:, :3] * (self.upper - self.lower), rpy=np.pad(turns, ((0, 0), (2, 0))))
+        return Pose(self.lower + shares[:, :3] * (self.upper - self.lower),
+                    rpy=np.pad(turns, ((0, 0), (2, 0))))
 
     def judge(self, design: World | Mapping[str, Any] | str | Path, poses: Pose | None = None) -> Verdict:
         """Look at a design, point by point; a point that others build on ends the list if it is not met.
@@ -143,7 +145,8 @@ class Brief:
         """For each push of ``wrenches`` those margins (N,) and the tensions (N, m) that have them [N]."""
         W = wrench_matrix(robot, poses)
         weight = np.broadcast_to(gravity_wrench(robot, poses), W.shape[:-1])
-        return [best_tensions(W, weight + push, robot.tension_min, robot.tension_max) for push in self.wrenches]
+        return [best_tensions(W, weight + push, robot.tension_min, robot.tension_max)
+                for push in self.wrenches]
 
 
 _Found = tuple[bool, str]
@@ -202,7 +205,8 @@ class _Case:
         wrong = np.abs(self.robot.tension_min - low) > _ROUNDING
         wrong |= np.abs(self.robot.tension_max - high) > _ROUNDING
         given = f"{low:g} to {high:g} N"
-        return _none(wrong, f"as given, {given}", f"other limits than {given}; these winches are in stock")
+        return _none(wrong, f"as given, {given}",
+                     f"other limits than {given}; these winches are in stock")
 
     def exits(self) -> _Found:
         low, high = self.brief.hall
@@ -212,7 +216,8 @@ class _Case:
 
     def anchors(self) -> _Found:
         off = (np.abs(self.robot.anchor_points) > self.brief.size / 2 + _ROUNDING).any(axis=1)
-        return _none(off, "all on the load", "beyond the box of the load: there is nothing to fix a cable to")
+        return _none(off, "all on the load",
+                     "beyond the box of the load: there is nothing to fix a cable to")
 
     def directions(self) -> _Found:
         limp = (cable_lengths(self.robot, self.poses) < 1e-9).any(axis=0)
@@ -284,9 +289,11 @@ def workshop_brief(most_cables: int = 8) -> Brief:
     'the load:'
     """
     return Brief(
-        mass=80.0, size=np.array([0.8, 0.6, 0.4]), lower=np.array([-0.8, -0.5, 0.6]), upper=np.array([0.8, 0.5, 1.4]),
+        mass=80.0, size=np.array([0.8, 0.6, 0.4]), lower=np.array([-0.8, -0.5, 0.6]),
+        upper=np.array([0.8, 0.5, 1.4]),
         yaw=float(np.deg2rad(10)), pushes=np.array([40.0, 40.0, 0.0, 4.0, 4.0, 4.0]),
-        hall=np.array([[-3.0, -2.2, 0.0], [3.0, 2.2, 3.6]]), tension=(15.0, 700.0), clearance=0.05,
+        hall=np.array([[-3.0, -2.2, 0.0], [3.0, 2.2, 3.6]]), tension=(15.0, 700.0),
+        clearance=0.05,
         most_cables=most_cables)
 
 

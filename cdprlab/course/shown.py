@@ -1,7 +1,5 @@
 """What explorers and the designer share in a notebook: a widget that shows itself, and pictures with words."""
 
-from __future__ import annotations
-
 import html
 from base64 import b64encode
 from typing import Any
@@ -49,6 +47,7 @@ def picture_tag(png: bytes, size: tuple[float, float], alt_text: str) -> str:
     size : [inch at 100 pixels]
     """
     width, height = (round(100 * side) for side in size)
-    # Decoded before the page is painted again, and its place kept: no flicker while a slider moves.
+    # Decoded before the page is painted again, and its place kept: no flicker while a slider
+    # moves.
     return (f'<img decoding="sync" width="{width}" height="{height}" style="max-width: 100%; height: auto" '
             f'alt="{html.escape(alt_text)}" src="data:image/png;base64,{b64encode(png).decode("ascii")}">')

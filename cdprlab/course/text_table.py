@@ -1,7 +1,5 @@
 """Tables as aligned text: read by eyes, screen readers and headless notebooks alike."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np

@@ -1,7 +1,7 @@
 """FASTKIT's wing: a job of many phases, the mission around it, driving in a hall, and their pictures.
 
-The library knows nothing of it. This is its one door; the folders behind it have none of their own. Drawing
-libraries load when a picture is first asked for.
+The library knows nothing of it. This is its one door; the folders behind it have none of their
+own. Drawing libraries load when a picture is first asked for.
 """
 
 from importlib import import_module

@@ -1,7 +1,5 @@
 """States that jobs and missions go through: when each was entered, and why where it is not as planned."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -40,4 +38,5 @@ def spans(events: Sequence[Event], end: float) -> list[tuple[float, float, str]]
     [(0.0, 1.5, 'reach'), (1.5, 2.0, 'done')]
     """
     times = [event.time for event in events] + [end]
-    return [(begins, ends, event.state) for begins, ends, event in zip(times, times[1:], events)]
+    return [(begins, ends, event.state)
+            for begins, ends, event in zip(times, times[1:], events)]

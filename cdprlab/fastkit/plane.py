@@ -1,7 +1,5 @@
 """Geometry on the floor: poses (x, y, heading) that carry points and poses, segments, solid rectangles."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """Cables at a pose: vectors, directions, lengths (inverse kinematics of positions) and the columns they give W."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +27,8 @@ def cables_at(robot: Robot, pose: Pose) -> Cables:
     """Directions, lengths and wrench matrix together: the one place where they are asked for.
 
     robot, pose : single or batched
-    Raises InvalidInput when robot and pose have different dimensions, or where a cable has no length.
+    Raises InvalidInput when robot and pose have different dimensions, or where a cable has no
+    length.
 
     >>> import cdprlab as cl
     >>> directions, lengths, W = cables_at(cl.load_world("caroca").robot, cl.Pose([0, 0, 1]))

@@ -1,7 +1,5 @@
 """Newton and Euler for the platform: the wrench that a motion takes, and how far a pose is from the one wanted."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array
@@ -24,7 +22,8 @@ def mass_and_bias(robot: Robot, rotation: Array, twist: Array) -> tuple[Array, A
     from ..compiled import control
 
     body = robot.platform
-    return control.mass_and_bias(body.mass, np.atleast_2d(body.inertia), body.center_of_mass, robot.gravity, rotation,
+    return control.mass_and_bias(body.mass, np.atleast_2d(body.inertia), body.center_of_mass,
+                                 robot.gravity, rotation,
                                  twist)
 
 

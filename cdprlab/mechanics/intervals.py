@@ -1,7 +1,8 @@
 """Interval arithmetic on whole arrays, rounded outward: after every operation both ends move one number out.
 
-Whichever way the processor rounds, the true result of one operation lies between the neighbors of the computed one.
-Only cosine and sine are not that exact: they are off by less than ``_TURN`` in every library of today.
+Whichever way the processor rounds, the true result of one operation lies between the neighbors
+of the computed one. Only cosine and sine are not that exact: they are off by less than
+``_TURN`` in every library of today.
 """
 
 from __future__ import annotations
@@ -50,13 +51,15 @@ class Intervals:
         """Anything where the divisor holds zero."""
         zero = (other.lower <= 0) & (other.upper >= 0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            quotients = [x / y for x in (self.lower, self.upper) for y in (other.lower, other.upper)]
+            quotients = [x / y for x in (self.lower, self.upper)
+                         for y in (other.lower, other.upper)]
         return _outward(np.where(zero, -np.inf, np.minimum.reduce(quotients)),
                         np.where(zero, np.inf, np.maximum.reduce(quotients)))
 
     def __and__(self, other: Intervals) -> Intervals:
         """What is in both; its ends are crossed where nothing is."""
-        return Intervals(np.maximum(self.lower, other.lower), np.minimum(self.upper, other.upper))
+        return Intervals(np.maximum(self.lower, other.lower),
+                         np.minimum(self.upper, other.upper))
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -101,7 +104,8 @@ class Intervals:
     def times(self, matrix: Intervals | Array) -> Intervals:
         """(…, a) times (…, a, b): Σ x_i M_ij, (…, b)."""
         M = exact(matrix)
-        return reduce(add, (self[..., i, None] * M[..., i, :] for i in range(self.lower.shape[-1])))
+        return reduce(add, (self[..., i, None] * M[..., i, :]
+                            for i in range(self.lower.shape[-1])))
 
     @property
     def width(self) -> Array:
@@ -124,7 +128,8 @@ def exact(value: Intervals | ArrayLike) -> Intervals:
 
 def stack(parts: list[Intervals]) -> Intervals:
     """Side by side along a new last axis."""
-    lows, highs = (np.broadcast_arrays(*ends) for ends in zip(*((part.lower, part.upper) for part in parts)))
+    lows, highs = (np.broadcast_arrays(*ends)
+                   for ends in zip(*((part.lower, part.upper) for part in parts)))
     return Intervals(np.stack(lows, axis=-1), np.stack(highs, axis=-1))
 
 

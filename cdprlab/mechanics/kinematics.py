@@ -1,7 +1,5 @@
 """First-order kinematics: Jacobian, base Jacobian, and forward kinematics from cable lengths."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np
@@ -34,9 +32,11 @@ def base_jacobian(robot: Robot, pose: Pose, pivot: Pivot = "base") -> Array:
     """B_b with l̇ = J t − B_b q̇_b: row i is −uᵢᵀ ∂A_i/∂q_b, q_b = (θ, ρ₁, ρ₂) of each base in file order.
 
     robot, pose : single or batched
-    pivot : "base": θ turns a base about its own center; "world": about the world's origin O₀ (the papers' chain)
+    pivot : "base": θ turns a base about its own center; "world": about the world's origin O₀
+        (the papers' chain)
     Returns (…, m, 3p) [m/rad, 1, 1]; zero where a cable does not stand on the base.
-    Source: Rasheed et al. 2018, eq. (7)–(9), corrected (as printed they count a base's rotation twice).
+    Source: Rasheed et al. 2018, eq. (7)–(9), corrected (as printed they count a base's rotation
+    twice).
 
     >>> import cdprlab as cl
     >>> base_jacobian(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).shape
@@ -61,8 +61,10 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance:
     robot : m cables
     lengths : (m,) or (…, m) measured cable lengths [m]
     guess : where to start; one pose, or one per set of lengths
-    tolerance : largest residual accepted [m]; ``inf`` returns the least-squares pose whatever is left
-    Returns Pose. Motions the lengths say nothing about keep the guess's value (2R3T: the turn about x′).
+    tolerance : largest residual accepted [m]; ``inf`` returns the least-squares pose whatever
+        is left
+    Returns Pose. Motions the lengths say nothing about keep the guess's value (2R3T: the turn
+    about x′).
     Raises NoConvergence, carrying the residuals, if one exceeds ``tolerance``.
     Source: Pott 2018, Cable-Driven Parallel Robots, sec. 4.3.
 
@@ -80,10 +82,12 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance:
     check_dimension(robot, guess)
     batch = common_batch("lengths", measured.shape[:-1], "a guess", guess.batch_shape)
     position = np.array(np.broadcast_to(guess.position, (*batch, robot.dimension)))
-    rotation = np.array(np.broadcast_to(guess.rotation, (*batch, robot.dimension, robot.dimension)))
+    rotation = np.array(np.broadcast_to(guess.rotation,
+                                        (*batch, robot.dimension, robot.dimension)))
     measured = np.broadcast_to(measured, (*batch, robot.n_cables))
     for index in np.ndindex(batch):
-        found = _fit_pose(robot, measured[index], Pose.of(position[index], rotation[index]), tolerance)
+        found = _fit_pose(robot, measured[index],
+                          Pose.of(position[index], rotation[index]), tolerance)
         position[index], rotation[index] = found.position, found.rotation
     return Pose.of(position, rotation)
 
@@ -124,7 +128,8 @@ def _fit_pose(robot: Robot, lengths: Array, start: Pose, tolerance: float) -> Po
     # freedoms leave "lm" without a square problem, so those go to the trust region method.
     method = "lm" if robot.n_cables >= robot.n_dof else "trf"
     tight = 4 * np.finfo(float).eps
-    result = least_squares(residuals, np.zeros(robot.n_dof), lambda x: moved_slope(robot, start, x), method=method,
+    result = least_squares(residuals, np.zeros(robot.n_dof),
+                           lambda x: moved_slope(robot, start, x), method=method,
                            xtol=tight, ftol=tight, gtol=tight)
     left = residuals(result.x)
     if not np.abs(left).max() <= tolerance:

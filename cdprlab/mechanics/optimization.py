@@ -1,7 +1,5 @@
 """One linear and one quadratic program: whoever has rows, limits and a wish asks here."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -15,8 +13,8 @@ def largest_last(A: Any, b: Array, A_eq: Any = None, b_eq: Array | None = None,
 
     A, A_eq : (k, v + 1), (e, v + 1), plain or sparse
     bounds : (least, most) for all, or one pair a variable; None where there is none
-    Returns s, −inf where nothing keeps the rows, inf where they do not limit it, NaN where the solver gives up; and
-    x (v,), NaN without an answer.
+    Returns s, −inf where nothing keeps the rows, inf where they do not limit it, NaN where the
+    solver gives up; and x (v,), NaN without an answer.
     Source: Huangfu and Hall 2018 (HiGHS).
 
     >>> largest_last(np.array([[1.0, 1.0], [-1.0, 1.0]]), np.array([3.0, 1.0]))
@@ -35,7 +33,8 @@ def largest_last(A: Any, b: Array, A_eq: Any = None, b_eq: Array | None = None,
 def least_quadratic(H: Array, a: Array, C: Array, b: Array, equal: int = 0, factored: bool = False) -> Array | None:
     """min ½ xᵀ H x − aᵀ x with Cᵀ x ≥ b, the first ``equal`` rows as equalities; None where nothing keeps them.
 
-    H : (v, v) positive definite, or factored: R⁻¹ of its Cholesky factor Rᵀ R; a : (v,); C : (v, k); b : (k,)
+    H : (v, v) positive definite, or factored: R⁻¹ of its Cholesky factor Rᵀ R; a : (v,); C :
+        (v, k); b : (k,)
     Source: Goldfarb and Idnani 1983 (quadprog's dual active-set method).
 
     >>> least_quadratic(np.eye(2), np.zeros(2), np.ones((2, 1)), np.array([3.0]))

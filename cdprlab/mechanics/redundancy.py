@@ -53,14 +53,16 @@ class TwistResolution:
         raise InfeasibleTwist(share + reasons[0], self)
 
 
-def resolve_twist(robot: Robot, pose: Pose, twist: ArrayLike, method: str = "quadratic_program", *,
+def resolve_twist(robot: Robot, pose: Pose, twist: ArrayLike, method: str = "quadratic_program",
+                  *,
                   weights: ArrayLike | None = None, pivot: Pivot = "base") -> TwistResolution:
     """Base and cable speeds for a wanted platform twist: min Σ w x² with l̇ + B_b q̇_b = J t, x = (q̇_b, l̇).
 
     robot, pose : single or batched; a base direction with speed limit 0 is held
     twist : (…, n) t in world axes at P [m/s, rad/s]
     method : one of ``RESOLUTION_METHODS``
-    weights : (3p + m,) w of the base speeds, then of the cable speeds; default 1 / limit², 0 without a limit
+    weights : (3p + m,) w of the base speeds, then of the cable speeds; default 1 / limit², 0
+        without a limit
     pivot : what θ turns a base about, as in `base_jacobian`
     Returns TwistResolution.
     Raises InvalidInput for an unknown method, weights that are negative or of another shape.
@@ -91,7 +93,8 @@ def resolve_twist(robot: Robot, pose: Pose, twist: ArrayLike, method: str = "qua
         if free.any():
             drive = np.linalg.lstsq(root[:, None] * ways, -root * still, rcond=None)[0]
             if method == "quadratic_program" and (np.abs(ways @ drive + still) > limits).any():
-                # An infeasible twist gets the speeds of its largest feasible share, the rest left to the cables.
+                # An infeasible twist gets the speeds of its largest feasible share, the rest
+                # left to the cables.
                 drive = _within_limits(ways, min(scale[index], 1.0) * still, root, limits)
             speeds[index] += ways @ drive
     return _judged(robot, speeds, scale, limits, method)
@@ -115,12 +118,14 @@ def _within_limits(M: Array, c: Array, root: Array, limits: Array) -> Array:
     """min ‖D (M q̇ + c)‖² with |M q̇ + c| ≤ limits, by a quadratic program."""
     weighted, p = root[:, None] * M, M.shape[1]
     hessian = weighted.T @ weighted
-    # Where weights leave a choice the program needs a strictly convex cost: the least norm among equals.
+    # Where weights leave a choice the program needs a strictly convex cost: the least norm
+    # among equals.
     hessian += 1e-10 * max(float(np.trace(hessian)), 1.0) * np.eye(p)
     bound = np.isfinite(limits) & M.any(axis=1)
     # Cᵀ q̇ ≥ b, relaxed by rounding so that a border case stays feasible.
     rows, rest, most = M[bound], c[bound], limits[bound] * (1 + _TOLERANCE / 10)
-    found = least_quadratic(hessian, -weighted.T @ (root * c), np.concatenate([rows, -rows]).T.copy(),
+    found = least_quadratic(hessian, -weighted.T @ (root * c),
+                            np.concatenate([rows, -rows]).T.copy(),
                             np.concatenate([-most - rest, rest - most]))
     assert found is not None, "the largest feasible share of a twist keeps its limits"
     return found
@@ -144,7 +149,8 @@ def _judged(robot: Robot, speeds: Array, scale: Array, limits: Array, method: st
     reasons = np.full(feasible.shape, "", dtype=object)
     for index in map(tuple, np.argwhere(~feasible)):
         reasons[index] = _reason(robot, speeds[index], limits, scale[index])
-    return TwistResolution(frozen(kept[..., :p].copy()), frozen(kept[..., p:].copy()), feasible[()], frozen(scale)[()],
+    return TwistResolution(frozen(kept[..., :p].copy()), frozen(kept[..., p:].copy()),
+                           feasible[()], frozen(scale)[()],
                            method, reasons[()])
 
 

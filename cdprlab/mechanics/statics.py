@@ -1,7 +1,5 @@
 """Forces in balance: wrench matrix, gravity wrench, stiffness, and the moments that tip mobile bases."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -110,7 +108,8 @@ class Footing(NamedTuple):
     """How forces tip one base, seen from the base itself: the same wherever it stands.
 
     base : which one
-    levers : (edges, m, d): cable i's moment about an edge is lever · u_i per newton, zero for other bases' cables [m]
+    levers : (edges, m, d): cable i's moment about an edge is lever · u_i per newton, zero for
+        other bases' cables [m]
     center : (edges, d): the weight's is center · f [m]
     weight : (d,) f in the world [N]
     """
@@ -134,7 +133,8 @@ def footings(robot: Robot) -> list[Footing]:
         if not base.footprint.shape[0]:
             continue
         contacts, axes = _edges(base)
-        # The moment of a force f at p about an edge: axis · ((p − contact) × f) = (axis × (p − contact)) · f.
+        # The moment of a force f at p about an edge: axis · ((p − contact) × f) = (axis ×
+        # (p − contact)) · f.
         levers = np.zeros((len(contacts), robot.n_cables, robot.dimension))
         for i, carrier in enumerate(robot.base_indices):
             if carrier == k:   # the cable pulls its exit point with −τ u
@@ -149,8 +149,8 @@ def tipping_rows(robot: Robot, pose: Pose) -> dict[str, TippingRows]:
     """For each base with a footprint, the moments about its edges as rows over the tensions.
 
     robot, pose : single or batched
-    Returns base name → TippingRows; edges counter-clockwise from the first listed contact, and in the
-    plane one row per contact. The cables pull their exit points with −τ u.
+    Returns base name → TippingRows; edges counter-clockwise from the first listed contact, and
+    in the plane one row per contact. The cables pull their exit points with −τ u.
     Source: Pedemonte et al. 2020, eq. (21)–(24), contacts counter-clockwise.
 
     >>> import cdprlab as cl
@@ -158,7 +158,8 @@ def tipping_rows(robot: Robot, pose: Pose) -> dict[str, TippingRows]:
     {}
     """
     directions = cable_directions(robot, pose)
-    return {robot.bases[footing.base].name: footing.rows(directions, robot.bases[footing.base].rotation)
+    return {robot.bases[footing.base].name: footing.rows(directions,
+                                                         robot.bases[footing.base].rotation)
             for footing in footings(robot)}
 
 

@@ -1,7 +1,5 @@
 """References over time: quintic motions between poses, and poses held."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -59,7 +57,8 @@ class Trajectory:
         x, rate, bend = (np.moveaxis(np.asarray(value, np.float64), 0, -1) for value in values)
         rate, bend = np.where(resting, 0.0, rate), np.where(resting, 0.0, bend)
         d = self.start.dimension
-        rotation, spin, spin_rate = _turning(self.start.rotation, x[..., d:], rate[..., d:], bend[..., d:])
+        rotation, spin, spin_rate = _turning(self.start.rotation, x[..., d:], rate[..., d:],
+                                             bend[..., d:])
         pose = Pose.of(np.asarray(self.start.position + x[..., :d]), rotation)
         return Reference(pose, np.concatenate([rate[..., :d], spin], axis=-1),
                          np.concatenate([bend[..., :d], spin_rate], axis=-1))
@@ -70,8 +69,8 @@ def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike |
             end_acceleration: ArrayLike | None = None) -> Trajectory:
     """Fifth-degree polynomial between two poses; rest to rest x = x₀ + (x₁ − x₀)(10 s³ − 15 s⁴ + 6 s⁵), s = t/T.
 
-    Position is interpolated in world axes; orientation as R₀ exp([r(t)]×), r quintic, which rest to rest
-    turns about one fixed axis.
+    Position is interpolated in world axes; orientation as R₀ exp([r(t)]×), r quintic, which
+    rest to rest turns about one fixed axis.
 
     start, end : single poses
     duration : T [s]
@@ -79,7 +78,8 @@ def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike |
     start_acceleration, end_acceleration : their time derivatives, default zero [m/s², rad/s²]
     Returns Trajectory: ``(t) → pose, twist, acceleration``.
     Raises InvalidInput for poses of different dimension or a duration that is not positive.
-    Source: Okoli 2016, eq. (6.6)–(6.14), solved anew: the printed coefficients (6.19)–(6.21) are wrong.
+    Source: Okoli 2016, eq. (6.6)–(6.14), solved anew: the printed coefficients (6.19)–(6.21)
+    are wrong.
 
     >>> path = quintic(Pose([0, 0, 1]), Pose([1, 0, 1]), 2.0)
     >>> path(1.0).pose.position
@@ -99,12 +99,16 @@ def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike |
     step = np.concatenate([end.position - start.position, turn])
     rate0, bend0 = _vector_rates(start.rotation, np.zeros_like(turn), ends[0], ends[2], d)
     rate1, bend1 = _vector_rates(start.rotation, turn, ends[1], ends[3], d)
-    # From 0 to the step with these rates and second derivatives at the ends: three powers are known, three are not.
+    # From 0 to the step with these rates and second derivatives at the ends: three powers are
+    # known, three are not.
     powers = np.arange(3, 6)
-    at_end = np.stack([period**powers, powers * period**(powers - 1), powers * (powers - 1) * period**(powers - 2)])
-    missing = np.stack([step - rate0 * period - bend0 * period**2 / 2, rate1 - rate0 - bend0 * period, bend1 - bend0])
+    at_end = np.stack([period**powers, powers * period**(powers - 1),
+                       powers * (powers - 1) * period**(powers - 2)])
+    missing = np.stack([step - rate0 * period - bend0 * period**2 / 2,
+                        rate1 - rate0 - bend0 * period, bend1 - bend0])
     known = [np.zeros_like(step), rate0, bend0 / 2]
-    return Trajectory(start, end, period, np.concatenate([known, np.linalg.solve(at_end, missing)]))
+    return Trajectory(start, end, period,
+                      np.concatenate([known, np.linalg.solve(at_end, missing)]))
 
 
 def rest_to_rest(share: ArrayLike) -> Array:

@@ -1,7 +1,7 @@
 """Winches: motor torque and friction behind a cable's tension, and friction found from a short experiment.
 
-A motor that turns at q̇ (positive: winding in) behind a gear G of efficiency η and a drum of radius r carries a cable
-of tension t as I q̈ + f(q̇) + r t / (G η) = τ, with q̇ = −G l̇ / r.
+A motor that turns at q̇ (positive: winding in) behind a gear G of efficiency η and a drum of
+radius r carries a cable of tension t as I q̈ + f(q̇) + r t / (G η) = τ, with q̇ = −G l̇ / r.
 """
 
 from __future__ import annotations
@@ -40,7 +40,8 @@ def friction_torque(friction: Friction, speed: ArrayLike) -> Array:
 
     speed : (…) of the motor [rad/s]
     Returns (…) torque lost [N m].
-    Source: Armstrong-Hélouvry, Dupont and Canudas de Wit 1994 (Stribeck curve), the sign smoothed.
+    Source: Armstrong-Hélouvry, Dupont and Canudas de Wit 1994 (Stribeck curve), the sign
+    smoothed.
 
     >>> float(friction_torque(Friction(0.03, 0.02, 0.0), 100.0).round(6))
     0.02
@@ -81,21 +82,25 @@ def motor_torque(winch: Winch, friction: Friction, tensions: ArrayLike, rates: A
                       + np.asarray(tensions, dtype=float) / _pull(winch))
 
 
-def cable_tensions(winch: Winch, friction: Friction, torques: Array, rates: Array, loose: Array, yielding: Array,
+def cable_tensions(winch: Winch, friction: Friction, torques: Array, rates: Array, loose: Array,
+                   yielding: Array,
                    period: float) -> Array:
     """What the cables pull with, t = (G η / r) (τ − f − I q̈), motors and platform accelerating together.
 
-    The cables' l̈ follows from the tensions themselves, l̈ = l̈₀ − A t, so that t solves a linear system; friction is
-    taken at the step's end, f(q̇) + h f′(q̇) q̈, or it would shake what it should hold.
+    The cables' l̈ follows from the tensions themselves, l̈ = l̈₀ − A t, so that t solves a
+    linear system; friction is taken at the step's end, f(q̇) + h f′(q̇) q̈, or it would shake
+    what it should hold.
 
     torques : (m,) of the motors [N m]; rates : (m,) l̇ [m/s]
-    loose : (m,) l̈₀ without tensions [m/s²]; yielding : (m, m) A = Wᵀ M⁻¹ W [1/kg]; period : h [s]
+    loose : (m,) l̈₀ without tensions [m/s²]; yielding : (m, m) A = Wᵀ M⁻¹ W [1/kg]; period : h
+        [s]
     """
     speed = motor_speed(winch, rates)
     inertia = winch.inertia + period * friction_slope(friction, speed)
     reflected = _pull(winch) * inertia * winch.gear_ratio / winch.drum_radius   # [kg]: −(G η / r) q̈ is this times l̈
     driven = _pull(winch) * (torques - friction_torque(friction, speed))
-    tau = np.linalg.solve(np.eye(speed.size) + reflected[:, None] * yielding, driven + reflected * loose)
+    tau = np.linalg.solve(np.eye(speed.size) + reflected[:, None] * yielding,
+                          driven + reflected * loose)
     return np.maximum(tau, 0.0)   # a cable does not push
 
 
@@ -108,7 +113,8 @@ class Experiment(NamedTuple):
     load: float
 
 
-def friction_experiment(winch: Winch, load: float = 10.0, duration: float = 8.0, noise: float = 2e-3,
+def friction_experiment(winch: Winch, load: float = 10.0, duration: float = 8.0,
+                        noise: float = 2e-3,
                         seed: int = 0) -> Experiment:
     """Let a speed-controlled motor wind a weight up and down, slowly and quickly, and write down its torque.
 

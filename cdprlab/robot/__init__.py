@@ -5,5 +5,7 @@ from .pattern import MOTION_PATTERNS, MotionPattern, motion_pattern
 from .pose import turned_to
 from .robot import STANDARD_GRAVITY, Robot
 
-__all__ = ["MOTION_PATTERNS", "STANDARD_GRAVITY", "Base", "Cable", "Elasticity", "MotionPattern", "Platform", "Robot",
-           "Winch", "box_inertia", "check_order", "inertia_matrix", "motion_pattern", "turned_to"]
+__all__ = ["MOTION_PATTERNS", "STANDARD_GRAVITY", "Base", "Cable", "Elasticity",
+           "MotionPattern", "Platform", "Robot",
+           "Winch", "box_inertia", "check_order", "inertia_matrix", "motion_pattern",
+           "turned_to"]

@@ -1,7 +1,5 @@
 """The parts of a robot: frozen `Cable`, `Platform`, `Base`, `Winch`, `Elasticity`, each checked as it is made."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,8 +35,10 @@ class Cable:
     def __post_init__(self) -> None:
         _keep_array(self, "exit_point", ("d",), "m")
         _keep_array(self, "anchor_point", self.exit_point.shape, "m")
-        _keep_number(self, "tension_min", "smallest tension", "N", minimum=0.0, location=("tension",))
-        _keep_number(self, "tension_max", "largest tension", "N", minimum=0.0, location=("tension",))
+        _keep_number(self, "tension_min", "smallest tension", "N", minimum=0.0,
+                     location=("tension",))
+        _keep_number(self, "tension_max", "largest tension", "N", minimum=0.0,
+                     location=("tension",))
         check_order(self.tension_min, self.tension_max)
         if self.speed_max != float("inf"):
             _keep_number(self, "speed_max", "speed", "m/s", positive=True, location=("speed",))
@@ -49,7 +49,8 @@ class Platform:
     """The moving platform, a rigid body; its frame's origin is the reference point P.
 
     mass : [kg]
-    inertia : about the center of mass, platform axes: what `inertia_matrix` takes, in the plane one number [kg m²]
+    inertia : about the center of mass, platform axes: what `inertia_matrix` takes, in the plane
+        one number [kg m²]
     center_of_mass : (d,) in the platform frame [m]
     size : (d,) edges of the box that is drawn and collided [m]
     center : (d,) where that box's center lies in the platform frame [m]
@@ -79,7 +80,8 @@ class Base:
     heading : counter-clockwise angle [rad]
     mass : [kg]
     center_of_mass : (d,) in the base's frame [m]
-    footprint : (k, 2) floor contacts in the base's frame, counter-clockwise from the first listed [m]
+    footprint : (k, 2) floor contacts in the base's frame, counter-clockwise from the first
+        listed [m]
     speed_max : (3,) of (θ, ρ₁, ρ₂) [rad/s, m/s, m/s]; 0 holds that direction
     """
 
@@ -96,7 +98,8 @@ class Base:
         _keep_number(self, "heading", "heading", "rad", location=("pose", "heading"))
         _keep_number(self, "mass", "mass", "kg", positive=True, location=("mass",))
         _keep_array(self, "center_of_mass", ("d",), "m")
-        object.__setattr__(self, "footprint", _counter_clockwise(self.footprint, self.center_of_mass.size))
+        object.__setattr__(self, "footprint",
+                           _counter_clockwise(self.footprint, self.center_of_mass.size))
         _keep_array(self, "speed_max", (3,), "", ("speed",))
         if (self.speed_max < 0).any():
             raise InvalidInput(f"speed limits must not be negative, got {self.speed_max.tolist()}", ("speed",))
@@ -200,7 +203,8 @@ def inertia_matrix(values: ArrayLike) -> Array:
 def _keep_array(part: Any, field: str, shape: tuple[int | str, ...], unit: str, location: Location = ()) -> None:
     """Check an array of a part as it is made; the world file has it at ``location``, by default under its own name."""
     location = location or (field,)
-    object.__setattr__(part, field, as_array(getattr(part, field), str(location[-1]), shape, unit, location=location))
+    object.__setattr__(part, field, as_array(getattr(part, field), str(location[-1]), shape,
+                                             unit, location=location))
 
 
 def _keep_number(part: Any, field: str, name: str, unit: str, **checks: Any) -> None:
@@ -211,16 +215,20 @@ def _checked_inertia(inertia: ArrayLike, d: int) -> Array:
     if d == 2:
         value = as_array(inertia, "inertia", (), "kg m²", location=("inertia",))
         if value <= 0:
-            raise InvalidInput(f"inertia must be positive [kg m²], got {float(value):g}", ("inertia",))
+            raise InvalidInput(f"inertia must be positive [kg m²], got {float(value):g}",
+                               ("inertia",))
         return value
     matrix = inertia_matrix(inertia)
     if not np.allclose(matrix, matrix.T, rtol=0, atol=1e-9 * np.abs(matrix).max()):
-        raise InvalidInput(f"inertia must be symmetric [kg m²], got {matrix.tolist()}", ("inertia",))
+        raise InvalidInput(f"inertia must be symmetric [kg m²], got {matrix.tolist()}",
+                           ("inertia",))
     principal = np.linalg.eigvalsh(matrix)
-    # A body's principal moments obey the triangle inequality; 1e-9 covers rounding in a parallel-axis shift.
+    # A body's principal moments obey the triangle inequality; 1e-9 covers rounding in a
+    # parallel-axis shift.
     if principal[0] <= 0 or principal[2] > (principal[0] + principal[1]) * (1 + 1e-9):
         raise InvalidInput("inertia is no rigid body's: principal moments must be positive and none above the sum "
-                           f"of the others, got {principal.round(6).tolist()} kg m²", ("inertia",))
+                           f"of the others, got {principal.round(6).tolist()} kg m²",
+                           ("inertia",))
     return matrix
 
 
@@ -231,7 +239,8 @@ def _counter_clockwise(footprint: ArrayLike, d: int) -> Array:
     points = as_array(footprint, "footprint", ("k", 2), "m", location=("footprint",))
     if d == 2:
         if points.shape[0] != 2 or points[0, 0] == points[1, 0]:
-            raise InvalidInput("a planar footprint is two contacts with different x", ("footprint",))
+            raise InvalidInput("a planar footprint is two contacts with different x",
+                               ("footprint",))
         return points
     edges = np.roll(points, -1, axis=0) - points
     following = np.roll(edges, -1, axis=0)

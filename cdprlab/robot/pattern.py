@@ -1,7 +1,5 @@
 """Motion patterns: which motions of the platform the cables control."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import NamedTuple
 
@@ -17,7 +15,8 @@ class MotionPattern(NamedTuple):
     name : "1T", "2T", "1R2T" (planar), "3T", "2R3T", "3R3T" (spatial)
     dimension : 2 or 3, the space it lives in
     n_dof : number of controlled degrees of freedom, the length of a twist or wrench
-    rows : which of the full twist's rows it keeps; in 2R3T the last two are along the platform's y′ and z′
+    rows : which of the full twist's rows it keeps; in 2R3T the last two are along the
+        platform's y′ and z′
     """
 
     name: str

@@ -71,9 +71,11 @@ class Pose:
             raise InvalidInput("a planar pose has an angle, no rpy")
         R = np.moveaxis(self.rotation, (-2, -1), (0, 1))
         level = np.hypot(R[2, 1], R[2, 2])
-        # Looking straight up or down only roll − yaw or roll + yaw is there to be read: yaw is then 0.
+        # Looking straight up or down only roll − yaw or roll + yaw is there to be read: yaw is
+        # then 0.
         upright = level < 1e-7
-        roll = np.arctan2(np.where(upright, -R[1, 2], R[2, 1]), np.where(upright, R[1, 1], R[2, 2]))
+        roll = np.arctan2(np.where(upright, -R[1, 2], R[2, 1]),
+                          np.where(upright, R[1, 1], R[2, 2]))
         yaw = np.where(upright, 0.0, np.arctan2(R[1, 0], R[0, 0]))
         return np.stack([roll, np.arctan2(-R[2, 0], level), yaw], axis=-1)
 
@@ -137,11 +139,13 @@ def turn_about_axes(R: Any) -> tuple[Any, Any, Any]:
     >>> turn_about_axes(np.eye(3))
     (np.float64(0.0), np.float64(0.0), np.float64(0.0))
     """
-    # Four times q qᵀ of the quaternion q = (w, x, y, z): every row is q but for its length and sign.
+    # Four times q qᵀ of the quaternion q = (w, x, y, z): every row is q but for its length and
+    # sign.
     w = 1 + R[0, 0] + R[1, 1] + R[2, 2]
     x, y, z = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
     xy, xz, yz = R[0, 1] + R[1, 0], R[0, 2] + R[2, 0], R[1, 2] + R[2, 1]
-    rows = ((x, 2 + 2 * R[0, 0] - w, xy, xz), (y, xy, 2 + 2 * R[1, 1] - w, yz), (z, xz, yz, 2 + 2 * R[2, 2] - w))
+    rows = ((x, 2 + 2 * R[0, 0] - w, xy, xz), (y, xy, 2 + 2 * R[1, 1] - w, yz),
+            (z, xz, yz, 2 + 2 * R[2, 2] - w))
     for a, b, c, d in rows:   # the longest row says it best
         longer = a*a + b*b + c*c + d*d > w*w + x*x + y*y + z*z
         shorter = 1 - longer
@@ -210,7 +214,8 @@ def rotation_vector_jacobian(vector: Array) -> Array:
 
     vector : (…, 3) [rad]
     Returns (…, 3, 3).
-    Source: Chirikjian 2011, Stochastic Models, Information Theory, and Lie Groups 2, eq. (10.86).
+    Source: Chirikjian 2011, Stochastic Models, Information Theory, and Lie Groups 2, eq.
+    (10.86).
 
     >>> rotation_vector_jacobian(np.zeros(3))[0]
     array([1., 0., 0.])
@@ -232,10 +237,12 @@ def rotation_vector_jacobian_rate(vector: Array, rate: Array) -> Array:
     angle = np.linalg.norm(vector, axis=-1)
     b, c = _coefficients(angle)
     along = (vector * rate).sum(axis=-1)
-    # db/dt = (1 − θ² c − 2b) (r·ṙ)/θ² and dc/dt = (b − 3c) (r·ṙ)/θ², with their limits −1/12 and −1/60 at θ = 0.
+    # db/dt = (1 − θ² c − 2b) (r·ṙ)/θ² and dc/dt = (b − 3c) (r·ṙ)/θ², with their limits −1/12
+    # and −1/60 at θ = 0.
     small = angle < 1e-2
     square = np.where(small, 1.0, angle**2)
-    b_rate = along * np.where(small, -1 / 12 + angle**2 / 180, (1 - angle**2 * c - 2 * b) / square)
+    b_rate = along * np.where(small, -1 / 12 + angle**2 / 180,
+                              (1 - angle**2 * c - 2 * b) / square)
     c_rate = along * np.where(small, -1 / 60 + angle**2 / 1260, (b - 3 * c) / square)
     k, k_rate = cross_matrix(vector), cross_matrix(rate)
     b, c, b_rate, c_rate = (x[..., None, None] for x in (b, c, b_rate, c_rate))
@@ -258,7 +265,8 @@ def _coefficients(angle: Array) -> tuple[Array, Array]:
 def _rotation(d: int, rpy: ArrayLike | None, angle: ArrayLike | None, matrix: ArrayLike | None) -> Array:
     if matrix is not None:
         R = as_array(matrix, "matrix", (d, d), batch=True)
-        # 1e-6 lets float32 and printed matrices in; anything further off is a mistake, not rounding.
+        # 1e-6 lets float32 and printed matrices in; anything further off is a mistake, not
+        # rounding.
         error = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(d)).max(initial=0.0)
         if error > 1e-6 or (np.linalg.det(R) < 0).any():
             raise InvalidInput(f"matrix must be a rotation (orthonormal, determinant +1); it is off by {error:.2g}")

@@ -21,8 +21,8 @@ STANDARD_GRAVITY = 9.81
 class Robot:
     """A cable-driven parallel robot: platform, cables, the bases some of them may stand on.
 
-    Raises InvalidInput where the parts do not fit: dimension, unknown base, an anchor point the motion
-    pattern forbids.
+    Raises InvalidInput where the parts do not fit: dimension, unknown base, an anchor point the
+    motion pattern forbids.
 
     >>> import cdprlab as cl
     >>> cl.load_world("caroca").robot
@@ -41,7 +41,8 @@ class Robot:
         set_ = object.__setattr__
         set_(self, "cables", tuple(self.cables))
         set_(self, "bases", tuple(self.bases))
-        set_(self, "gravity", as_number(self.gravity, "gravity", "m/s²", minimum=0.0, location=("gravity",)))
+        set_(self, "gravity", as_number(self.gravity, "gravity", "m/s²", minimum=0.0,
+                                        location=("gravity",)))
         self._check_parts()
 
     # --- counts -----------------------------------------------------------------------------------
@@ -70,7 +71,8 @@ class Robot:
     def exit_points(self) -> Array:
         """(m, d) A_i in the world frame, at the bases' present poses [m]."""
         return frozen(np.array([cable.exit_point if cable.base is None
-                                else self.base(cable.base).to_world(cable.exit_point) for cable in self.cables]))
+                                else self.base(cable.base).to_world(cable.exit_point)
+                                for cable in self.cables]))
 
     @cached_property
     def anchor_points(self) -> Array:
@@ -99,7 +101,8 @@ class Robot:
     @cached_property
     def base_indices(self) -> tuple[int, ...]:
         """(m,) which base carries each cable, −1 for the frame."""
-        return tuple(-1 if cable.base is None else self._base_of[cable.base] for cable in self.cables)
+        return tuple(-1 if cable.base is None else self._base_of[cable.base]
+                     for cable in self.cables)
 
     # --- parts ------------------------------------------------------------------------------------
     @property
@@ -123,7 +126,8 @@ class Robot:
         moved = dict(zip(self._base_of, self.bases))
         for name, pose in poses.items():
             x, y, heading = as_array(pose, f"pose of base {name!r}", (3,))
-            moved[name] = replace(self.base(name), position=np.array([x, y]), heading=float(heading))
+            moved[name] = replace(self.base(name), position=np.array([x, y]),
+                                  heading=float(heading))
         return replace(self, bases=tuple(moved.values()))
 
     def with_payload(self, mass: float, position: ArrayLike) -> Robot:
@@ -143,7 +147,8 @@ class Robot:
         center = (body.mass * body.center_of_mass + load * place) / total
         inertia = (body.inertia + _point_inertia(body.mass, body.center_of_mass - center)
                    + _point_inertia(load, place - center))
-        return replace(self, platform=replace(body, mass=total, center_of_mass=center, inertia=inertia))
+        return replace(self, platform=replace(body, mass=total, center_of_mass=center,
+                                              inertia=inertia))
 
     def __repr__(self) -> str:
         bases = f", {len(self.bases)} bases" if self.bases else ""
@@ -156,7 +161,8 @@ class Robot:
         for k, base in enumerate(self.bases):
             if base.center_of_mass.shape[0] != self.dimension:
                 raise InvalidInput(f"center_of_mass must be {self.dimension} numbers [m] in a "
-                                   f"{self.motion_pattern} robot", ("bases", k, "center_of_mass"))
+                                   f"{self.motion_pattern} robot",
+                                   ("bases", k, "center_of_mass"))
         if not self.cables:
             raise InvalidInput("a robot needs at least one cable", ("cables",))
         if self.platform.center_of_mass.shape[0] != self.dimension:
@@ -175,7 +181,8 @@ class Robot:
         anchor = cable.anchor_point
         if not self.pattern.turns and anchor.any():
             raise InvalidInput(f"in {self.motion_pattern} all cables meet at P: anchor_point must be "
-                               f"{[0] * self.dimension}, got {anchor.tolist()}", ("anchor_point",))
+                               f"{[0] * self.dimension}, got {anchor.tolist()}",
+                               ("anchor_point",))
         if self.motion_pattern == "2R3T" and anchor[1:].any():
             raise InvalidInput("in 2R3T all anchor points lie on the platform's x′ axis: anchor_point must be "
                                f"[x, 0, 0], got {anchor.tolist()}", ("anchor_point",))

@@ -1,7 +1,5 @@
 """Tension distributions side by side along one task: smoothness, effort, distance to the limits, time."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -56,16 +54,19 @@ class TensionComparison:
     feasible: Any = field(repr=False)
 
     COLUMNS: ClassVar[dict[str, str]] = {
-        "method": "", "feasible_share": "", "smallest": "N", "largest": "N", "energy": "N² s", "largest_step": "N",
+        "method": "", "feasible_share": "", "smallest": "N", "largest": "N", "energy": "N² s",
+        "largest_step": "N",
         "continuous": "", "margin": "N", "solve_time": "s"}
     """Column → unit."""
 
     def rows(self) -> list[dict[str, Any]]:
         """One dictionary a method, keys as the columns."""
-        return [{name: getattr(self, name)[k] for name in self.COLUMNS} for k in range(len(self.method))]
+        return [{name: getattr(self, name)[k] for name in self.COLUMNS}
+                for k in range(len(self.method))]
 
     def __str__(self) -> str:
-        head = ("method", "feasible", "τ min [N]", "τ max [N]", "∫‖τ‖² [N² s]", "step [N]", "continuous", "margin [N]",
+        head = ("method", "feasible", "τ min [N]", "τ max [N]", "∫‖τ‖² [N² s]", "step [N]",
+                "continuous", "margin [N]",
                 "solve [µs]")
         lines = [head, *(_line(row) for row in self.rows())]
         widths = [max(map(len, column)) for column in zip(*lines)]
@@ -73,7 +74,8 @@ class TensionComparison:
                                    for at, (cell, width) in enumerate(zip(line, widths))).rstrip() for line in lines)
 
 
-def compare_tensions(world: World, task: str = "default", methods: str | Iterable[str] | None = None, *,
+def compare_tensions(world: World, task: str = "default",
+                     methods: str | Iterable[str] | None = None, *,
                      time_step: float | None = None,
                      progress: Callable[[int, int], Any] | None = None) -> TensionComparison:
     """Each method's tensions for W τ = M a + C v − f_g along a task's reference, without an engine.
@@ -91,7 +93,8 @@ def compare_tensions(world: World, task: str = "default", methods: str | Iterabl
     (('quadratic_program', 'pseudo_inverse'), (2, 401, 8))
     """
     job, robot = world.task(task), world.robot
-    step = job.duration / 400 if time_step is None else as_number(time_step, "time_step", "s", positive=True)
+    step = job.duration / 400 if time_step is None else as_number(time_step, "time_step", "s",
+                                                                  positive=True)
     names = _names(methods, robot)
     times = np.linspace(0.0, job.duration, max(2, round(job.duration / step) + 1))
     path = job.trajectory()
@@ -119,7 +122,8 @@ def _names(methods: str | Iterable[str] | None, robot: Robot) -> tuple[str, ...]
 def _wrenches(robot: Robot, path: Trajectory, times: Array) -> tuple[Array, Array]:
     reference = path(times)
     wanted = [inverse_dynamics(robot, *motion)
-              for motion in zip(reference.pose.rotation, reference.twist, reference.acceleration)]
+              for motion in zip(reference.pose.rotation, reference.twist,
+                                reference.acceleration)]
     return np.ascontiguousarray(wrench_matrix(robot, reference.pose)), -np.array(wanted)
 
 
@@ -131,7 +135,8 @@ def _follow(robot: Robot, path: Trajectory, times: Array, W: Array, w_e: Array, 
     tensions, elapsed = _timed(solve, W, w_e)
     judged = checked_distribution(W, w_e, low, high, tensions, "", name)
     good = judged.feasible
-    row = {"feasible_share": good.mean(), "solve_time": np.median(elapsed), "tensions": judged.tensions,
+    row = {"feasible_share": good.mean(), "solve_time": np.median(elapsed),
+           "tensions": judged.tensions,
            "feasible": good}
     if not good.any():
         return row | dict.fromkeys(("smallest", "largest", "energy", "largest_step", "margin"), np.nan) | {
@@ -139,7 +144,8 @@ def _follow(robot: Robot, path: Trajectory, times: Array, W: Array, w_e: Array, 
     steps = np.abs(np.diff(judged.tensions, axis=0)).max(axis=1)
     steps = np.where(good[1:] & good[:-1], steps, 0.0)
     at, used = int(steps.argmax()), judged.tensions[good]
-    return row | {"smallest": used.min(), "largest": used.max(), "margin": judged.margin[good].min(),
+    return row | {"smallest": used.min(), "largest": used.max(),
+                  "margin": judged.margin[good].min(),
                   "energy": np.trapezoid(np.where(good, (judged.tensions**2).sum(axis=1), 0.0), times),
                   "largest_step": steps[at],
                   "continuous": step_shrinks(robot, path, times[at:at + 2], solve, steps[at])}
@@ -158,12 +164,14 @@ def step_shrinks(robot: Robot, path: Trajectory, span: Array, solve: Solver, ste
     """Whether the largest step of a method's tensions within a span of time falls when sampled more finely."""
     W, w_e = _wrenches(robot, path, np.linspace(span[0], span[1], _FINER + 1))
     tensions, _ = _timed(solve, W, w_e)
-    return bool(np.abs(np.diff(tensions, axis=0)).max() <= max(0.5 * step, 1e-6 * robot.tension_max.max()))
+    return bool(np.abs(np.diff(tensions, axis=0)).max() <= max(0.5 * step,
+                                                               1e-6 * robot.tension_max.max()))
 
 
 def _line(row: dict[str, Any]) -> tuple[str, ...]:
     *numbers, margin = [f"{row[name]:.4g}".replace("nan", "–") for name in
                         ("smallest", "largest", "energy", "largest_step", "margin")]
     continuous = ("yes" if row["continuous"] else "no") if row["feasible_share"] else "–"
-    return (str(row["method"]), f"{100 * row['feasible_share']:.0f} %", *numbers, continuous, margin,
+    return (str(row["method"]), f"{100 * row['feasible_share']:.0f} %", *numbers, continuous,
+            margin,
             f"{1e6 * row['solve_time']:.1f}")

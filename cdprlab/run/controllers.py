@@ -1,7 +1,5 @@
 """Controllers: ``(t, state, reference) → wrench``, the wrench the cables shall exert on the platform at P."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -34,7 +32,8 @@ class ComputedTorque:
 
     kp: float | Array = 100.0
     kd: float | Array = 100.0
-    _in_world: dict[str, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False)
+    _in_world: dict[str, tuple[Array, Array]] = field(default_factory=dict, init=False,
+                                                      repr=False)
 
     def __post_init__(self) -> None:
         for name in ("kp", "kd"):
@@ -51,9 +50,12 @@ class ComputedTorque:
 
     def __call__(self, t: float, state: State, reference: Reference) -> Array:
         robot, body, wanted = state.robot, state.robot.platform, reference.pose
-        wrench = self._law(*self._gains(robot, state.rotation), body.mass, np.atleast_2d(body.inertia),
-                           body.center_of_mass, robot.gravity, state.position, state.rotation, state.twist,
-                           wanted.position, wanted.rotation, reference.twist, reference.acceleration)
+        wrench = self._law(*self._gains(robot, state.rotation), body.mass,
+                           np.atleast_2d(body.inertia),
+                           body.center_of_mass, robot.gravity, state.position, state.rotation,
+                           state.twist,
+                           wanted.position, wanted.rotation, reference.twist,
+                           reference.acceleration)
         return wrench if robot.n_dof == 6 else wrench @ robot.pattern.basis(state.rotation)
 
     def _gains(self, robot: Robot, rotation: Array) -> tuple[Array, Array]:

@@ -1,7 +1,5 @@
 """Tensions asked for at every step of a run: the method, what is whole to carry them, and what if it finds none."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -55,7 +53,8 @@ class Distributor:
         if self.infeasible == "stop":
             raise InfeasibleTensions(f"at t = {now:.4g} s: {reason}; infeasible=\"relax\" goes on with the least "
                                      "wrench error inside the limits",
-                                     self._judged(W, -wanted, tensions, reason, self.low, self.high))
+                                     self._judged(W, -wanted, tensions, reason,
+                                                  self.low, self.high))
         if self.infeasible == "relax" or self.last is None:
             self.last = tensions if self.solve is self.relax else self.relax(W, -wanted)[0]
         return self.last

@@ -1,7 +1,5 @@
 """Mobile bases that drive during a run."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..arrays import Array
@@ -29,4 +27,5 @@ class Drive:
         self.matrices.append(engine.wrench_matrix)
         return robot.with_bases({
             base.name: (*(base.position + base.rotation[:2, :2] @ speed[1:] * self.period),
-                        base.heading + speed[0] * self.period) for base, speed in zip(robot.bases, driven)})
+                        base.heading + speed[0] * self.period)
+                        for base, speed in zip(robot.bases, driven)})

@@ -1,7 +1,5 @@
 """What happens, one row a control step: a table of named columns, each with its shape and its unit."""
 
-from __future__ import annotations
-
 import csv
 import json
 from collections.abc import Mapping, Sequence
@@ -73,9 +71,11 @@ def save_record(folder: str | Path, columns: Mapping[str, tuple[Any, str]], worl
     units = json.dumps({name: unit for name, (_, unit) in columns.items()})
     arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}
     np.savez_compressed(target / "log.npz", units=np.array(units), **arrays)
-    write_csv(target / "log.csv", {name: (values[::every], unit) for name, (values, unit) in columns.items()})
+    write_csv(target / "log.csv",
+              {name: (values[::every], unit) for name, (values, unit) in columns.items()})
     world.save(target / "world.yaml")
-    (target / "settings.json").write_text(json.dumps(settings, indent=1) + "\n", encoding="utf-8")
+    (target / "settings.json").write_text(json.dumps(settings, indent=1) + "\n",
+                                          encoding="utf-8")
     return target
 
 
@@ -90,4 +90,5 @@ def write_csv(path: Path, columns: Mapping[str, tuple[Any, str]]) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(header)
-        writer.writerows([f"{value:.9g}" for value in row] for row in np.hstack(blocks).tolist())
+        writer.writerows([f"{value:.9g}" for value in row]
+                         for row in np.hstack(blocks).tolist())

@@ -1,7 +1,5 @@
 """The one loop: a command makes something of each wish, the engine advances by it, and a row is kept."""
 
-from __future__ import annotations
-
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
@@ -50,7 +48,8 @@ class TensionCommand(Command):
         self.controller, self.distributor = controller, distributor
 
     def columns(self, robot: Robot) -> Columns:
-        return {"wanted_wrench": ((robot.n_dof,), "N, N m"), "commanded_tensions": ((robot.n_cables,), "N")}
+        return {"wanted_wrench": ((robot.n_dof,), "N, N m"),
+                "commanded_tensions": ((robot.n_cables,), "N")}
 
     def step(self, wish: Reference) -> Iterable[float]:
         engine = self.engine
@@ -89,7 +88,8 @@ def fly(engine: Simulator, command: Command, wishes: Iterable[Any], substeps: in
     asked = command.start(engine, substeps)
     robot = engine.world.robot
     d, m = robot.dimension, robot.n_cables
-    log = Log({"position": ((d,), "m"), "rotation": ((d, d), ""), "twist": ((3 * (d - 1),), "m/s, rad/s"),
+    log = Log({"position": ((d,), "m"), "rotation": ((d, d), ""),
+               "twist": ((3 * (d - 1),), "m/s, rad/s"),
                "lengths": ((m,), "m"), "measured_tensions": ((m,), "N"), **asked})
     keep, sample, step = log.keep_numbers, engine.sample, command.step
     began = time.perf_counter()

@@ -1,7 +1,5 @@
 """What happened in a run: one row a control step, summed up and saved."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
@@ -76,8 +74,10 @@ class Run:
         return cls(world=world, poses=poses, twists=log["twist"][rows], reference=reference,
                    commanded_tensions=commanded, measured_tensions=log["measured_tensions"][1:],
                    lengths=log["lengths"][rows], errors=frozen((error[:, None] @ basis)[:, 0]),
-                   feasible=log["feasible"][:steps] > 0 if "feasible" in log else np.ones(steps, dtype=bool),
-                   commanded_lengths=log["commanded_lengths"][:steps] if "commanded_lengths" in log else None,
+                   feasible=log["feasible"][:steps] > 0
+                   if "feasible" in log else np.ones(steps, dtype=bool),
+                   commanded_lengths=log["commanded_lengths"][:steps]
+                   if "commanded_lengths" in log else None,
                    **about)
 
     def robot_at(self, index: int) -> Robot:
@@ -85,7 +85,8 @@ class Run:
         robot = self.world.robot
         if self.base_poses is None:
             return robot
-        return robot.with_bases({base.name: pose for base, pose in zip(robot.bases, self.base_poses[index])})
+        return robot.with_bases({base.name: pose
+                                 for base, pose in zip(robot.bases, self.base_poses[index])})
 
     @property
     def position_errors(self) -> Array:
@@ -120,7 +121,8 @@ class Run:
 
         folder : made if missing; every : of how many rows log.csv keeps one
         """
-        settings = {"task": self.task, "method": self.method, "cables": self.cables, **self.settings}
+        settings = {"task": self.task, "method": self.method, "cables": self.cables,
+                    **self.settings}
         return save_record(folder, self.columns(), self.world, settings, every)
 
     def columns(self) -> dict[str, tuple[Any, str]]:
@@ -143,6 +145,7 @@ class Run:
             "measured_tension": (self.measured_tensions, "N"),
             "length": (self.lengths, "m"),
             **({} if self.commanded_lengths is None else {"commanded_length": (self.commanded_lengths, "m")}),
-            **({} if self.base_poses is None else {"base_pose": (self.base_poses, "m, m, rad")}),
+            **({} if self.base_poses is None else {"base_pose": (self.base_poses,
+                                                                 "m, m, rad")}),
             "feasible": (np.asarray(self.feasible), ""),
         }

@@ -1,7 +1,5 @@
 """A run from its request: checked, given an engine, commanded, and logged."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -27,10 +25,13 @@ Cuts = Mapping[float, ArrayLike]
 """Time [s] → the cables cut then, by index from 0."""
 
 
-def run(world: World, task: str = "default", method: str | Callable[..., Any] = "quadratic_program",
+def run(world: World, task: str = "default",
+        method: str | Callable[..., Any] = "quadratic_program",
         cables: str = "tension", controller: Controller | None = None, dt: float = 1e-3,
-        control_period: float | None = None, infeasible: str = "relax", external_wrench: Any = None,
-        duration: float | None = None, seed: int = 0, *, base_speeds: Any = None, cut: Cuts | None = None,
+        control_period: float | None = None, infeasible: str = "relax",
+        external_wrench: Any = None,
+        duration: float | None = None, seed: int = 0, *, base_speeds: Any = None,
+        cut: Cuts | None = None,
         progress: Progress | None = None, simulator: Simulator | None = None, **engine_options: Any) -> Run:
     """Move a world's robot along a task in its engine and log every control step.
 
@@ -69,7 +70,8 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
     job, robot, wound = world.task(task), world.robot, cables in WOUND
     distributor = Distributor(robot, method, infeasible)
     substeps, period = control_steps(dt, control_period)
-    length = job.duration + job.hold if duration is None else as_number(duration, "duration", "s", positive=True)
+    length = job.duration + job.hold if duration is None else as_number(duration, "duration",
+                                                                        "s", positive=True)
     times: Array = np.arange(max(1, round(length / period)), dtype=float) * period
     if wound and controller is not None:
         raise InvalidInput(f"cables={cables!r} winds by inverse kinematics and takes no controller")
@@ -109,15 +111,18 @@ def run(world: World, task: str = "default", method: str | Callable[..., Any] = 
             engine.close()
     name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
     name, ruler = ("inverse_kinematics",) * 2 if wound else (name, _describe(law))
-    settings = {"dt": dt, "control_period": period, "controller": ruler, "infeasible": infeasible,
+    settings = {"dt": dt, "control_period": period, "controller": ruler,
+                "infeasible": infeasible,
                 "external_wrench": None if external_wrench is None else str(external_wrench),
                 "duration": float(times.size * period), "seed": seed, **engine_options}
     if base_speeds is not None:
         settings["base_speeds"] = str(base_speeds)
     if cut:
         settings["cut"] = {float(at): np.ravel(indices).tolist() for at, indices in cut.items()}
-    run = Run.of(log, reference, world=world, task=task, method=name, cables=cables, time=frozen(times),
-                 real_time_factor=times.size * period / elapsed, dt=dt, control_period=period, settings=settings,
+    run = Run.of(log, reference, world=world, task=task, method=name, cables=cables,
+                 time=frozen(times),
+                 real_time_factor=times.size * period / elapsed, dt=dt, control_period=period,
+                 settings=settings,
                  base_poses=None if drive is None else frozen(np.array(drive.poses)))
     if wound:
         return run
@@ -133,7 +138,8 @@ def control_steps(dt: float, control_period: float | None) -> tuple[int, float]:
     (4, 0.004)
     """
     step = as_number(dt, "dt", "s", positive=True)
-    period = step if control_period is None else as_number(control_period, "control_period", "s", positive=True)
+    period = step if control_period is None else as_number(control_period, "control_period",
+                                                           "s", positive=True)
     substeps = round(period / step)
     if substeps < 1 or abs(substeps * step - period) > 1e-9 * period:
         raise InvalidInput(f"control_period must be a whole multiple of dt, got {period:g} s and {step:g} s")

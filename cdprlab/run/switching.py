@@ -1,7 +1,5 @@
 """Cable configurations put to work: a sequence followed in the engine, by a robot that is a little off."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Any, NamedTuple
 
@@ -25,8 +23,10 @@ TAUT = 1.0
 """[N] a cable that carries less counts as slack."""
 
 
-def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: float = 0.2, speed: float = 0.2,
-                    reeling: float = 0.05, length_errors: ArrayLike = 0.0, exit_errors: ArrayLike = 0.0,
+def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: float = 0.2,
+                    speed: float = 0.2,
+                    reeling: float = 0.05, length_errors: ArrayLike = 0.0,
+                    exit_errors: ArrayLike = 0.0,
                     cables: str = "length") -> Run:
     """Lead a point mass along a sequence by rope lengths alone, in the engine.
 
@@ -61,9 +61,12 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
         while not engine.wind(lengths):
             pass
         log, elapsed = fly(engine, LengthCommand(), (plan.lengths + longer).tolist())
-    dt, settings = engine.dt, {"slack": float(slack), "speed": float(speed), "reeling": float(reeling)}
-    run = Run.of(log, _motion(plan, dt), at_end=True, world=real, task="sequence", method="cable_configurations",
-                 cables=cables, time=frozen(plan.time), real_time_factor=len(plan.time) * dt / elapsed, dt=dt,
+    dt, settings = engine.dt, {"slack": float(slack), "speed": float(speed),
+                               "reeling": float(reeling)}
+    run = Run.of(log, _motion(plan, dt), at_end=True, world=real, task="sequence",
+                 method="cable_configurations",
+                 cables=cables, time=frozen(plan.time),
+                 real_time_factor=len(plan.time) * dt / elapsed, dt=dt,
                  control_period=dt, settings=settings)
     return dataclasses.replace(run, commanded_lengths=frozen(plan.lengths))
 
@@ -86,7 +89,8 @@ class Trial(NamedTuple):
     unplanned: float
 
 
-def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *, slack: float = 0.2, speed: float = 0.2,
+def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *,
+               slack: float = 0.2, speed: float = 0.2,
                reeling: float = 0.05, length_error: float = 0.01, exit_error: float = 0.02,
                seed: int = 0) -> list[Trial]:
     """The same sequence followed by robots whose ropes and exit points are off, drawn evenly within the errors.
@@ -105,7 +109,8 @@ def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *, sl
         longer = rng.uniform(-length_error, length_error, m)
         displaced = rng.uniform(-exit_error, exit_error, (m, 3))
         try:
-            run = follow_sequence(world, sequence, slack=slack, speed=speed, reeling=reeling, length_errors=longer,
+            run = follow_sequence(world, sequence, slack=slack, speed=speed, reeling=reeling,
+                                  length_errors=longer,
                                   exit_errors=displaced)
             found.append(_judged(run, plan))
         except SimulationDiverged:
@@ -116,7 +121,8 @@ def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *, sl
 def _judged(run: Run, plan: Winding) -> Trial:
     out = int(np.argmin(plan.taut.all(axis=1)))
     taut, planned = taut_cables(run)[out:], plan.taut[out:]
-    return Trial(float(run.position_errors[out:].max()), _longest(np.sum(taut, axis=1) < 3) * run.dt,
+    return Trial(float(run.position_errors[out:].max()),
+                 _longest(np.sum(taut, axis=1) < 3) * run.dt,
                  _longest(np.any(taut & ~planned, axis=1)) * run.dt)
 
 

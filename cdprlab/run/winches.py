@@ -1,7 +1,5 @@
 """Two commands of winches with motors: velocity control, and torque control behind their friction."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import cache
 from typing import ClassVar
@@ -35,8 +33,9 @@ from .loop import Command
 class WinchControl(Command):
     """A controller of the winches; a wish is where the platform should be as the control step begins.
 
-    ``cables`` is the engine's cable model it needs. It logs the tensions it wants and what the motors do for them;
-    ``feasible`` says whether the wanted wrench was balanced within the limits, or the winches reached their lengths.
+    ``cables`` is the engine's cable model it needs. It logs the tensions it wants and what the
+    motors do for them; ``feasible`` says whether the wanted wrench was balanced within the
+    limits, or the winches reached their lengths.
 
     margin : kept from the cables' limits [N]; reserve : kept from tipping [N m]
     standing : whether tipping rows are in the quadratic program
@@ -121,7 +120,8 @@ class TorqueControl(WinchControl):
         tau = self.relaxed(W, -wrench)[0] if found is None else found
         # B_b q̇_b, what driving bases pay of the cables: −u · Ȧ.
         paid = -(engine.directions * engine.exit_velocities).sum(axis=1)
-        # Friction of the speed that is wanted, not of the one measured: its sign must not chatter at rest.
+        # Friction of the speed that is wanted, not of the one measured: its sign must not
+        # chatter at rest.
         torques = motor_torque(self.winch, self.believed, tau, -wish.twist @ W - paid,
                                -wish.acceleration @ W)
         torques = np.clip(torques, -self.winch.torque, self.winch.torque)
@@ -138,11 +138,13 @@ class TorqueControl(WinchControl):
 class VelocityControl(WinchControl):
     """Winch speeds l̇ = J t − B_b q̇_b of the wanted motion, and what of the wanted lengths is missing.
 
-    Ropes stretch: they are wound shorter by what the wanted tensions stretch them, or some of them would hang slack.
+    Ropes stretch: they are wound shorter by what the wanted tensions stretch them, or some of
+    them would hang slack.
 
     gain : of the length error [1/s]
     margin : kept from the cables' limits [N]; reserve : kept from tipping [N m]
-    Source: Pedemonte et al. 2020, section 2.3; B_b q̇_b, which `base_jacobian` gives, is read off the exit points.
+    Source: Pedemonte et al. 2020, section 2.3; B_b q̇_b, which `base_jacobian` gives, is read
+    off the exit points.
     """
 
     name, cables = "velocity", "elastic"

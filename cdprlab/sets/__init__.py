@@ -6,5 +6,6 @@ from .wrench import available_wrench_set, sliding_rows
 from .zonotope import hyperplane_shifting
 
 __all__ = [
-    "Polytope", "available_twist_set", "available_wrench_set", "hyperplane_shifting", "sliding_rows", "twist_set",
+    "Polytope", "available_twist_set", "available_wrench_set", "hyperplane_shifting",
+    "sliding_rows", "twist_set",
 ]

@@ -1,7 +1,5 @@
 """Rows of an image from rows of what it is the image of: the coordinates that M forgets are eliminated."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array
@@ -13,9 +11,10 @@ from .zonotope import PARALLEL, choices
 def eliminate(M: Array, A: Array, b: Array) -> tuple[Array, Array]:
     """Rows (N, d) with {M q : A q ≤ b} = {x : N x ≤ d}, some of them superfluous.
 
-    x = M q leaves q = M⁺ x + K y open, K spanning the null space of M. By Farkas some y will do unless a combination
-    λ ≥ 0 of rows with λᵀ A K = 0 forbids it, and combinations of at most r + 1 rows are enough for r columns.
-    Where M has no full row rank, pairs of opposite rows hold x in its span.
+    x = M q leaves q = M⁺ x + K y open, K spanning the null space of M. By Farkas some y will do
+    unless a combination λ ≥ 0 of rows with λᵀ A K = 0 forbids it, and combinations of at most r
+    + 1 rows are enough for r columns. Where M has no full row rank, pairs of opposite rows hold
+    x in its span.
 
     M : (n, k); A : (r, k); b : (r,)
     Source: Schrijver 1986, Theory of Linear and Integer Programming, sec. 7.1 and 12.2.
@@ -52,5 +51,6 @@ def _conformal(rows: Array) -> Array:
     good = full & (weights >= -TOLERANCE).all(axis=1)
     weights = np.maximum(weights[good], 0.0) / np.where(sizes > 0, sizes, 1.0)[chosen[good]]
     found = np.zeros((len(weights), r))
-    np.put_along_axis(found, chosen[good], weights / weights.max(axis=1, initial=1e-300)[:, None], axis=1)
+    np.put_along_axis(found, chosen[good],
+                      weights / weights.max(axis=1, initial=1e-300)[:, None], axis=1)
     return found

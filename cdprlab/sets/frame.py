@@ -1,7 +1,5 @@
 """Where a convex set lies and how large it is: the coordinates in which its facets and vertices are listed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -19,7 +17,8 @@ _SOLID = 1e-3
 class Frame(NamedTuple):
     """Where a set lies: center + scales·(U z) with z in ``dimension`` coordinates, all of size 1.
 
-    center : (n,) inside; scales : (n,) half the range of each component; basis : U, (n, dimension) orthonormal
+    center : (n,) inside; scales : (n,) half the range of each component; basis : U,
+        (n, dimension) orthonormal
     missing : (n, n − dimension) orthonormal directions, of x, across which the set is flat
     """
 
@@ -58,7 +57,8 @@ class Frame(NamedTuple):
 def affine_hull(ends: Array, support_point: Callable[[Array], Array]) -> Frame:
     """The affine hull of a bounded set, found by asking how wide it is: n directions, each extends it or is missing.
 
-    ends : (2, n, n) its points farthest along −e_i and e_i; support_point : d → its point farthest along d
+    ends : (2, n, n) its points farthest along −e_i and e_i; support_point : d → its point
+        farthest along d
     """
     n = ends.shape[-1]
     reach = np.diagonal(ends, axis1=1, axis2=2).T
@@ -81,7 +81,8 @@ def affine_hull(ends: Array, support_point: Callable[[Array], Array]) -> Frame:
             else:
                 missing = np.concatenate([missing, way[:, None]], axis=1)
     across = np.linalg.qr(missing / scales[:, None])[0]
-    return Frame(frozen(np.concatenate(seen).mean(axis=0)), frozen(scales), frozen(basis), frozen(across))
+    return Frame(frozen(np.concatenate(seen).mean(axis=0)), frozen(scales), frozen(basis),
+                 frozen(across))
 
 
 def _unused(directions: Array) -> Array:

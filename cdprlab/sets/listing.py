@@ -1,7 +1,5 @@
 """Facets and corners of a polytope in its frame's coordinates: of size 1, and the origin inside."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

@@ -1,7 +1,7 @@
 """`Polytope`: the image {shift + M q : A q ≤ b} of what limits allow, asked by linear programs, listed on demand.
 
-A set given by its own rows is the image under M = 1. A zonotope, the image of a box, finds its facets by hyperplane
-shifting and answers its support by a formula.
+A set given by its own rows is the image under M = 1. A zonotope, the image of a box, finds its
+facets by hyperplane shifting and answers its support by a formula.
 """
 
 from __future__ import annotations
@@ -32,8 +32,10 @@ _MOST_SIGNS = 12
 class Polytope:
     """The convex set {shift + M q : A q ≤ b}; make one by `from_image`, `from_rows` or `from_box`.
 
-    map : M, (n, k); rows : A, (r, k); limits : b, (r,), inf where a row is no limit; shift : (n,)
-    outer : makes rows (N, d) with the set = {x : N x ≤ d}, some superfluous, where it knows better than `eliminate`
+    map : M, (n, k); rows : A, (r, k); limits : b, (r,), inf where a row is no limit; shift :
+        (n,)
+    outer : makes rows (N, d) with the set = {x : N x ≤ d}, some superfluous, where it knows
+        better than `eliminate`
 
     >>> square = Polytope.from_rows([[1, 0], [0, 1], [-1, 0], [0, -1]], [1, 1, 1, 1])
     >>> square.contains([[0.5, 1.0], [0.5, 1.1]]), square.volume
@@ -68,7 +70,8 @@ class Polytope:
         """
         rows = as_array(normals, "normals", ("r", "n"))
         n = rows.shape[1]
-        return Polytope(np.eye(n), rows, _limits(offsets, "offsets", rows.shape[0]), np.zeros(n))
+        return Polytope(np.eye(n), rows, _limits(offsets, "offsets", rows.shape[0]),
+                        np.zeros(n))
 
     @staticmethod
     def from_box(M: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> Zonotope:
@@ -77,11 +80,13 @@ class Polytope:
         M : (n, k); lower, upper : (k,), finite
         """
         m = as_array(M, "M", ("n", "k"))
-        low, high = (as_array(v, name, (m.shape[1],)) for v, name in ((lower, "lower"), (upper, "upper")))
+        low, high = (as_array(v, name, (m.shape[1],))
+                     for v, name in ((lower, "lower"), (upper, "upper")))
         if (low > high).any():
             raise InvalidInput(f"lower must not exceed upper, got {low.tolist()} and {high.tolist()}")
         eye = np.eye(m.shape[1])
-        return Zonotope(m, np.concatenate([eye, -eye]), np.concatenate([high, -low]), np.zeros(m.shape[0]))
+        return Zonotope(m, np.concatenate([eye, -eye]), np.concatenate([high, -low]),
+                        np.zeros(m.shape[0]))
 
     # --- questions that always have an answer -----------------------------------------------------
     @property
@@ -156,7 +161,8 @@ class Polytope:
     def _line_ends(self, start: Array, way: Array) -> tuple[float, float]:
         """Smallest and largest s with start + s way inside, nan where no s is.
 
-        A program over s and what the map forgets: M q = start + s way is solved by q = q₀ + s q₁ + K y.
+        A program over s and what the map forgets: M q = start + s way is solved by q = q₀ + s
+        q₁ + K y.
         """
         q, reached = solve(self.map, np.stack([start - self.shift, way]))
         if not reached[1]:      # the set does not extend that way at all
@@ -189,7 +195,8 @@ class Polytope:
         null = null_space(fixed)
         limits = self.limits - self.rows @ q if reached else np.full(self.limits.shape, -1.0)
         rows = self.rows @ null if reached else np.zeros((len(limits), null.shape[1]))
-        return Polytope(self.map[chosen] @ null, rows, limits, self.shift[chosen] + self.map[chosen] @ q)
+        return Polytope(self.map[chosen] @ null, rows, limits,
+                        self.shift[chosen] + self.map[chosen] @ q)
 
     # --- lists, made when first asked for ---------------------------------------------------------
     @property
@@ -258,7 +265,8 @@ class Polytope:
             return self._list(at)
         if at.dimension == 1:
             first, last = at.inside(self.support_point(np.concatenate([at.back, -at.back])))[:, 0]
-            return Planes(np.array([[1.0], [-1.0]]), np.array([first, -last]), np.array([[last], [first]]))
+            return Planes(np.array([[1.0], [-1.0]]), np.array([first, -last]),
+                          np.array([[last], [first]]))
         return Planes(np.zeros((0, 0)), np.zeros(0), np.zeros((0 if self.is_empty else 1, 0)))
 
     def _list(self, at: Frame) -> Planes:
@@ -275,7 +283,8 @@ class Polytope:
                               "ask contains, support or axis_section, or list a part of it: project([0, 1, 2]) or "
                               "slice([0, 1, 2])")
         else:
-            return asked_hull(lambda d: at.inside(self.support_point(d @ at.back)), at.dimension)
+            return asked_hull(lambda d: at.inside(self.support_point(d @ at.back)),
+                              at.dimension)
         return without_superfluous(*candidates(at, normals, offsets, self.support))
 
     def _meetings(self, found: Planes) -> Array:
@@ -363,7 +372,8 @@ class Zonotope(Polytope):
         if k > _MOST_SIGNS:
             return super()._meetings(found)
         signs = np.array(list(product((-1.0, 1.0), repeat=k)))
-        return tips(self._frame.inside(self.center + signs @ self.generators.T), found.normals, found.offsets)
+        return tips(self._frame.inside(self.center + signs @ self.generators.T), found.normals,
+                    found.offsets)
 
 
 def _limits(value: ArrayLike, name: str, count: int) -> Array:

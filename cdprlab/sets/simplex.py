@@ -1,11 +1,10 @@
 """Many linear programs over one set of rows at once: max c·q with A q ≤ b, by walking from vertex to vertex.
 
-A support function asks the same polyhedron for its farthest point in many directions. The revised simplex method in
-inequality form suits that: a vertex is where k independent rows hold with equality, and every step is a handful of
-small matrix products over the whole batch. Each answer is solved from its own active rows, so rounding never adds up.
+A support function asks the same polyhedron for its farthest point in many directions. The
+revised simplex method in inequality form suits that: a vertex is where k independent rows hold
+with equality, and every step is a handful of small matrix products over the whole batch. Each
+answer is solved from its own active rows, so rounding never adds up.
 """
-
-from __future__ import annotations
 
 from typing import NamedTuple
 
@@ -38,7 +37,8 @@ def maximize(A: Array, b: Array, c: Array) -> Optima:
     """max c·q subject to A q ≤ b, for a batch of b and c.
 
     A : (r, k); b : (…, r), inf leaves a row out; c : (…, k)
-    Source: Dantzig 1963, Linear Programming and Extensions; degenerate steps by Bland's rule (1977).
+    Source: Dantzig 1963, Linear Programming and Extensions; degenerate steps by Bland's rule
+    (1977).
 
     >>> box = np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])
     >>> maximize(box, np.ones(4), np.array([[1.0, 2.0], [-1.0, 0.0]])).values
@@ -89,7 +89,8 @@ class Program:
         inner = goals @ self._span
         size = np.maximum(np.linalg.norm(goals, axis=1), 1e-300)
         rows = np.broadcast_to(self._rows, (len(goals), *self._rows.shape))
-        bounded, _, y = _walk(rows, self._limits[which], inner / size[:, None], self._starts[which])
+        bounded, _, y = _walk(rows, self._limits[which], inner / size[:, None],
+                              self._starts[which])
         bounded &= np.abs(goals @ self._free).max(axis=1, initial=0.0) <= 1e-9 * size
         points = (y * scale[:, None]) @ self._span.T
         values = np.where(bounded, (inner * y).sum(axis=1) * scale, np.inf)
@@ -103,7 +104,8 @@ class Program:
         excess[:, first] = 0.0
         out = np.flatnonzero(self.is_feasible & (excess.max(axis=1, initial=0.0) > _TIE))
         if out.size:
-            self.is_feasible[out], self._starts[out] = self._first_vertices(self._limits[out], self._starts[out],
+            self.is_feasible[out], self._starts[out] = self._first_vertices(self._limits[out],
+                                                                            self._starts[out],
                                                                             excess[out])
 
     def _first_vertices(self, b: Array, active: Indices, excess: Array) -> tuple[Flags, Indices]:
@@ -168,7 +170,8 @@ def _entering(A: Array, b: Array, q: Array, edge: Array, active: Indices, bland:
     steps = np.where(rising, slack / np.where(rising, slopes, 1.0), np.inf)
     shortest = steps.min(axis=1)
     tied = rising & (steps <= shortest[:, None] + _TIE)
-    # Among rows reached together the steepest gives the best conditioned vertex; Bland's rule takes the first.
+    # Among rows reached together the steepest gives the best conditioned vertex; Bland's rule
+    # takes the first.
     chosen = tied.argmax(axis=1) if bland else np.where(tied, slopes, -1.0).argmax(axis=1)
     if prefer >= 0:
         chosen = np.where(tied[:, prefer], prefer, chosen)

@@ -1,7 +1,5 @@
 """Null spaces and smallest solutions: the linear algebra under the sets."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array, Flags

@@ -1,7 +1,5 @@
 """Available twist set: how fast the platform can move at a pose, with the bases standing or driving."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import comb
 
@@ -24,10 +22,12 @@ def available_twist_set(robot: Robot, pose: Pose, moving: str | Sequence[str] = 
     robot : m cables, p bases
     pose : one pose
     moving : bases that may drive: "all", "none", a name or several names
-    pivot : what θ turns a base about: "base" its own center, "world" the origin O₀; the two sets differ
+    pivot : what θ turns a base about: "base" its own center, "world" the origin O₀; the two
+        sets differ
     Returns Polytope of twists [v; ω] [m/s, rad/s].
     Raises InvalidInput for unknown bases or a batch of poses.
-    Source: Lessanibahri et al. 2018; Rasheed et al. 2018, sec. 3, whose construction `course.submatrix_twist_set` is.
+    Source: Lessanibahri et al. 2018; Rasheed et al. 2018, sec. 3, whose construction
+    `course.submatrix_twist_set` is.
 
     >>> import cdprlab as cl
     >>> robot = cl.load_world("caroca").robot
@@ -50,9 +50,11 @@ def twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike, base_speed_max: 
     (m, n), a = j.shape, len(base)
     if not a:
         return Polytope.from_rows(np.concatenate([j, -j]), np.concatenate([cable, cable]))
-    rows = np.block([[j, -b], [-j, b], [np.zeros((a, n)), np.eye(a)], [np.zeros((a, n)), -np.eye(a)]])
+    rows = np.block([[j, -b], [-j, b], [np.zeros((a, n)), np.eye(a)],
+                     [np.zeros((a, n)), -np.eye(a)]])
     known = comb(m + a, m - 1) <= MOST_COMBINATIONS
-    return Polytope(np.eye(n, n + a), rows, np.concatenate([cable, cable, base, base]), np.zeros(n),
+    return Polytope(np.eye(n, n + a), rows, np.concatenate([cable, cable, base, base]),
+                    np.zeros(n),
                     (lambda: _outer_rows(j, b, cable, base)) if known else None)
 
 
@@ -84,7 +86,8 @@ def checked_speeds(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
     """The arguments of `twist_set` as arrays; raises InvalidInput where they do not fit or a limit is negative."""
     j = as_array(J, "J", ("m", "n"))
     b = as_array(B, "B", (j.shape[0], "a"))
-    cable, base = np.asarray(speed_max, dtype=float), as_array(base_speed_max, "base_speed_max", (b.shape[1],))
+    cable, base = np.asarray(speed_max, dtype=float), as_array(base_speed_max, "base_speed_max",
+                                                               (b.shape[1],))
     as_array(np.where(np.isposinf(cable), 0.0, cable), "speed_max", (j.shape[0],), "m/s")
     if (cable < 0).any() or (base < 0).any():
         raise InvalidInput(f"speed limits must not be negative, got {cable.tolist()} and {base.tolist()}")
@@ -94,7 +97,8 @@ def checked_speeds(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
 def _outer_rows(J: Array, B: Array, cable: Array, base: Array) -> tuple[Array, Array]:
     """J t lies in the zonotope of all l̇ + B q̇: the zonotope's planes, read as rows over t.
 
-    A plane of the zonotope is orthogonal to all but |F| + 1 cables' axes and to |F| columns of B.
+    A plane of the zonotope is orthogonal to all but |F| + 1 cables' axes and to |F| columns of
+    B.
     """
     limited = np.isfinite(cable)
     generators = np.concatenate([np.diag(cable[limited]), (B * base)[limited]], axis=1)

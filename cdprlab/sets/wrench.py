@@ -1,7 +1,5 @@
 """Available wrench set: what the cables can exert on the platform, with bases fastened or standing freely."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array, as_number
@@ -17,8 +15,9 @@ from .twist import one_pose
 def available_wrench_set(robot: Robot, pose: Pose, tipping: bool = False, friction: float | None = None) -> Polytope:
     """AWS = {W τ : τ_min ≤ τ ≤ τ_max}; with tipping only tensions under which every base keeps all edges down.
 
-    What the cables exert, the weight not subtracted: the wrench one can add while holding the platform is
-    ``axis_section(origin=-gravity_wrench(robot, pose))``. Where W has no full row rank the set is flat, and says so.
+    What the cables exert, the weight not subtracted: the wrench one can add while holding the
+    platform is ``axis_section(origin=-gravity_wrench(robot, pose))``. Where W has no full row
+    rank the set is flat, and says so.
 
     robot : m cables
     pose : one pose
@@ -41,15 +40,16 @@ def available_wrench_set(robot: Robot, pose: Pose, tipping: bool = False, fricti
     if not sum(len(limit) for _, limit in standing):
         return Polytope.from_box(W, low, high)
     eye = np.eye(robot.n_cables)
-    return Polytope.from_image(W, np.concatenate([eye, -eye, *(matrix for matrix, _ in standing)]),
+    return Polytope.from_image(W,
+                               np.concatenate([eye, -eye, *(matrix for matrix, _ in standing)]),
                                np.concatenate([high, -low, *(limit for _, limit in standing)]))
 
 
 def sliding_rows(robot: Robot, pose: Pose, friction: float, sides: int = 8) -> tuple[Array, Array]:
     """Rows (A, b) with A τ ≤ b while friction holds every base that carries cables: |F_h| ≤ μ N as a whole.
 
-    The circle of horizontal forces is replaced by a regular polygon inside it (in the plane there are two
-    directions, exactly). A base turning on the spot is not looked at.
+    The circle of horizontal forces is replaced by a regular polygon inside it (in the plane
+    there are two directions, exactly). A base turning on the spot is not looked at.
     Source: named as open by Pedemonte et al. 2020, sec. 5.
 
     robot : m cables; pose : one pose

@@ -1,7 +1,5 @@
 """Facets of a zonotope, the image of a box, by hyperplane shifting."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from itertools import combinations
 from math import comb
@@ -21,11 +19,12 @@ MOST_COMBINATIONS = 100_000
 def hyperplane_shifting(center: Array, generators: Array) -> tuple[Array, Array]:
     """Rows (N, d) with {center + G z : |z| ≤ 1} = {x : N x ≤ d}, one row a facet; G must have full row rank.
 
-    Every facet is parallel to n − 1 independent generators; its plane is shifted outwards along its normal n by
-    Σ |n·g_i|.
+    Every facet is parallel to n − 1 independent generators; its plane is shifted outwards along
+    its normal n by Σ |n·g_i|.
 
     center : (n,); generators : G, (n, k)
-    Raises NotListable where the choices of n − 1 generators are more than ``MOST_COMBINATIONS``.
+    Raises NotListable where the choices of n − 1 generators are more than
+    ``MOST_COMBINATIONS``.
     Source: Gouttefarde and Krut 2010; Bouchard et al. 2010.
 
     >>> normals, offsets = hyperplane_shifting(np.zeros(2), np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]))
@@ -48,8 +47,8 @@ def _shifting_normals(generators: Array) -> Array:
     n, k = generators.shape
     lengths = np.linalg.norm(generators, axis=0)
     unit = (generators / np.where(lengths > PARALLEL * lengths.max(), lengths, np.inf)).T
-    # One normal a choice of n − 1 generators: R of the transposed choice is triangular, its last row's null vector
-    # follows from cofactors; QR by columns is what LAPACK batches best.
+    # One normal a choice of n − 1 generators: R of the transposed choice is triangular, its
+    # last row's null vector follows from cofactors; QR by columns is what LAPACK batches best.
     chosen = unit[choices(k, n - 1)]
     q, r = np.linalg.qr(np.swapaxes(chosen, -1, -2), mode="complete")
     pivots = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
@@ -85,7 +84,8 @@ def first_of_each(rows: Array, tolerance: float = 1e-8) -> Indices:
     >>> first_of_each(np.array([[0.0, 1.0], [1.0, 0.0], [0.0, 1.0 + 1e-12]]))
     array([0, 1])
     """
-    # Along a fixed slanted line equal rows land on equal numbers; only neighbors there need to be compared.
+    # Along a fixed slanted line equal rows land on equal numbers; only neighbors there need to
+    # be compared.
     slant = rows @ np.sqrt(np.arange(2, 2 + rows.shape[1]))
     order = np.argsort(slant, kind="stable")
     reach = tolerance * np.sqrt(rows.shape[1] * (2 + rows.shape[1]))

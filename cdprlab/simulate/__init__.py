@@ -1,7 +1,5 @@
 """Engines behind one interface: `open_simulator` gives the one a world asks for."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -22,7 +20,8 @@ CABLE_MODELS = {
 }
 """What ``cables=`` may be, and what it means."""
 
-_ENGINES = {"planar": ("tension", "force", "length"), "spatial": ("tension", "force", "length", "elastic")}
+_ENGINES = {"planar": ("tension", "force", "length"),
+            "spatial": ("tension", "force", "length", "elastic")}
 
 
 def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **options: Any) -> Simulator:
@@ -42,4 +41,5 @@ def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **op
                            f"there are {', '.join(_ENGINES[world.engine])}")
     if not (np.isfinite(dt) and dt > 0):
         raise InvalidInput(f"dt must be a positive time step [s], got {dt!r}")
-    return (PlanarSimulator if world.engine == "planar" else SpatialSimulator)(world, cables, dt, **options)
+    return (PlanarSimulator if world.engine == "planar" else SpatialSimulator)(world, cables,
+                                                                               dt, **options)

@@ -3,8 +3,6 @@
 The gripper is a constraint between platform and box, whose place on the platform may be moved.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from numpy.typing import ArrayLike
@@ -35,7 +33,8 @@ class Boxes:
         if name in self._boxes:
             raise InvalidInput(f"there is a box {name!r} already")
         extent = as_array(size, "size", (3,), "m")
-        body = self._bullet.add_box(extent, as_array(position, "position", (3,), "m"), 0.0, mass)
+        body = self._bullet.add_box(extent,
+                                    as_array(position, "position", (3,), "m"), 0.0, mass)
         self._bullet.changeDynamics(body, -1, lateralFriction=friction)
         self._boxes[name] = body, extent
 

@@ -62,7 +62,8 @@ class Bullet(NamedTuple):
         """A constraint that holds b at a as they are now; frames are in centers of mass."""
         (pa, ra), (pb, rb) = self.placed(a, link_a), self.placed(b, link_b)
         return int(self.createConstraint(
-            a, link_a, b, link_b, self.JOINT_FIXED, [0, 0, 0], (ra.T @ (pb - pa)).tolist(), [0, 0, 0],
+            a, link_a, b, link_b, self.JOINT_FIXED, [0, 0, 0], (ra.T @ (pb - pa)).tolist(),
+            [0, 0, 0],
             parentFrameOrientation=quaternion_of(ra.T @ rb)))
 
     def add_chain(self, links: list[Link], joints: list[float], position: Array | None = None,
@@ -74,13 +75,17 @@ class Bullet(NamedTuple):
         n = len(links)
         mass, shapes, places, turns, parents, kinds, axes = map(list, zip(*links))
         body = int(self.createMultiBody(
-            0, -1, basePosition=ORIGIN if position is None else position.tolist(), baseOrientation=turn,
-            linkMasses=mass, linkCollisionShapeIndices=shapes, linkVisualShapeIndices=[-1] * n, linkPositions=places,
+            0, -1, basePosition=ORIGIN if position is None else position.tolist(),
+            baseOrientation=turn,
+            linkMasses=mass, linkCollisionShapeIndices=shapes, linkVisualShapeIndices=[-1] * n,
+            linkPositions=places,
             linkOrientations=turns, linkInertialFramePositions=[ORIGIN] * n,
-            linkInertialFrameOrientations=[STRAIGHT] * n, linkParentIndices=parents, linkJointTypes=kinds,
+            linkInertialFrameOrientations=[STRAIGHT] * n, linkParentIndices=parents,
+            linkJointTypes=kinds,
             linkJointAxis=axes))
         # Joints start with motors of 1000 N that would hold the robot in place.
-        self.setJointMotorControlArray(body, list(range(n)), self.VELOCITY_CONTROL, forces=[0] * n)
+        self.setJointMotorControlArray(body, list(range(n)), self.VELOCITY_CONTROL,
+                                       forces=[0] * n)
         # The default of 100 m/s caps the tension at 100 m_tip/dt. In a call of its own: given
         # together with a link's other settings, Bullet applies all of them to the base.
         self.changeDynamics(body, -1, maxJointVelocity=1e9)

@@ -6,8 +6,6 @@ prismatic joint is the tension. With a 1e-4 kg tip the leg reproduces an ideal m
 about 1 µm and 0.001 N.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -31,7 +29,8 @@ class Legs:
         self._bullet, self._legs = bullet, legs
         # The platform as parent; pivots are in center-of-mass frames, and the tip's mass is its
         # origin.
-        self._ties = [int(bullet.createConstraint(platform, -1, leg, tip, bullet.JOINT_POINT2POINT,
+        self._ties = [int(bullet.createConstraint(platform, -1, leg, tip,
+                                                  bullet.JOINT_POINT2POINT,
                                                   ORIGIN, pivot, ORIGIN))
                       for (leg, tip), pivot in zip(legs, pivots.tolist())]
 
@@ -52,7 +51,8 @@ class Legs:
         # Bullet reports the force on the child, the leg's tip; the platform (parent) gets its
         # opposite.
         forces = [read(tie, client) if tie >= 0 else _NOTHING for tie in self._ties]
-        return np.array([-(a * x + b * y + c * z) for (a, b, c), (x, y, z) in zip(forces, directions.tolist())])
+        return np.array([-(a * x + b * y + c * z)
+                         for (a, b, c), (x, y, z) in zip(forces, directions.tolist())])
 
     def cut(self, cable: int) -> None:
         """Untie one from the platform."""

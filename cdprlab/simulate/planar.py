@@ -13,8 +13,6 @@ length zero to a reel, a static body whose speed (a conveyor belt's: it goes now
 along the rope what the joint would correct: what remains is l(t + dt) ≤ the winch's length.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from struct import Struct
 from typing import Any
@@ -57,7 +55,8 @@ class PlanarSimulator(Simulator):
         # and what pulls of 1 N come to at the center of mass.
         self._seen, self._columns = np.zeros(9 + robot.n_cables), np.zeros((3, robot.n_cables))
         self._position, self._rotation, self._twist, self._lengths = np.split(self._seen, (2, 6, 9))
-        # What ropes are to be wound to; of a few numbers `Struct` makes an array quicker than numpy.
+        # What ropes are to be wound to; of a few numbers `Struct` makes an array quicker than
+        # numpy.
         self._wound: Any = np.zeros(robot.n_cables)
         self._pack = Struct(f"{robot.n_cables}d").pack_into
         self._space: PlanarSpace | None = None
@@ -73,7 +72,8 @@ class PlanarSimulator(Simulator):
         self._reach = 20 * (1 + float(np.abs(robot.exit_points).max() + np.abs(start.position).max()))
         # A new space: nothing of the last run, such as an impulse kept for the solver's start,
         # stays behind.
-        self.space = self._space = PlanarSpace(self._pymunk, self.world, start, self._iterations,
+        self.space = self._space = PlanarSpace(self._pymunk, self.world, start,
+                                               self._iterations,
                                                self._order if self.is_wound else ())
         self.space.place_bases(self.bases, self.dt)
         self._look()
@@ -92,7 +92,8 @@ class PlanarSimulator(Simulator):
             self._load(np.zeros(len(lengths)))
         dt, space = self.dt, self.space
         self._pack(self._wound, 0, *lengths)
-        self._compiled.reel(space.motion, self._wound, dt, self._columns, self.bases.exit_velocities,
+        self._compiled.reel(space.motion, self._wound, dt, self._columns,
+                            self.bases.exit_velocities,
                             space.velocities)
         space.write_velocities()
         self._advance()
@@ -155,7 +156,8 @@ class PlanarSimulator(Simulator):
         from ..compiled.columns import cables
 
         robot = self.world.robot
-        _, W = cables(self.bases.exits, robot.anchor_points, self.position[None], self.rotation[None])
+        _, W = cables(self.bases.exits, robot.anchor_points, self.position[None],
+                      self.rotation[None])
         return W[0, :robot.n_dof]
 
     def sample(self) -> list[float]:
@@ -186,7 +188,8 @@ class PlanarSimulator(Simulator):
     def _look(self) -> None:
         """Where the platform is about to be, and the cables there."""
         self.space.read_motion()
-        if not self._compiled.look(self.space.motion, self.dt, self._reach, self._center, self.bases.exits,
+        if not self._compiled.look(self.space.motion, self.dt, self._reach, self._center,
+                                   self.bases.exits,
                                    self._anchors, self._seen, self._columns):
             self.diverge()
 

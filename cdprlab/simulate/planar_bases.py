@@ -1,7 +1,5 @@
 """Mobile bases that drive in the plane: their poses, and where their exit points are and go."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -58,6 +56,7 @@ class PlanarBases:
         after = self.poses + self.rates * self._dt
         self.exits_ahead = np.array([
             place if k < 0 else after[k, :2] + turned_to(after[k, 2], 2) @ cable.exit_point
-            for cable, k, place in zip(self._start.cables, self._start.base_indices, self.exits)])
+            for cable, k, place in zip(self._start.cables, self._start.base_indices,
+                                       self.exits)])
         # What stands still does so exactly, not to rounding.
         self.exit_velocities = self.moving * (self.exits_ahead - self.exits) / self._dt

@@ -1,7 +1,5 @@
 """What stands in a planar world's pymunk space: platform, floor, boxes, mobile bases, and the ropes between them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import reduce
@@ -52,13 +50,16 @@ class PlanarSpace:
         if robot.motion_pattern == "1T":
             # The cables control x alone: a rail along x carries the rest.
             body.moment, height = math.inf, float(start.position[1])
-            rail = pymunk.GrooveJoint(space.static_body, body, (-1e3, height), (1e3, height), (0, 0))
+            rail = pymunk.GrooveJoint(space.static_body, body, (-1e3, height),
+                                      (1e3, height), (0, 0))
             rail.error_bias = 0.0
             space.add(rail)
         ground, floor = space.static_body, world.scene.floor_height
-        space.add(self._solid(ground, [(x, floor + y) for x in (-1e3, 1e3) for y in (-1.0, 0.0)]))
+        space.add(self._solid(ground,
+                              [(x, floor + y) for x in (-1e3, 1e3) for y in (-1.0, 0.0)]))
         for box in world.scene.boxes:
-            space.add(self._solid(ground, box.position + _CORNERS * box.size @ box.pose.rotation.T))
+            space.add(self._solid(ground,
+                                  box.position + _CORNERS * box.size @ box.pose.rotation.T))
         self._bases = [self._base_body(base) for base in robot.bases]
         self.ropes = [self._rope(anchor) for anchor in robot.anchor_points - platform.center_of_mass] if order else []
         space.add(*[self.ropes[i] for i in order])
@@ -82,7 +83,8 @@ class PlanarSpace:
 
     def place_bases(self, bases: PlanarBases, dt: float) -> None:
         """Put the bases' bodies where the coming step takes them to where they are now, and let them drive."""
-        for body, (x, y, heading), (vx, vy, spin) in zip(self._bases, bases.poses.tolist(), bases.rates.tolist()):
+        for body, (x, y, heading), (vx, vy, spin) in zip(self._bases, bases.poses.tolist(),
+                                                         bases.rates.tolist()):
             body.velocity, body.angular_velocity = (vx, vy), spin
             body.position, body.angle = (x - vx * dt, y - vy * dt), heading - spin * dt
             self.space.reindex_shapes_for_body(body)
@@ -111,7 +113,8 @@ class PlanarSpace:
         self.space.add(body)
         if len(base.footprint):
             left, right = sorted(base.footprint[:, 0].tolist())
-            self.space.add(self._solid(body, [(left, 0.0), (right, 0.0), (right, DECK_HEIGHT), (left, DECK_HEIGHT)]))
+            self.space.add(self._solid(body, [(left, 0.0), (right, 0.0), (right, DECK_HEIGHT),
+                                              (left, DECK_HEIGHT)]))
         return body
 
     def _rope(self, anchor: Array) -> Any:
@@ -140,7 +143,8 @@ def solving_order(world: World) -> tuple[tuple[int, ...], int]:
     robot, ropes = world.robot, range(world.robot.n_cables)
     weights = np.array([robot.mass, robot.mass, float(robot.platform.inertia)])[:robot.n_dof]
     steps = []
-    for pose in (world.pose, *(end for task in world.tasks.values() for end in (task.start, task.end))):
+    for pose in (world.pose, *(end for task in world.tasks.values()
+                               for end in (task.start, task.end))):
         rows = wrench_matrix(robot, pose).T
         if robot.n_dof == 3:   # moments about the center of mass
             x, y = pose.rotation @ robot.platform.center_of_mass
@@ -149,7 +153,8 @@ def solving_order(world: World) -> tuple[tuple[int, ...], int]:
         lengths = np.maximum((rows**2).sum(axis=1), 1e-12)[:, None, None]
         steps.append(np.eye(robot.n_dof) - rows[:, :, None] * rows[:, None, :] / lengths)
     projections = np.array(steps)                                          # (poses, m, n, n)
-    orders = ([(0, *rest) for rest in permutations(ropes[1:])] if len(ropes) <= _MOST_ORDERED else
+    orders = ([(0, *rest) for rest in permutations(ropes[1:])]
+              if len(ropes) <= _MOST_ORDERED else
               [tuple(ropes)])
     rates = [float(np.abs(np.linalg.eigvals(reduce(np.matmul, np.moveaxis(projections[:, order], 1, 0)))).max())
              for order in orders]

@@ -11,8 +11,6 @@ whose solution minimizes ½ Tᵀ A T − bᵀ T over T ≥ 0. C is what ropes yi
 what their stiffness k = EA / ρ and damping d give over one implicit step, 1 / (dt (k dt + d)).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array
@@ -31,10 +29,12 @@ class RopeLaw:
         body = robot.platform
         self._solve = rope_tensions
         self._body = body.mass, body.inertia, body.center_of_mass, robot.gravity
-        self._ropes = dt, *((0.0, 0.0) if elasticity is None else (elasticity.axial_stiffness, elasticity.damping))
+        self._ropes = dt, *((0.0, 0.0) if elasticity is None else (elasticity.axial_stiffness,
+                                                                   elasticity.damping))
         self._last = np.ones(robot.n_cables)
 
-    def __call__(self, W: Array, rotation: Array, twist: Array, lengths: Array, now: Array, wound: Array,
+    def __call__(self, W: Array, rotation: Array, twist: Array, lengths: Array, now: Array,
+                 wound: Array,
                  push: Array) -> Array:
         """(m,) tensions [N].
 
@@ -43,5 +43,6 @@ class RopeLaw:
         now, wound : (m,) let out now and by the step's end [m]; push : (6,) external wrench at
             P
         """
-        self._last = self._solve(*self._body, rotation, twist, push, W, lengths, now, wound, *self._ropes, self._last)
+        self._last = self._solve(*self._body, rotation, twist, push, W, lengths, now, wound,
+                                 *self._ropes, self._last)
         return self._last

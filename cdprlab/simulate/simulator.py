@@ -1,7 +1,5 @@
 """What every engine does: the interface and its checks, winches within their limits, cuts and pushes."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
@@ -113,7 +111,8 @@ class Simulator(ABC):
         wanted = lengths if isinstance(lengths, list) else np.asarray(lengths, dtype=float).tolist()
         after = self._reachable(wanted, substeps)
         for k in range(1, substeps + 1):
-            held = after if k == substeps else [a + k / substeps * (b - a) for a, b in zip(before, after)]
+            held = after if k == substeps else [a + k / substeps * (b - a)
+                                                for a, b in zip(before, after)]
             self.reel(held)
             self.paid_out = held
         return after is wanted
@@ -122,13 +121,15 @@ class Simulator(ABC):
         """The wanted lengths as far as the winches' speed limits allow; the same list if they all do."""
         now = self.paid_out
         if len(wanted) == len(now) and all([
-                wish > 0 and abs(wish - rope) <= most * substeps for wish, rope, most in zip(wanted, now, self._most)]):
+                wish > 0 and abs(wish - rope) <= most * substeps
+                for wish, rope, most in zip(wanted, now, self._most)]):
             return wanted
         if len(wanted) != len(now) or not all(0 < wish < math.inf for wish in wanted):
             raise InvalidInput(f"rope lengths must be {len(now)} positive numbers [m], got {wanted}")
         # A winch exactly at its limit must not fail by rounding.
         farthest = [most * substeps + 1e-9 for most in self._most]
-        reached = [min(max(wish, rope - far), rope + far) for wish, rope, far in zip(wanted, now, farthest)]
+        reached = [min(max(wish, rope - far), rope + far)
+                   for wish, rope, far in zip(wanted, now, farthest)]
         return wanted if reached == wanted else reached
 
     def cut(self, cables: ArrayLike | None = None) -> None:
@@ -161,7 +162,8 @@ class Simulator(ABC):
 
     def state(self) -> State:
         """The present state."""
-        return State(self.time, self.robot, self.position, self.rotation, self.twist, self.tensions,
+        return State(self.time, self.robot, self.position, self.rotation, self.twist,
+                     self.tensions,
                      self.world.scene, self.rope_lengths, tuple(self.loose_boxes()))
 
     def diverge(self) -> None:

@@ -1,7 +1,5 @@
 """PyBullet behind the `Simulator` interface: spatial worlds, their cables legs, forces or ropes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np
@@ -45,7 +43,8 @@ class SpatialSimulator(Simulator):
 
     carrying: Robot
 
-    def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *, bodies: bool = False,
+    def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *,
+                 bodies: bool = False,
                  tip_mass: float = 1e-4, solver_iterations: int | None = None) -> None:
         from ..compiled.rigid_body import platform_and_cables
 
@@ -61,7 +60,8 @@ class SpatialSimulator(Simulator):
         self.bullet, self._frame = Bullet.connect(), _BodyFrame(robot)
         # Threshold 0: the default ends the iterations early, at a moment that depends on the
         # motion.
-        self._set(fixedTimeStep=self.dt, numSolverIterations=solver_iterations or (50 if bodies else 5),
+        self._set(fixedTimeStep=self.dt,
+                  numSolverIterations=solver_iterations or (50 if bodies else 5),
                   solverResidualThreshold=0)
         self.bullet.setGravity(0, 0, -robot.gravity)
         self._substeps = 1
@@ -95,7 +95,8 @@ class SpatialSimulator(Simulator):
             # One engine call for all substeps: torques are held over them and Python waits
             # once.
             self._substeps = substeps
-            self._set(fixedTimeStep=self.dt * substeps, numSubSteps=substeps if substeps > 1 else 0)
+            self._set(fixedTimeStep=self.dt * substeps,
+                      numSubSteps=substeps if substeps > 1 else 0)
         if self.cut_cables:
             tensions = np.array(tensions)
             tensions[list(self.cut_cables)] = 0.0
@@ -126,7 +127,8 @@ class SpatialSimulator(Simulator):
             wound[cut] = self.lengths[cut] + _AMPLE
         if self._bodies:   # a base that drives away in the step needs that much more rope
             wound = wound - (self.directions * self.bases.exit_steps).sum(axis=1)
-        self.pull(self.ropes(self.whole_wrenches, self.rotation, self.twist, self.lengths, np.array(self.paid_out),
+        self.pull(self.ropes(self.whole_wrenches, self.rotation, self.twist, self.lengths,
+                             np.array(self.paid_out),
                               wound, _NOTHING if self.pushed is None else self.pushed), 1)
 
     def sever(self, cable: int) -> None:
@@ -157,14 +159,16 @@ class SpatialSimulator(Simulator):
         """
         self.carrying = robot
         if self.is_wound:   # anew: which ropes were taut is the last flight's memory
-            self.ropes = RopeLaw(robot, self.dt, robot.elasticity if self.cables == "elastic" else None)
+            self.ropes = RopeLaw(robot, self.dt,
+                                 robot.elasticity if self.cables == "elastic" else None)
 
     def cables_at(self, pose: Pose) -> Cables:
         """Directions, lengths and wrench matrix if the platform were at a pose, the bases where they are."""
         from ..compiled.columns import cables
 
         robot = self.world.robot
-        lengths, W = cables(self._exits, robot.anchor_points, pose.position[None], pose.rotation[None])
+        lengths, W = cables(self._exits, robot.anchor_points, pose.position[None],
+                            pose.rotation[None])
         return Cables(W[0, :3].T, lengths[0], robot.pattern.project(W[0], pose.rotation))
 
     # --- mobile bases
@@ -177,7 +181,8 @@ class SpatialSimulator(Simulator):
         if self._present is None:
             robot = self.world.robot
             self._present = robot.with_bases({
-                base.name: tuple(pose) for base, pose in zip(robot.bases, self.base_poses.tolist())})
+                base.name: tuple(pose) for base, pose in zip(robot.bases,
+                                                             self.base_poses.tolist())})
         return self._present
 
     @property
@@ -210,7 +215,8 @@ class SpatialSimulator(Simulator):
         force = wrench[:3].tolist()
         # Applied at P as a world point, so that Bullet adds the moment about the center of
         # mass.
-        b.applyExternalForce(self.platform, -1, force, self.position.tolist(), b.WORLD_FRAME, client)
+        b.applyExternalForce(self.platform, -1, force, self.position.tolist(),
+                             b.WORLD_FRAME, client)
         if wrench[3:].any():
             b.applyExternalTorque(self.platform, -1, wrench[3:].tolist(), b.WORLD_FRAME, client)
 
@@ -227,7 +233,8 @@ class SpatialSimulator(Simulator):
             self._exits = self.bases.exits
         # One array for all that was read: each conversion costs more than cutting it up.
         robot, read = self.world.robot, np.array(place + quaternion + linear + angular)
-        state, self.lengths, W = self._platform_and_cables(read, self._frame.axes, self._frame.center, self._exits,
+        state, self.lengths, W = self._platform_and_cables(read, self._frame.axes,
+                                                           self._frame.center, self._exits,
                                                            robot.anchor_points)
         self._state = frozen(state)
         self.position, self.rotation, self.twist = state[:3], state[3:12].reshape(3, 3), state[12:]
@@ -252,10 +259,12 @@ class SpatialSimulator(Simulator):
         b, body = self.bullet, self.world.robot.platform
         offset, turn = self._frame.to_body(body.center), quaternion_of(self._frame.axes.T)
         shape = b.createCollisionShape(b.GEOM_BOX, halfExtents=(body.size / 2).tolist(),
-                                       collisionFramePosition=offset.tolist(), collisionFrameOrientation=turn)
+                                       collisionFramePosition=offset.tolist(),
+                                       collisionFrameOrientation=turn)
         platform = b.createMultiBody(body.mass, shape)
         # Bullet's default damping of 0.04 would triple the tracking error.
-        b.changeDynamics(platform, -1, localInertiaDiagonal=self._frame.principal.tolist(), linearDamping=0,
+        b.changeDynamics(platform, -1, localInertiaDiagonal=self._frame.principal.tolist(),
+                         linearDamping=0,
                          angularDamping=0, activationState=b.ACTIVATION_STATE_DISABLE_SLEEPING)
         return int(platform)
 
@@ -270,13 +279,15 @@ class SpatialSimulator(Simulator):
         robot, world = self.world.robot, self.world
         anchors = start.position + robot.anchor_points @ start.rotation.T
         places = [world.pose.position, start.position]
-        places += [end.position for task in world.tasks.values() for end in (task.start, task.end)]
+        places += [end.position for task in world.tasks.values()
+                   for end in (task.start, task.end)]
         middle = np.mean(places, axis=0)   # of where the platform is to be
         carried = self.bases.build(anchors, middle) if self._bodies else {}
         legs = [carried[i] if i in carried else
                 fixed_leg(self.bullet, robot.exit_points[i], anchors[i], middle, self._tip_mass)
                 for i in range(robot.n_cables)]
-        return Legs(self.bullet, legs, self.platform, np.array([self._frame.to_body(b) for b in robot.anchor_points]))
+        return Legs(self.bullet, legs, self.platform,
+                    np.array([self._frame.to_body(b) for b in robot.anchor_points]))
 
 
 class _BodyFrame:

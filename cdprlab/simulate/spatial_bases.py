@@ -7,8 +7,6 @@ the one point the footprint names. Everything of a base, legs included, is one m
 Bullet solves without the slip a constraint between bodies would bring.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -41,7 +39,8 @@ class SpatialBases:
         self._bullet, self._robot, self._tip_mass = bullet, robot, tip_mass
         self._fastest = np.array([base.speed_max for base in robot.bases]).ravel()
         self._traction = [_TRACTION * base.mass * robot.gravity for base in robot.bases]
-        self._feet = [np.insert(base.footprint, 2, 0.0, axis=1) - base.center_of_mass for base in robot.bases]
+        self._feet = [np.insert(base.footprint, 2, 0.0, axis=1) - base.center_of_mass
+                      for base in robot.bases]
         self._still, self._mounted = _mounted(robot)
         self.bodies: list[int] = []
 
@@ -75,7 +74,8 @@ class SpatialBases:
             goal, now, towed = self._targets[k], poses[k], self.is_coupled and k == 1
             heading, force = goal[2] + spin * period / 2, 0.0 if towed else self._traction[k]
             c, s = math.cos(heading), math.sin(heading)
-            for joint, rate in ((_ALONG, c * along - s * across), (_ACROSS, s * along + c * across), (_ABOUT, spin)):
+            for joint, rate in ((_ALONG, c * along - s * across),
+                                (_ACROSS, s * along + c * across), (_ABOUT, spin)):
                 # Bullet's own position motors lag behind where a step has substeps: half of
                 # what is missing a step.
                 missing = (goal[joint] - now[joint]) / (2 * period)
@@ -119,7 +119,8 @@ class SpatialBases:
         substeps : of the last engine call
         """
         loads = {}
-        for base, body, feet, frame in zip(self._robot.bases, self.bodies, self._feet, self._frames):
+        for base, body, feet, frame in zip(self._robot.bases, self.bodies, self._feet,
+                                           self._frames):
             force = np.zeros(len(feet))
             contacts = self._bullet.getContactPoints(bodyA=body, linkIndexA=_BODY)
             if contacts:
@@ -184,7 +185,8 @@ def _add_base(bullet: Bullet, base: Base, exits: Array, anchors: Array, middle: 
     seen, ends = ((points - base.origin) @ base.rotation for points in (middle, anchors))   # in the base's frame
     for exit_point, anchor in zip(exits, ends):
         aim = turn_z_to(seen - exit_point)
-        links += leg_links(bullet, tip_mass, len(links), _BODY + 1, (exit_point - base.center_of_mass).tolist(), aim)
+        links += leg_links(bullet, tip_mass, len(links), _BODY + 1,
+                           (exit_point - base.center_of_mass).tolist(), aim)
         joints += leg_joints(bullet, aim, anchor - exit_point)
     body = bullet.add_chain(links, joints)
     # Of a box over the footprint, twice as high as its center of mass.
@@ -200,12 +202,15 @@ def _standing(bullet: Bullet, base: Base) -> list[Link]:
     com, n = base.center_of_mass, len(base.footprint)
     wheels = bullet.createCollisionShapeArray(
         shapeTypes=[bullet.GEOM_SPHERE] * n, radii=[_WHEEL] * n,
-        collisionFramePositions=[[x - com[0], y - com[1], _WHEEL - com[2]] for x, y in base.footprint.tolist()])
+        collisionFramePositions=[[x - com[0], y - com[1], _WHEEL - com[2]]
+                                 for x, y in base.footprint.tolist()])
     slide, swing = bullet.JOINT_PRISMATIC, bullet.JOINT_REVOLUTE
     free = [(slide, [1, 0, 0]), (slide, [0, 1, 0]), (swing, [0, 0, 1]),
             (slide, [0, 0, 1]), (swing, [1, 0, 0]), (swing, [0, 1, 0])]
-    links: list[Link] = [(0.0, -1, ORIGIN, STRAIGHT, k, kind, axis) for k, (kind, axis) in enumerate(free)]
-    return [*links, (base.mass, wheels, com.tolist(), STRAIGHT, _BODY, bullet.JOINT_FIXED, [0, 0, 1])]
+    links: list[Link] = [(0.0, -1, ORIGIN, STRAIGHT, k, kind, axis)
+                         for k, (kind, axis) in enumerate(free)]
+    return [*links, (base.mass, wheels, com.tolist(), STRAIGHT, _BODY,
+                     bullet.JOINT_FIXED, [0, 0, 1])]
 
 
 def _mounted(robot: Robot) -> tuple[Array, Array]:

@@ -1,7 +1,5 @@
 """What an engine tells at one instant: controllers are written against it, pictures are drawn from it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from ..arrays import Array

@@ -1,7 +1,5 @@
 """The middle of all feasible tensions: the area centroid of their polygon."""
 
-from __future__ import annotations
-
 from ..arrays import Array
 from ..compiled import CENTROID
 from .feasible_polygon import polygon_points, unanswered

@@ -1,7 +1,5 @@
 """The balanced tensions nearest to the middle of the limits, in one formula."""
 
-from __future__ import annotations
-
 from ..arrays import Array
 from .feasible_polygon import closest_tensions
 from .method import Answers, BatchSolver, vectorized
@@ -11,7 +9,8 @@ def batch() -> BatchSolver:
     """τ = τ_m − W⁺ (w_e + W τ_m), τ_m = (τ_min + τ_max)/2; cables with equal limits stay at them.
 
     Found whenever ‖τ − τ_m‖₂ ≤ min (τ_max − τ_min)/2, never when it exceeds ‖τ_max − τ_min‖₂/2.
-    Source: Pott, Bruckmann and Mikelsons 2009; Okoli 2016, eq. (6.27)–(6.29), whose bounds are misprinted.
+    Source: Pott, Bruckmann and Mikelsons 2009; Okoli 2016, eq. (6.27)–(6.29), whose bounds are
+    misprinted.
     """
 
     def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:

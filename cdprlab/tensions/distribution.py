@@ -1,7 +1,5 @@
 """The one door to all methods."""
 
-from __future__ import annotations
-
 from math import isfinite
 from typing import Any
 
@@ -14,7 +12,8 @@ from .judgement import TensionDistribution, checked_distribution
 from .methods import method_named, solver_for
 
 
-def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, tension_max: ArrayLike,
+def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike,
+                        tension_max: ArrayLike,
                         method: str = "quadratic_program", **options: Any) -> TensionDistribution:
     """Cable tensions with W τ + w_e = 0 and τ_min ≤ τ ≤ τ_max, one of infinitely many by the method's choice.
 
@@ -23,7 +22,8 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, te
     tension_min, tension_max : numbers, (m,) or (…, m) limits [N]
     method : see ``tension_methods()``; options are the method's own
     Returns TensionDistribution.
-    Raises InvalidInput for wrong shapes, NaN, crossed or negative limits, an unknown method or option.
+    Raises InvalidInput for wrong shapes, NaN, crossed or negative limits, an unknown method or
+    option.
     Source: Okoli 2016, ch. 6; Pott 2018, ch. 3.
 
     >>> import cdprlab as cl
@@ -46,7 +46,8 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, te
     reasons: Any
     if batch:
         tensions, reasons = method_named(method, options).batch(**options)(
-            np.broadcast_to(W, (*batch, n, m)).reshape(-1, n, m), np.broadcast_to(w_e, (*batch, n)).reshape(-1, n),
+            np.broadcast_to(W, (*batch, n, m)).reshape(-1, n, m),
+            np.broadcast_to(w_e, (*batch, n)).reshape(-1, n),
             *(limit[None] if low.ndim == high.ndim == 1 else np.broadcast_to(limit, (*batch, m)).reshape(-1, m)
               for limit in (low, high)))
         tensions, reasons = tensions.reshape(*batch, m), reasons.reshape(batch)
@@ -79,7 +80,8 @@ def _batch_shape(W: Array, w_e: Array, low: Array, high: Array) -> tuple[int, ..
     if W.ndim == 2 and w_e.ndim == low.ndim == high.ndim == 1:
         return ()
     try:
-        return np.broadcast_shapes(W.shape[:-2], w_e.shape[:-1], low.shape[:-1], high.shape[:-1])
+        return np.broadcast_shapes(W.shape[:-2], w_e.shape[:-1], low.shape[:-1],
+                                   high.shape[:-1])
     except ValueError:
         raise InvalidInput(f"batch shapes do not fit together: W {W.shape}, w_e {w_e.shape}, "
                            f"limits {low.shape}, {high.shape}") from None

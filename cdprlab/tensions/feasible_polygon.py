@@ -1,7 +1,5 @@
 """The polygon of feasible tensions of up to two redundant cables: the doors to the compiled loops."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,8 +13,8 @@ def polygon_points(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> 
 
     W (k, n, m); w_e (k, n); low, high (k or 1, m)
     pick : CENTROID, LOWEST or HIGHEST of `compiled`
-    Returns tensions (k, m), NaN where there is no answer; reasons (k,); redundancy r = m − rank W (k,).
-    Where r > 2 there is neither an answer nor a reason.
+    Returns tensions (k, m), NaN where there is no answer; reasons (k,); redundancy r = m − rank
+    W (k,). Where r > 2 there is neither an answer nor a reason.
     """
     from ..compiled.polygon import polygons
 
@@ -37,11 +35,13 @@ def unanswered(spare: NDArray[np.int64], reasons: Texts) -> NDArray[np.int64]:
     return np.flatnonzero((spare > 2) & (reasons == "")) if (spare > 2).any() else spare[:0]
 
 
-def closest_tensions(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds: int = 0, *,
+def closest_tensions(W: Array, w_e: Array, low: Array, high: Array, share: float,
+                     rounds: int = 0, *,
                      spent: str = "") -> tuple[Array, Texts]:
     """τ_0 − W⁺ (w_e + W τ_0), τ_0 = τ_min + share (τ_max − τ_min); cables with equal limits stay at them.
 
-    rounds : how often the cable that leaves its limits by most is fixed there and the others are solved anew
+    rounds : how often the cable that leaves its limits by most is fixed there and the others
+        are solved anew
     spent : the reason where rounds, or the redundancy to do so, run out
     W (k, n, m); w_e (k, n); low, high (k or 1, m)
     Returns tensions (k, m) and reasons (k,); outside the range of W the least-squares answer.

@@ -33,7 +33,8 @@ class TensionDistribution:
     margin : (…) distance to the nearest limit, negative outside [N]
     method : its name
     complete : whether the method finds a distribution whenever one exists
-    reason : '' when feasible, else why not; an array in a batch; put into words when first asked for
+    reason : '' when feasible, else why not; an array in a batch; put into words when first
+        asked for
     """
 
     tensions: Array
@@ -67,11 +68,13 @@ class TensionDistribution:
                                  self)
 
 
-def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions: Array, reasons: Any,
+def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions: Array,
+                         reasons: Any,
                          method: str) -> TensionDistribution:
     """Judges tensions by the law, whatever their method says: equilibrium residual and limits.
 
-    Arrays as in `distribute_tensions`; tensions (…, m) with the whole batch shape; reasons : str or (…) of str
+    Arrays as in `distribute_tensions`; tensions (…, m) with the whole batch shape; reasons :
+    str or (…) of str
     """
     margin = limit_margin(tensions, low, high)
     inside = margin >= 0
@@ -86,7 +89,8 @@ def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions
     if tensions.ndim == 1:
         feasible, margin = bool(feasible), float(margin)
     complete = method in METHODS and METHODS[method].complete
-    return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method, complete, problem, reasons)
+    return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method,
+                               complete, problem, reasons)
 
 
 def _largest(values: Array) -> Any:
@@ -109,5 +113,6 @@ def _reasons(problem: Problem, tensions: Array, residual: Array, said: Texts, *,
     if ask_program:
         asked = np.flatnonzero(texts != UNREACHABLE)
         program = METHODS["linear_program"].batch()(*(part[asked] for part in problem))[1]
-        texts[asked] += np.where(program == "", "; the LP says a distribution exists", "; the LP says none exists")
+        texts[asked] += np.where(program == "", "; the LP says a distribution exists",
+                                 "; the LP says none exists")
     return texts

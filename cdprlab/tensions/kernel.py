@@ -1,7 +1,5 @@
 """One redundant cable: the tensions are one line, and the limits cut an interval out of it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array

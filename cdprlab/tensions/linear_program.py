@@ -1,7 +1,5 @@
 """Least sum of tensions inside the limits: min Σ τ subject to W τ + w_e = 0, τ_min ≤ τ ≤ τ_max."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array
@@ -30,7 +28,8 @@ def batch() -> BatchSolver:
 def _highs(W: Array, w_e: Array, low: Array, high: Array) -> Solution:
     from scipy.optimize import linprog
 
-    found = linprog(np.ones(low.size), A_eq=W, b_eq=-w_e, bounds=np.stack([low, high], axis=1), method="highs-ds")
+    found = linprog(np.ones(low.size), A_eq=W, b_eq=-w_e, bounds=np.stack([low, high], axis=1),
+                    method="highs-ds")
     if found.status == 0:
         return sharpened(W, w_e, low, high, found.x), ""   # HiGHS leaves 1e-7 of equilibrium, ten times the tolerance
     best = np.linalg.lstsq(W, -w_e, rcond=None)[0]

@@ -1,7 +1,5 @@
 """What a tension distribution method is: solved for a batch at once, or built for its limits and solved one by one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import isfinite
 from typing import Any, NamedTuple
@@ -11,8 +9,8 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Flags
 
-# Equilibrium to 1e-8 of the wrench, limits to 1e-8 of the largest: a thousand times what rounding
-# leaves in a well-posed program, a thousandth of what a load cell sees.
+# Equilibrium to 1e-8 of the wrench, limits to 1e-8 of the largest: a thousand times what
+# rounding leaves in a well-posed program, a thousandth of what a load cell sees.
 RESIDUAL_TOLERANCE = 1e-8
 LIMIT_TOLERANCE = 1e-8
 
@@ -41,7 +39,8 @@ BatchSolver = Callable[[Array, Array, Array, Array], Answers]
 class Method(NamedTuple):
     """One family of distributions.
 
-    build : ``(n, tension_min, tension_max, **options) → Solver``; checks its options, allocates once
+    build : ``(n, tension_min, tension_max, **options) → Solver``; checks its options, allocates
+        once
     complete : whether it finds a distribution whenever one exists
     summary : one line for menus and tables
     batch : ``(**options) → BatchSolver``
@@ -83,7 +82,8 @@ def vectorized(batch: Callable[..., BatchSolver], *, complete: bool, summary: st
     return Method(build, complete, summary, batch)
 
 
-def one_by_one(left: Flags, build: Callable[[Array, Array], Solver], W: Array, w_e: Array, low: Array, high: Array,
+def one_by_one(left: Flags, build: Callable[[Array, Array], Solver], W: Array, w_e: Array,
+               low: Array, high: Array,
                tensions: Array, reasons: Texts) -> None:
     """Answers what is left of a batch, wrench by wrench, by ``(tension_min, tension_max) → Solver``."""
     solve = None

@@ -1,7 +1,5 @@
 """All methods by name."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..arrays import Array
@@ -44,7 +42,8 @@ def tension_methods() -> dict[str, str]:
 def solver_for(method: str, n: int, tension_min: Array, tension_max: Array, **options: Any) -> Solver:
     """The method built for n rows and these limits, ``(W, w_e) → tensions, reason``: what control loops call.
 
-    Its answers are unchecked; ``checked_distribution`` judges them, one or a whole run at a time.
+    Its answers are unchecked; ``checked_distribution`` judges them, one or a whole run at a
+    time.
     Raises InvalidInput for an unknown method or option.
     """
     return method_named(method, options).build(n, tension_min, tension_max, **options)

@@ -1,7 +1,5 @@
 """Least-norm tensions that ignore the limits: τ = −W⁺ w_e."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array

@@ -1,7 +1,5 @@
 """From the improved closed form straight towards low tensions, up to the point where the way leaves the limits."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array
@@ -22,7 +20,8 @@ def batch() -> BatchSolver:
         start, reasons = start_solver(W, w_e, low, high)
         goal, _ = closest_tensions(W, w_e, low, high, 0.0)
         way = goal - start
-        # Steps below rounding point nowhere; a cable at its limit must not stop the others for them.
+        # Steps below rounding point nowhere; a cable at its limit must not stop the others for
+        # them.
         moves = np.abs(way) > LIMIT_TOLERANCE * 1e-3 * high.max(axis=-1, keepdims=True)
         room = np.where(way > 0, high - start, low - start)
         steps = np.where(moves, room / np.where(moves, way, 1.0), 1.0)

@@ -1,7 +1,5 @@
 """Least-norm tensions inside the limits: min ‖τ‖² subject to W τ + w_e = 0, τ_min ≤ τ ≤ τ_max."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np
@@ -44,7 +42,8 @@ class LeastNorm:
             tau = least_quadratic(*self.program(W, w_e))
         return self.by_independent_rows(W, w_e) if tau is None else (tau, "")
 
-    def program(self, W: Array, w_e: Array, rows: Array | None = None, offset: Array | None = None,
+    def program(self, W: Array, w_e: Array, rows: Array | None = None,
+                offset: Array | None = None,
                 toward: Array | None = None) -> tuple[Array, Array, Array, Array, int, bool]:
         """What `least_quadratic` takes for min ‖τ − τ_0‖², with G τ + g ≤ 0 besides if there are such rows."""
         C, b = self.constraints
@@ -106,7 +105,8 @@ def build(n: int, tension_min: Array, tension_max: Array, *, solver: str = "quad
     """
     if solver == "quadprog":
         return around_fixed(lambda low, high: LeastNorm(n, low, high), tension_min, tension_max)
-    return around_fixed(lambda low, high: _other_solver(low, high, solver), tension_min, tension_max)
+    return around_fixed(lambda low, high: _other_solver(low, high, solver), tension_min,
+                        tension_max)
 
 
 def batch(*, solver: str = "quadprog") -> BatchSolver:
@@ -138,11 +138,13 @@ def _other_solver(low: Array, high: Array, solver: str) -> Solver:
     def solve(W: Array, w_e: Array) -> Solution:
         rows, values, outside = independent_rows(W, -w_e)
         reachable = outside <= RESIDUAL_TOLERANCE * (1 + np.abs(w_e).max())
-        found = qpsolvers.solve_qp(np.eye(m), np.zeros(m), A=rows, b=values, lb=np.array(low), ub=np.array(high),
+        found = qpsolvers.solve_qp(np.eye(m), np.zeros(m), A=rows, b=values, lb=np.array(low),
+                                   ub=np.array(high),
                                    solver=solver) if reachable else None
         return (np.full(m, np.nan), INFEASIBLE) if found is None else (found, "")
 
     return solve
 
 
-METHOD = Method(build, complete=True, summary="min ‖τ‖² inside the limits: smooth, low tensions", batch=batch)
+METHOD = Method(build, complete=True,
+                summary="min ‖τ‖² inside the limits: smooth, low tensions", batch=batch)

@@ -1,7 +1,5 @@
 """When no tensions balance the wrench: the least wrench error inside the limits, then the least tensions."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -25,8 +23,9 @@ from .method import (
 )
 from .quadratic_program import LeastNorm
 
-# The first program's weight on ‖τ‖², relative to W's: small enough to find the right active limits,
-# large enough for a Cholesky factor in double precision. The second stage removes its bias.
+# The first program's weight on ‖τ‖², relative to W's: small enough to find the right active
+# limits, large enough for a Cholesky factor in double precision. The second stage removes its
+# bias.
 _RIDGE = 1e-9
 
 
@@ -49,7 +48,8 @@ def batch(*, weights: ArrayLike | None = None) -> BatchSolver:
 
     def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
         tensions, reasons = exact(W, w_e, low, high)
-        one_by_one(reasons != "", lambda low, high: build(W.shape[1], low, high, weights=weights), W, w_e, low, high,
+        one_by_one(reasons != "", lambda low,
+                   high: build(W.shape[1], low, high, weights=weights), W, w_e, low, high,
                    tensions, reasons)
         return tensions, reasons
 
@@ -83,7 +83,8 @@ def _relaxed(scale: Array, low: Array, high: Array) -> Solver:
 def _least_error(rows: Array, goal: Array, low: Array, high: Array) -> tuple[Array, NDArray[np.bool_]]:
     """min ‖rows τ − goal‖ inside the limits, and which cables the error leaves a choice; none if it is the only point.
 
-    The program finds the cables at a limit, the free ones are then solved anew without its ridge.
+    The program finds the cables at a limit, the free ones are then solved anew without its
+    ridge.
     """
     identity = np.eye(low.size)
     gram = rows.T @ rows
@@ -95,7 +96,8 @@ def _least_error(rows: Array, goal: Array, low: Array, high: Array) -> tuple[Arr
     at_low, at_high = found <= low + at_limit, found >= high - at_limit
     free = ~(at_low | at_high)
     tau = np.where(at_low, low, np.where(at_high, high, found))
-    tau[free], _, rank, _ = np.linalg.lstsq(rows[:, free], goal - rows[:, ~free] @ tau[~free], rcond=None)
+    tau[free], _, rank, _ = np.linalg.lstsq(rows[:, free], goal - rows[:, ~free] @ tau[~free],
+                                            rcond=None)
     sharp = limits_kept(limit_margin(tau, low, high), high)
     tau = np.clip(tau if sharp else found, low, high)
     # A cable that the error pulls against its limit stays there, whatever the others do.
@@ -104,4 +106,5 @@ def _least_error(rows: Array, goal: Array, low: Array, high: Array) -> tuple[Arr
     return tau, movable & (not sharp or rank < movable.sum())
 
 
-METHOD = Method(build, complete=True, summary="least wrench error inside the limits, then least norm", batch=batch)
+METHOD = Method(build, complete=True,
+                summary="least wrench error inside the limits, then least norm", batch=batch)

@@ -1,7 +1,5 @@
 """Tensions that keep mobile bases standing: the limits, and a row for every edge a base could tip about."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -11,12 +9,14 @@ from .method import INFEASIBLE, NOT_FINITE, Solution
 from .quadratic_program import LeastNorm
 
 
-def standing_tensions(W: Array, w_e: Array, low: Array, high: Array, rows: Array, offset: Array, *,
+def standing_tensions(W: Array, w_e: Array, low: Array, high: Array, rows: Array, offset: Array,
+                      *,
                       toward: ArrayLike = 0.0) -> Solution:
     """min ‖τ − τ₀‖² subject to W τ + w_e = 0, the limits, and G τ + g ≤ 0.
 
     W, w_e : (n, m), (n,) [N, N m]; low, high : (m,) [N]
-    rows, offset : G (k, m) [m] and g (k,) [N m], as `tipping_rows` gives them for all bases; k may be 0
+    rows, offset : G (k, m) [m] and g (k,) [N m], as `tipping_rows` gives them for all bases; k
+        may be 0
     toward : τ₀, a number or (m,): 0 is the least norm, more stiffens the robot [N]
     Returns tensions (m,) and '' or the reason why there are none.
     Source: Pedemonte et al. 2020, eq. (21)–(24), as constraints of Okoli 2016, eq. (6.25).

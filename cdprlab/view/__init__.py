@@ -11,7 +11,8 @@ from ..run.compare import TensionComparison
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_HOMES = {"draw": ".film", "plot_tensions": ".plots", "plot_tracking": ".plots", "save_figure": ".plots",
+_HOMES = {"draw": ".film", "plot_tensions": ".plots", "plot_tracking": ".plots",
+          "save_figure": ".plots",
           "save_film": ".film", "still": ".film"}
 """Name → its file."""
 

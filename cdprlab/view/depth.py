@@ -1,7 +1,5 @@
 """What hides what: boxes seen from an eye, in the order in which they are painted, and points behind them."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -50,7 +48,8 @@ class Blocks:
         """Which box is painted after which: the farthest first, but none before one that it may hide."""
         heights = np.einsum("ifx,jcx->ifjc", self.normals, self.corners) - self.offsets[:, :, None, None]
         beyond = (heights > -_TOUCHING).all(axis=-1)
-        # A face's plane that parts two boxes says which is on the eye's side: that one the other cannot hide.
+        # A face's plane that parts two boxes says which is on the eye's side: that one the
+        # other cannot hide.
         before = (beyond & self.seen[..., None]).any(axis=1)
         behind = (beyond & ~self.seen[..., None]).any(axis=1)
         may_hide = ~(before | behind.T)

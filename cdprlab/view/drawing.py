@@ -1,7 +1,5 @@
 """A robot as matplotlib artists that are made once and then moved: for explorers, stills and films."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -48,17 +46,19 @@ class RobotDrawing:
     robot, scene : what is drawn
     poses : Pose, single or batched, that must fit into the picture
     azimuth : of the eye [deg], spatial only; it may walk around (``turn``)
-    solid : boxes and platform hide what is behind them, and nobody walks around; else they let it through, cables
-        carry their numbers, and the platform its axes
+    solid : boxes and platform hide what is behind them, and nobody walks around; else they let
+        it through, cables carry their numbers, and the platform its axes
     also : (k, d) further points that must fit into the picture [m]
     """
 
-    def __init__(self, axes: Axes, robot: Robot, scene: Scene | None, poses: Pose, azimuth: float = 25.0, *,
+    def __init__(self, axes: Axes, robot: Robot, scene: Scene | None, poses: Pose,
+                 azimuth: float = 25.0, *,
                  solid: bool = False, also: ArrayLike = ()) -> None:
         self.axes, self.robot, self.scene, self.solid = axes, robot, scene or EMPTY, solid
         more = np.reshape(np.asarray(also, dtype=float), (-1, robot.dimension))
         points = np.concatenate([landmarks(robot, self.scene, poses), more])
-        # The world's axes stand at the lowest corner, where they are in nobody's way: they show directions.
+        # The world's axes stand at the lowest corner, where they are in nobody's way: they show
+        # directions.
         self._corner, self._arm = points.min(axis=0), 0.07 * float(np.linalg.norm(np.ptp(points, axis=0)))
         letters = self._corner + _BEYOND * self._arm * np.eye(robot.dimension)
         self.points = np.concatenate([points, letters, self._corner[None]])
@@ -94,14 +94,16 @@ class RobotDrawing:
         """
         self.robot, self._around = robot, surroundings(robot, self.scene)
 
-    def move(self, pose: Pose, tensions: ArrayLike | None = None, rope_lengths: ArrayLike | None = None,
+    def move(self, pose: Pose, tensions: ArrayLike | None = None,
+             rope_lengths: ArrayLike | None = None,
              loads: Sequence[tuple[Pose, Array]] = (), trail: ArrayLike = ()) -> None:
         """Platform and cables at another pose.
 
         pose : single Pose
-        tensions : (m,) [N], colors of the cables on the scale of ``limits``, grey and dashed without positive tension
-            (or NaN); default each cable's own style
-        rope_lengths : (m,) what is let out of each cable; of those without tension the rest hangs through [m]
+        tensions : (m,) [N], colors of the cables on the scale of ``limits``, grey and dashed
+            without positive tension (or NaN); default each cable's own style
+        rope_lengths : (m,) what is let out of each cable; of those without tension the rest
+            hangs through [m]
         loads : pose and size [m] of each loose box; the platform is then drawn as a tray
         trail : (k, d) points joined by a thin line, such as where P has been [m]
         """
@@ -119,7 +121,8 @@ class RobotDrawing:
             self._shadow.set_verts(flat(shadow))
         self._place_cables(anchors, tensions, rope_lengths)
         for marks, points in ((self._exits, robot.exit_points), (self._anchors, anchors),
-                              (self._trail, np.reshape(np.asarray(trail, dtype=float), (-1, robot.dimension)))):
+                              (self._trail, np.reshape(np.asarray(trail, dtype=float),
+                                                       (-1, robot.dimension)))):
             marks.set_data(*self._in_sight(points).T)
         arms = np.stack([np.broadcast_to(pose.position, anchors.shape), anchors], axis=1)
         self._arms.set_segments(list(flat(arms[self._outside])))
@@ -156,11 +159,13 @@ class RobotDrawing:
             self.cables.set_color(tension_colors(tau, self.limits) / 255)
             self.cables.set_linestyle(["solid" if pull > 0 else SLACK_DASHES for pull in tau])
             if rope_lengths is not None and self.robot.gravity > 0:
-                lengths = np.where(tau > 0, 0.0, as_array(rope_lengths, "rope_lengths", (m,), "m"))
+                lengths = np.where(tau > 0, 0.0,
+                                   as_array(rope_lengths, "rope_lengths", (m,), "m"))
         lines = np.stack([hanging(*cable) for cable in zip(ends, anchors, lengths)])
         self.cables.set_segments(self._in_sight(lines.reshape(-1, self.robot.dimension)).reshape(*lines.shape[:2], 2))
         flat_ends, flat_anchors = self.view.flat(ends), self.view.flat(anchors)
-        for label, start, end, part in zip(self.numbers, flat_ends, flat_anchors, self._fractions):
+        for label, start, end, part in zip(self.numbers, flat_ends, flat_anchors,
+                                           self._fractions):
             label.set_position(start + part * (end - start))
 
     def _in_sight(self, points: Array) -> Array:
@@ -174,7 +179,8 @@ class RobotDrawing:
         lines, names = parts
         tips = self.view.flat(origin + self._arm * rotation.T)
         lines.set_segments([np.stack([self.view.flat(origin), tip]) for tip in tips])
-        for name, place in zip(names, self.view.flat(origin + _BEYOND * self._arm * rotation.T)):
+        for name, place in zip(names,
+                               self.view.flat(origin + _BEYOND * self._arm * rotation.T)):
             name.set_position(place)
 
     # --- artists, made once ---------------------------------------------------------------------------
@@ -217,21 +223,25 @@ class RobotDrawing:
         self._platform_axes = None if self.solid else self._make_axes("′", 2.6)
 
     def _lines(self, color: Any, width: float, order: float, **options: Any) -> Any:
-        lines = LineCollection([], colors=color, linewidths=width, zorder=order, animated=True, **options)
+        lines = LineCollection([], colors=color, linewidths=width, zorder=order,
+                               animated=True, **options)
         self.axes.add_collection(lines, autolim=False)
         return lines
 
     def _marks(self, kind: str, color: str, order: float, **options: Any) -> Any:
-        marks, = self.axes.plot([], [], kind, color=color, zorder=order, animated=True, **options)
+        marks, = self.axes.plot([], [], kind, color=color, zorder=order,
+                                animated=True, **options)
         return marks
 
     def _text(self, words: str, color: str, order: float, **options: Any) -> Any:
-        return self.axes.text(0, 0, words, color=color, ha="center", va="center", fontsize=10, zorder=order,
+        return self.axes.text(0, 0, words, color=color, ha="center", va="center", fontsize=10,
+                              zorder=order,
                               animated=True, path_effects=HALO, **options)
 
     def _make_axes(self, mark: str, width: float) -> tuple[Any, list[Any]]:
         d = self.robot.dimension
-        names = [self._text(name + mark, color, 7.5) for name, color in zip("xyz"[:d], AXIS_COLORS)]
+        names = [self._text(name + mark, color, 7.5)
+                 for name, color in zip("xyz"[:d], AXIS_COLORS)]
         return self._lines(AXIS_COLORS[:d], width, 7), names
 
     def _label_places(self) -> Array:

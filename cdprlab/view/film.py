@@ -1,7 +1,5 @@
 """Stills and films: of an engine's state, of a run, and of whatever gives frames."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -68,7 +66,8 @@ def save_film(run: Any, path: str | Path, seconds: float | None = None, fps: int
     if not (0 < length < np.inf and fps > 0):
         raise InvalidInput(f"a film needs a positive length and rate, got {length:g} s and {fps} pictures per second")
     times = np.linspace(0.0, lasting, max(12, round(length * fps)) + 1)
-    return save_gif(map(RunScreen(run, width).at, times.tolist()), path, length / (len(times) - 1), _caption(run))
+    return save_gif(map(RunScreen(run, width).at, times.tolist()), path,
+                    length / (len(times) - 1), _caption(run))
 
 
 def still(run: Any, path: str | Path, t: float = 0.0, width: int = 960) -> Path:
@@ -78,22 +77,26 @@ def still(run: Any, path: str | Path, t: float = 0.0, width: int = 960) -> Path:
     width : [pixels]
     """
     target = checked_path(path, ".png")
-    return save_png(RunScreen(run, width).at(t), target, f"{_caption(run)} State at t = {t:.2f} s.")
+    return save_png(RunScreen(run, width).at(t), target,
+                    f"{_caption(run)} State at t = {t:.2f} s.")
 
 
 class RunScreen(RobotScreen):
     """Pictures of a run, at whatever time.
 
     run : Run; width : [pixels]
-    scene : what stands around it, by default that of the run's world; captioned : whether `words` are shown
+    scene : what stands around it, by default that of the run's world; captioned : whether
+        `words` are shown
     """
 
     def __init__(self, run: Any, width: int, scene: Scene | None = None, captioned: bool = False) -> None:
         self.run, scene = run, run.world.scene if scene is None else scene
         some = np.unique(np.linspace(0, len(run.time) - 1, 20).astype(int))
         also = [landmarks(run.robot_at(k), scene) for k in some] if run.base_poses is not None else ()
-        # The last row is measured at the end of its step like all others; a cut cable is NaN there and shown as slack.
-        super().__init__(run.world.robot, scene, run.poses[some], run.measured_tensions, run.world.title, width,
+        # The last row is measured at the end of its step like all others; a cut cable is NaN
+        # there and shown as slack.
+        super().__init__(run.world.robot, scene, run.poses[some], run.measured_tensions,
+                         run.world.title, width,
                          captioned=captioned, also=also)
 
     def at(self, t: float) -> Frame:
@@ -105,7 +108,8 @@ class RunScreen(RobotScreen):
         run, k = self.run, index_at(self.run.time, t)
         if run.base_poses is not None:
             self.drawing.drive(run.robot_at(k))
-        self.drawing.move(run.poses[k], run.measured_tensions[k], _rope_lengths(run, k), self.loads(k),
+        self.drawing.move(run.poses[k], run.measured_tensions[k], _rope_lengths(run, k),
+                          self.loads(k),
                           run.poses.position[np.unique(np.linspace(0, k, 50).astype(int))])
         return self.words(k)
 
@@ -152,9 +156,11 @@ def save_gif(frames: Iterable[Frame], path: str | Path, period: float, descripti
         chosen = pictures[::every]
         palette = _palette(chosen, colors)
         flat = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in chosen]
-        # GIF counts time in 10 ms; the last picture stays for a moment before the film starts again.
+        # GIF counts time in 10 ms; the last picture stays for a moment before the film starts
+        # again.
         tick = max(20, 10 * round(100 * period * every))
-        flat[0].save(target, save_all=True, append_images=flat[1:], loop=0, optimize=False, disposal=1,
+        flat[0].save(target, save_all=True, append_images=flat[1:], loop=0, optimize=False,
+                     disposal=1,
                      duration=[tick] * (len(flat) - 1) + [max(tick, 1000)],
                      comment=description.encode("ascii", "replace"))
         if target.stat().st_size < LARGEST_FILE:
@@ -173,10 +179,12 @@ def save_png(picture: Frame, path: str | Path, description: str) -> Path:
 def _palette(frames: Sequence[Image.Image], colors: int) -> Image.Image:
     """One palette for all frames, so that colors do not flicker.
 
-    The colors that carry meaning are in it as they are: thin lines would lose theirs to large grey surfaces.
+    The colors that carry meaning are in it as they are: thin lines would lose theirs to large
+    grey surfaces.
     """
     named = [ImageColor.getrgb(color) for color in ("#FFFFFF", INK, TRAIL, *AXIS_COLORS)]
-    meaning = [*tension_colors(np.linspace(1e-9, 1, 24), (0.0, 1.0)).tolist(), SLACK_COLOR, *named]
+    meaning = [*tension_colors(np.linspace(1e-9, 1, 24), (0.0, 1.0)).tolist(),
+               SLACK_COLOR, *named]
     chosen = [frames[i] for i in np.unique(np.linspace(0, len(frames) - 1, 4).astype(int))]
     sheet = Image.fromarray(np.concatenate([np.asarray(frame) for frame in chosen]))
     others = sheet.quantize(colors - len(meaning), method=Image.Quantize.MEDIANCUT).getpalette() or []

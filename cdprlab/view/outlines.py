@@ -1,7 +1,5 @@
 """Robot and scene as points, segments and solids, for whatever draws: planar and spatial alike."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import combinations, product
 from typing import NamedTuple
@@ -41,14 +39,16 @@ def box_edges(dimension: int) -> Array:
     >>> box_edges(2).tolist()
     [[0, 1], [0, 2], [1, 3], [2, 3]]
     """
-    return np.array([(i, j) for i, j in combinations(range(2**dimension), 2) if bin(i ^ j).count("1") == 1])
+    return np.array([(i, j) for i, j in combinations(range(2**dimension), 2)
+                     if bin(i ^ j).count("1") == 1])
 
 
 def box_faces(dimension: int) -> Array:
     """(f, 4) corners of each face, going round; in the plane the box itself."""
     if dimension == 2:
         return np.array([[0, 1, 3, 2]])
-    return np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+    return np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4],
+                     [1, 5, 7, 3]])
 
 
 # --- the robot ----------------------------------------------------------------------------------------------
@@ -64,14 +64,16 @@ def platform_solids(robot: Robot, pose: Pose, loads: Sequence[tuple[Pose, Array]
     """
     if not loads:
         return [Solid(platform_corners(robot, pose), PLATFORM)]
-    parts = [Solid(box_corners(size, pose, center), PLATFORM) for center, size in _tray(robot.platform)]
+    parts = [Solid(box_corners(size, pose, center), PLATFORM)
+             for center, size in _tray(robot.platform)]
     return parts + [Solid(box_corners(size, place), LOAD) for place, size in loads]
 
 
 def _tray(platform: Platform) -> list[tuple[Array, Array]]:
     (x, y, z), thin = platform.size, 0.02
     floor = np.array([0, 0, thin - z]) / 2, np.array([x, y, thin])
-    walls = [(np.array([side * (x - thin) / 2, 0, 0]), np.array([thin, y, z])) for side in (-1, 1)]
+    walls = [(np.array([side * (x - thin) / 2, 0, 0]), np.array([thin, y, z]))
+             for side in (-1, 1)]
     return [(platform.center + center, size) for center, size in (floor, *walls)]
 
 
@@ -120,9 +122,11 @@ def frame_segments(robot: Robot, scene: Scene) -> Array:
 def surroundings(robot: Robot, scene: Scene) -> list[Solid]:
     """Frame or masts, the decks of mobile bases, and the scene's boxes."""
     thickness = 0.005 * float(np.linalg.norm(np.ptp(landmarks(robot, scene), axis=0)))
-    found = [Solid(_beam(start, end, thickness), STEEL) for start, end in frame_segments(robot, scene)]
+    found = [Solid(_beam(start, end, thickness), STEEL)
+             for start, end in frame_segments(robot, scene)]
     found += [Solid(_deck(base), DECK) for base in robot.bases if len(base.footprint)]
-    return found + [Solid(box_corners(box.size, box.pose), OBSTACLE if box.kind == "obstacle" else BOX)
+    return found + [Solid(box_corners(box.size, box.pose),
+                          OBSTACLE if box.kind == "obstacle" else BOX)
                     for box in scene.boxes]
 
 
@@ -140,7 +144,8 @@ def _deck(base: Base) -> Array:
     """The box over a base's footprint, as high as a base that is solid."""
     planar = base.center_of_mass.size == 2
     low, high = base.footprint.min(axis=0), base.footprint.max(axis=0)
-    low, high = (np.array([*ends[:1 if planar else 2], z]) for ends, z in ((low, 0.0), (high, DECK_HEIGHT)))
+    low, high = (np.array([*ends[:1 if planar else 2], z])
+                 for ends, z in ((low, 0.0), (high, DECK_HEIGHT)))
     return box_corners(high - low, Pose.of(base.origin, base.rotation), (low + high) / 2)
 
 
@@ -150,7 +155,8 @@ def landmarks(robot: Robot, scene: Scene, poses: Pose | None = None) -> Array:
     groups += [box_corners(box.size, box.pose) for box in scene.boxes]
     groups += [_deck(base) for base in robot.bases if len(base.footprint)]
     if poses is not None:
-        groups += [platform_corners(robot, pose) for pose in (poses if poses.batch_shape else [poses])]
+        groups += [platform_corners(robot, pose)
+                   for pose in (poses if poses.batch_shape else [poses])]
     points = np.concatenate(groups)
     grounded = points.copy()
     grounded[:, -1] = floor_height(robot, scene)
@@ -160,15 +166,18 @@ def landmarks(robot: Robot, scene: Scene, poses: Pose | None = None) -> Array:
 def floor_tiles(points: Array, height: float) -> Array:
     """(k, 4, d) tiles of 1 m (10 m and so on for large worlds) below the points; in the plane one strip.
 
-    In space tiles come row by row, an odd number in each, so that every other one makes a chessboard.
+    In space tiles come row by row, an odd number in each, so that every other one makes a
+    chessboard.
     """
     low, high = points.min(axis=0), points.max(axis=0)
     if points.shape[1] == 2:
         (left, right), depth = (low[0] - 0.5, high[0] + 0.5), 0.04 * float(np.ptp(points, axis=0).max())
-        return np.array([[[left, height], [right, height], [right, height - depth], [left, height - depth]]])
+        return np.array([[[left, height], [right, height], [right, height - depth],
+                          [left, height - depth]]])
     tile = 10.0 ** max(0, np.ceil(np.log10(max(*(high - low)[:2], 1.0) / 25)))
     first, last = np.floor(low[:2] / tile - 0.25), np.ceil(high[:2] / tile + 0.25)
     last[1] += (last[1] - first[1] + 1) % 2
     corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]) * tile
-    return np.array([[i * tile, j * tile, height] + corners for i in np.arange(first[0], last[0])
+    return np.array([[i * tile, j * tile, height] + corners
+                     for i in np.arange(first[0], last[0])
                      for j in np.arange(first[1], last[1])])

@@ -1,7 +1,5 @@
 """A matplotlib figure as pixels or PNG, quickly: what stands still is drawn once."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from io import BytesIO
 from typing import Any
@@ -21,8 +19,9 @@ _RUN_LENGTHS = 3
 class Picture:
     """Draws a figure again and again.
 
-    Artists with ``animated=True`` go over a kept picture of all others; as soon as one of the others has changed
-    (matplotlib marks it stale), everything is drawn anew. The layout is computed once, so that axes stay in place.
+    Artists with ``animated=True`` go over a kept picture of all others; as soon as one of the
+    others has changed (matplotlib marks it stale), everything is drawn anew. The layout is
+    computed once, so that axes stay in place.
 
     >>> figure = Figure((1.0, 1.0), dpi=100)
     >>> Picture(figure).png()[1:4]
@@ -44,7 +43,8 @@ class Picture:
         try:
             draw()
         finally:
-            self._added = [artist for axes in panels for artist in axes.get_children() if artist not in before]
+            self._added = [artist for axes in panels for artist in axes.get_children()
+                           if artist not in before]
             for artist in self._added:
                 artist.set_animated(True)
             for axes in panels:
@@ -69,19 +69,22 @@ class Picture:
     def png(self) -> bytes:
         """The same as a file."""
         buffer = BytesIO()
-        Image.fromarray(self.pixels()).save(buffer, "png", compress_level=1, compress_type=_RUN_LENGTHS)
+        Image.fromarray(self.pixels()).save(buffer, "png", compress_level=1,
+                                            compress_type=_RUN_LENGTHS)
         return buffer.getvalue()
 
     def _still(self) -> list[Any]:
         """Of each panel what is drawn anew when it changes, whatever is added: limits and words."""
         return [(axes.get_xlim(), axes.get_ylim(), axes.get_xlabel(), axes.get_ylabel(),
                  *(artist.get_text() for artist in axes.get_children()
-                   if isinstance(artist, Text) and not artist.get_animated())) for axes in self.figure.axes]
+                   if isinstance(artist, Text) and not artist.get_animated()))
+                for axes in self.figure.axes]
 
     def _moving(self) -> list[Any]:
         """Animated artists, panel by panel, from the back to the front."""
         moving = [artist for artist in self.figure.get_children() if artist.get_animated()]
         for axes in self.figure.axes:
-            moving += sorted((artist for artist in axes.get_children() if artist.get_animated()),
+            moving += sorted((artist for artist in axes.get_children()
+                              if artist.get_animated()),
                              key=lambda artist: artist.get_zorder())
         return moving

@@ -1,7 +1,5 @@
 """Figures of a run. Nothing is computed here beyond differences and unit changes (m to mm, rad to mrad)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -79,7 +77,8 @@ def plot_run(run: Run) -> Figure:
         grid = figure.add_gridspec(rows, 2, wspace=0.06)
         _tracking_panels([figure.add_subplot(grid[row, 0]) for row in range(rows)], run)
         _tension_panels([figure.add_subplot(grid[:-1, 1]), figure.add_subplot(grid[-1, 1])], run)
-        return _told(figure, run, "Overview", f"{_tracking_in_words(run)} {_tensions_in_words(run)}")
+        return _told(figure, run, "Overview",
+                     f"{_tracking_in_words(run)} {_tensions_in_words(run)}")
 
 
 def save_figure(figure: matplotlib.figure.Figure, path: str | Path) -> Path:
@@ -135,17 +134,20 @@ def _tracking_panels(axes: Sequence[Axes], run: Run) -> None:
     d = run.world.robot.dimension
     _share_time(axes, run)
     _position_panel(axes[0], run)
-    _error_panel(axes[1], run.time, 1e3 * run.errors[:, :d], axis_names(d), "position error [mm]",
+    _error_panel(axes[1], run.time, 1e3 * run.errors[:, :d], axis_names(d),
+                 "position error [mm]",
                  "Position error, reference − actual")
     if len(axes) > 2:
         turns = run.errors[:, d:]
         names = {1: ("φ",), 2: ("about y′", "about z′"), 3: ("about x", "about y", "about z")}[turns.shape[1]]
-        _error_panel(axes[2], run.time, 1e3 * turns, names, "rotation error [mrad]", "Rotation error (rotation vector)")
+        _error_panel(axes[2], run.time, 1e3 * turns, names, "rotation error [mrad]",
+                     "Rotation error (rotation vector)")
 
 
 def _position_panel(panel: Axes, run: Run) -> None:
     actual, wanted, names = run.poses.position, run.reference.pose.position, axis_names(run.world.robot.dimension)
-    draw_lines(panel, run.time, wanted, names, [LineStyle(color, "solid") for color in AXIS_COLORS], linewidth=6,
+    draw_lines(panel, run.time, wanted, names,
+               [LineStyle(color, "solid") for color in AXIS_COLORS], linewidth=6,
                alpha=0.28, solid_capstyle="butt")
     draw_lines(panel, run.time, actual, names, AXIS_STYLES)
     panel.set(ylabel="position [m]", title="Position of P")
@@ -157,9 +159,11 @@ def _position_panel(panel: Axes, run: Run) -> None:
 
 def _error_panel(panel: Axes, time: Array, errors: Array, names: Sequence[str], label: str, title: str) -> None:
     colors = AXIS_COLORS if errors.shape[1] > 1 else (INK,)
-    draw_lines(panel, time, errors, names, list(map(LineStyle, colors, AXIS_DASHES)), linewidth=1.4)
+    draw_lines(panel, time, errors, names, list(map(LineStyle, colors, AXIS_DASHES)),
+               linewidth=1.4)
     if errors.shape[1] > 1:
-        _legend_above(panel, panel.plot(time, np.linalg.norm(errors, axis=1), color=INK, linewidth=1.0,
+        _legend_above(panel, panel.plot(time, np.linalg.norm(errors, axis=1), color=INK,
+                                        linewidth=1.0,
                                         linestyle=(0, (1, 1.5)), label="norm"))
     _around_zero(panel)
     panel.set(ylabel=label, title=title)
@@ -174,22 +178,28 @@ def _tension_panels(axes: Sequence[Axes], run: Run) -> None:
     wound = run.commanded_lengths is not None
     every = max(1, len(run.time) // _MARKERS)
     cables = range(run.world.robot.n_cables)
-    for cable, shown, measured, below_it in zip(cables, _shown(run).T, run.measured_tensions.T, _below(run).T):
+    for cable, shown, measured, below_it in zip(cables, _shown(run).T, run.measured_tensions.T,
+                                                _below(run).T):
         color, dashes = cable_style(cable)
         above.plot(run.time, shown, color=color, linestyle=dashes, label=f"cable {cable + 1}")
         if not wound:
-            above.plot(run.time, measured, color=color, linestyle="none", marker="o", markersize=4.2,
-                       markeredgecolor="white", markeredgewidth=0.5, markevery=(every * cable // 8, every),
+            above.plot(run.time, measured, color=color, linestyle="none", marker="o",
+                       markersize=4.2,
+                       markeredgecolor="white", markeredgewidth=0.5,
+                       markevery=(every * cable // 8, every),
                        label=f"_measured {cable + 1}")
-        below.plot(run.time, below_it, color=color, linestyle=dashes, linewidth=1.2, label=f"cable {cable + 1}")
+        below.plot(run.time, below_it, color=color, linestyle=dashes, linewidth=1.2,
+                   label=f"cable {cable + 1}")
     above.set(ylabel="tension [N]", title="Tensions")
     below.set_ylabel("slack [mm]" if wound else "difference [N]")
     below.set_title("Rope let out − distance it spans" if wound else "Measured − commanded")
-    below.set_title("cables drawn as above", loc="right", fontsize=9, fontweight="normal", color=GREY)
+    below.set_title("cables drawn as above", loc="right", fontsize=9, fontweight="normal",
+                    color=GREY)
     _around_zero(below)
     handles: list[Any] = [Line2D([], [], color=INK, label="measured" if wound else "commanded")]
     if not wound:
-        handles.append(Line2D([], [], color=INK, linestyle="none", marker="o", markersize=4.2, label="measured"))
+        handles.append(Line2D([], [], color=INK, linestyle="none", marker="o", markersize=4.2,
+                              label="measured"))
     if not np.all(run.feasible):
         handles.append(Patch(color=WARNING, label="winch too slow" if wound else "infeasible"))
     for panel in axes:
@@ -197,8 +207,10 @@ def _tension_panels(axes: Sequence[Axes], run: Run) -> None:
             panel.axvspan(start, end, color=WARNING, zorder=0, linewidth=0)
     _draw_limits(above, run)
     _legend_above(above, handles)
-    # The differences all but coincide: names pushed apart would point nowhere, so the panel above names the lines.
-    label_ends(above, _shown(run), [str(k + 1) for k in cables], [cable_style(k).color for k in cables])
+    # The differences all but coincide: names pushed apart would point nowhere, so the panel
+    # above names the lines.
+    label_ends(above, _shown(run), [str(k + 1) for k in cables],
+               [cable_style(k).color for k in cables])
 
 
 def _shown(run: Run) -> Array:
@@ -239,17 +251,20 @@ def _draw_limits(panel: Axes, run: Run) -> None:
     if words:
         low, high = panel.get_ylim()
         panel.set_ylim(low, high + 0.08 * (high - low))  # room for the note above all lines
-        panel.annotate(f"off scale: {', '.join(words)}", (0.008, 0.985), xycoords="axes fraction", va="top",
+        panel.annotate(f"off scale: {', '.join(words)}", (0.008, 0.985),
+                       xycoords="axes fraction", va="top",
                        fontsize=9, color=INK)
 
 
 # --- in words ---------------------------------------------------------------------------------------------
 def _tracking_in_words(run: Run) -> str:
     d = run.world.robot.dimension
-    off, turned = (1e3 * np.linalg.norm(errors, axis=1) for errors in (run.errors[:, :d], run.errors[:, d:]))
+    off, turned = (1e3 * np.linalg.norm(errors, axis=1)
+                   for errors in (run.errors[:, :d], run.errors[:, d:]))
     text = (f"Reference and actual {', '.join(axis_names(d))} over time [m]; the position error [mm] is largest, "
             f"{np.nanmax(off):.3g} mm, at {run.time[int(np.nanargmax(off))]:.3g} s.")
-    return text + (f" The largest rotation error is {np.nanmax(turned):.3g} mrad." if _tracking_rows(run) > 2 else "")
+    return text + (f" The largest rotation error is {np.nanmax(turned):.3g} mrad."
+                   if _tracking_rows(run) > 2 else "")
 
 
 def _tensions_in_words(run: Run) -> str:
@@ -273,7 +288,8 @@ def fitted_title(figure: Any, title: str) -> None:
 
 def _legend_above(panel: Axes, handles: list[Any]) -> None:
     """A legend on the title's line, where no data can be."""
-    panel.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 0.995), ncols=len(handles),
+    panel.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 0.995),
+                 ncols=len(handles),
                  borderaxespad=0.1, handlelength=1.8, columnspacing=1.2)
 
 
@@ -284,17 +300,20 @@ def _around_zero(panel: Axes) -> None:
     panel.set_ylim(min(low, -_LEAST_RANGE), max(high, _LEAST_RANGE))
 
 
-def draw_lines(panel: Axes, time: Array, lines: Array, names: Sequence[str], styles: Sequence[LineStyle],
+def draw_lines(panel: Axes, time: Array, lines: Array, names: Sequence[str],
+               styles: Sequence[LineStyle],
                **options: Any) -> None:
     """Columns (N, k) over time (N,), each under its name and in its style."""
     for line, name, style in zip(lines.T, names, styles):
-        panel.plot(time, line, color=style.color, linestyle=style.linestyle, label=name, **options)
+        panel.plot(time, line, color=style.color, linestyle=style.linestyle,
+                   label=name, **options)
 
 
 def mark_level(panel: Axes, level: float, words: str = "", place: float = 0.005, align: str = "left") -> None:
     """A dotted line across the panel and words above it, at a share of its width."""
     panel.axhline(level, color=INK, linewidth=1.2, linestyle=(0, (1, 2)), label="_limit")
-    panel.annotate(words, (place, level), xycoords=("axes fraction", "data"), ha=align, xytext=(0, 3),
+    panel.annotate(words, (place, level), xycoords=("axes fraction", "data"), ha=align,
+                   xytext=(0, 3),
                    textcoords="offset points", fontsize=9, color=INK)
 
 
@@ -307,8 +326,10 @@ def label_ends(panel: Axes, lines: Array, names: Sequence[str], colors: Sequence
     gap = min(14 / points, 1 / len(names))
     heights = spread_apart(np.clip((ends - low) / (high - low), 0, 1), gap)
     for name, color, height in zip(names, colors, heights):
-        panel.annotate(name, (1.0, height), xycoords="axes fraction", xytext=(5, 0), textcoords="offset points",
-                       va="center", color=color, fontsize=10, fontweight="bold", annotation_clip=False)
+        panel.annotate(name, (1.0, height), xycoords="axes fraction", xytext=(5, 0),
+                       textcoords="offset points",
+                       va="center", color=color, fontsize=10, fontweight="bold",
+                       annotation_clip=False)
 
 
 def spread_apart(heights: Array, gap: float) -> Array:
@@ -322,5 +343,6 @@ def spread_apart(heights: Array, gap: float) -> Array:
     order = np.argsort(heights, kind="stable")
     steps = gap * np.arange(len(heights))
     spread = np.empty_like(heights)
-    spread[order] = steps + np.clip(isotonic_regression(heights[order] - steps).x, 0.0, 1.0 - steps[-1])
+    spread[order] = steps + np.clip(isotonic_regression(heights[order] - steps).x, 0.0,
+                                    1.0 - steps[-1])
     return spread

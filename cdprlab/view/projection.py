@@ -1,7 +1,5 @@
 """From space to the plane of a picture: a mild perspective that turns about the vertical, in plain numpy."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -52,7 +50,8 @@ class Projection:
         if points.shape[-1] == 2:
             return points
         local = (points - self.center) @ self.axes.T
-        # What comes nearer than a third of the distance stays there: nothing may pass behind the eye.
+        # What comes nearer than a third of the distance stays there: nothing may pass behind
+        # the eye.
         depth = np.minimum(local[..., 2] / (_DISTANCE * self.radius), 2 / 3)
         return np.asarray(local[..., :2] / (1 - depth[..., None]))
 

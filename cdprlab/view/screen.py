@@ -1,7 +1,5 @@
 """What stills and films are made of: a robot with title, clock, caption and tension scale, drawn again and again."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -38,7 +36,8 @@ class Screen:
         with house_style():
             self._write(0.02, "left", title, INK, fontsize=min(11.5, 740 / max(len(title), 1)))
             self._clock = self._write(0.98, "right", "", INK, fontsize=11.5, animated=True)
-            self._caption = self.figure.text(0.02, self.top + 0.012, "", color=VERMILION, animated=True)
+            self._caption = self.figure.text(0.02, self.top + 0.012, "", color=VERMILION,
+                                             animated=True)
         self._picture = Picture(self.figure)
 
     def show(self, time: float, caption: str = "") -> NDArray[np.uint8]:
@@ -60,7 +59,8 @@ class RobotScreen(Screen):
     tensions : (…) [N] all that will be shown: one scale for them
     """
 
-    def __init__(self, robot: Robot, scene: Scene, poses: Pose, tensions: ArrayLike, title: str, width: int, *,
+    def __init__(self, robot: Robot, scene: Scene, poses: Pose, tensions: ArrayLike, title: str,
+                 width: int, *,
                  captioned: bool = False, also: ArrayLike = ()) -> None:
         super().__init__(title, width, captioned)
         below = 60 / _HEIGHT
@@ -76,10 +76,12 @@ class RobotScreen(Screen):
         limits = self.drawing.limits
         shades = tension_colors(np.linspace(max(limits[0], 1e-9), limits[1], 48), limits) / 255
         scale = ScalarMappable(Normalize(*limits), ListedColormap(shades))
-        bar = self.figure.colorbar(scale, cax=self.figure.add_axes((0.22, 28 / _HEIGHT, 0.46, 14 / _HEIGHT)),
+        bar = self.figure.colorbar(scale, cax=self.figure.add_axes((0.22, 28 / _HEIGHT, 0.46,
+                                                                    14 / _HEIGHT)),
                                    orientation="horizontal", ticks=ticks)
         bar.outline.set_visible(False)
-        self.figure.text(0.02, 35 / _HEIGHT, "cable tension [N]", color=INK, va="center", fontsize=10)
+        self.figure.text(0.02, 35 / _HEIGHT, "cable tension [N]", color=INK, va="center",
+                         fontsize=10)
         grey: Any = np.array(SLACK_COLOR) / 255
         keys = [Line2D([], [], color=grey, linestyle=SLACK_DASHES, label="slack or cut"),
                 Line2D([], [], color=TRAIL, label="path of P so far")]
@@ -89,7 +91,8 @@ class RobotScreen(Screen):
 def sized_figure(width: int, height: int, scale: float | None = None) -> Figure:
     """A figure of so many pixels.
 
-    scale : of lines and letters, 1 for a picture of 640 x 480; default as large as the figure, at least a half
+    scale : of lines and letters, 1 for a picture of 640 x 480; default as large as the figure,
+        at least a half
     Raises InvalidInput below 16 x 16 pixels.
     """
     if width < 16 or height < 16:

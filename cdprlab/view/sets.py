@@ -1,7 +1,5 @@
 """Available twist and wrench sets as pictures: plane shadows and cuts, charts per axis."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Literal
 
@@ -37,7 +35,8 @@ def axis_names(motion_pattern: str, quantity: Quantity) -> tuple[str, ...]:
     pattern, (along, about) = patterns(motion_pattern), _LETTERS[quantity]
     if pattern.dimension == 2:  # all turns are about the same axis
         return tuple(about if row == "rz" else f"{along}_{row}" for row in pattern.rows)
-    return tuple(f"{about}_{row[1:]}" if row[0] == "r" else f"{along}_{row}" for row in pattern.rows)
+    return tuple(f"{about}_{row[1:]}" if row[0] == "r" else f"{along}_{row}"
+                 for row in pattern.rows)
 
 
 def axis_label(name: str) -> str:
@@ -55,7 +54,8 @@ def draw_polygon(axes: Axes, vertices: ArrayLike, style: int = 0, label: str = "
     vertices : (v, 2) in order
     style : which of the colors and outlines, from 0
     """
-    patch = Polygon(np.asarray(vertices), closed=True, label=label, linewidth=1.8, linestyle=CABLE_DASHES[style % 4],
+    patch = Polygon(np.asarray(vertices), closed=True, label=label, linewidth=1.8,
+                    linestyle=CABLE_DASHES[style % 4],
                     edgecolor=COLORS[style % 4], facecolor=to_rgba(COLORS[style % 4], 0.16))
     axes.add_patch(patch)
     return patch
@@ -64,16 +64,20 @@ def draw_polygon(axes: Axes, vertices: ArrayLike, style: int = 0, label: str = "
 def draw_capability(axes: Axes, bars: Mapping[str, ArrayLike], names: Sequence[str], group: Sequence[int]) -> None:
     """Bars on axes of one's own, every bar with its number.
 
-    bars : label → (n,) one value an axis, for instance ``np.abs(polytope.component_range()).max(axis=1)``
-    names : of the axes, as `axis_names` gives them; group : indices of those that are drawn, of one unit
+    bars : label → (n,) one value an axis, for instance
+        ``np.abs(polytope.component_range()).max(axis=1)``
+    names : of the axes, as `axis_names` gives them; group : indices of those that are drawn, of
+        one unit
     """
     width = 0.8 / len(bars)
     for k, (label, values) in enumerate(bars.items()):
         heights = np.asarray(values, dtype=float)[list(group)]
         places = np.arange(len(group)) + (k - (len(bars) - 1) / 2) * width
         drawn = axes.bar(places, np.nan_to_num(heights), 0.92 * width, label=label,
-                         color=to_rgba(COLORS[k % 4], 0.75), edgecolor=INK, linewidth=0.6, hatch=HATCHES[k % 4])
-        axes.bar_label(drawn, ["none" if np.isnan(h) else f"{h:.3g}" for h in heights], padding=2, fontsize=8)
+                         color=to_rgba(COLORS[k % 4], 0.75), edgecolor=INK, linewidth=0.6,
+                         hatch=HATCHES[k % 4])
+        axes.bar_label(drawn, ["none" if np.isnan(h) else f"{h:.3g}" for h in heights],
+                       padding=2, fontsize=8)
     axes.set_xticks(range(len(group)), [_math(names[i]) for i in group])
     axes.set_ylabel(f"[{_UNITS[names[group[0]][0]]}]")
     axes.grid(axis="x", visible=False)

@@ -1,10 +1,8 @@
 """One visual language: colors a color-blind reader can tell apart, one look for all figures.
 
-Cables take four colors, solid for 1 to 4, dashed for 5 to 8, dotted for 9 to 12, and carry their number at the
-line's end, so that no reader depends on color alone.
+Cables take four colors, solid for 1 to 4, dashed for 5 to 8, dotted for 9 to 12, and carry
+their number at the line's end, so that no reader depends on color alone.
 """
-
-from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -30,7 +28,8 @@ STEEL, DECK, TRAIL = "#C4CBD3", "#BAC3CC", "#008060"
 PLATFORM, LOAD, BOX, OBSTACLE = "#7896B4", "#C4965A", "#CDBEA5", "#CD6E5F"
 FLOOR, SHADOW = ("#EEF0F2", "#E4E7EA"), "#BEC2C7"
 
-TENSION_COLORS = ((24, 20, 120), (92, 10, 165), (156, 23, 158), (203, 71, 120), (232, 114, 66), (240, 150, 20))
+TENSION_COLORS = ((24, 20, 120), (92, 10, 165), (156, 23, 158), (203, 71, 120), (232, 114, 66),
+                  (240, 150, 20))
 """Low to high tension: plasma without its yellow end, which vanishes on white; readable with color-blind eyes."""
 
 SLACK_COLOR = (120, 120, 120)
@@ -69,7 +68,8 @@ def tension_colors(tensions: ArrayLike, limits: tuple[float, float]) -> NDArray[
     tau = np.asarray(tensions, dtype=float)
     low, high = limits
     place = (tau - low) / max(high - low, 1e-12) * (len(TENSION_COLORS) - 1)
-    colors = [np.interp(place, range(len(TENSION_COLORS)), channel) for channel in np.transpose(TENSION_COLORS)]
+    colors = [np.interp(place, range(len(TENSION_COLORS)), channel)
+              for channel in np.transpose(TENSION_COLORS)]
     return np.where((tau > 0)[..., None], np.stack(colors, axis=-1).round(), SLACK_COLOR).astype(np.uint8)
 
 

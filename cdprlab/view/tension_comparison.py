@@ -1,7 +1,5 @@
 """A comparison of tension distributions in one figure: every method's tensions, and four numbers that differ."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,8 +12,10 @@ from .plots import Figure, fitted_title
 from .style import INK, SKY, VERMILION, WARNING, cable_style, house_style
 
 _COLUMNS = 3
-_NUMBERS = (("energy", "∫‖τ‖² dt [N² s]", 1.0), ("largest_step", "largest step [N], hatched: a jump", 1.0),
-            ("margin", "least distance to a limit [N]", 1.0), ("solve_time", "time per solve [µs]", 1e6))
+_NUMBERS = (("energy", "∫‖τ‖² dt [N² s]", 1.0),
+            ("largest_step", "largest step [N], hatched: a jump", 1.0),
+            ("margin", "least distance to a limit [N]", 1.0),
+            ("solve_time", "time per solve [µs]", 1e6))
 
 
 def plot_tension_comparison(table: TensionComparison) -> Figure:
@@ -38,12 +38,15 @@ def plot_tension_comparison(table: TensionComparison) -> Figure:
             panel.set_axis_off()
         _common_axes(panels[:count], table)
         above.legend(handles=[*panels[0].get_lines(), Patch(color=WARNING, label="infeasible")],
-                     loc="outside upper right", ncols=table.tensions.shape[2] + 2, handlelength=1.9,
+                     loc="outside upper right", ncols=table.tensions.shape[2] + 2,
+                     handlelength=1.9,
                      columnspacing=1.1, fontsize=9)
         for chart, (column, label, factor) in zip(below.subplots(1, len(_NUMBERS), sharey=True), _NUMBERS):
             values = factor * getattr(table, column)
-            bars = chart.barh(names, np.nan_to_num(values), 0.6, color=SKY, edgecolor=INK, linewidth=0.6)
-            chart.bar_label(bars, [f"{value:.3g}" if np.isfinite(value) else "never feasible" for value in values],
+            bars = chart.barh(names, np.nan_to_num(values), 0.6, color=SKY, edgecolor=INK,
+                              linewidth=0.6)
+            chart.bar_label(bars, [f"{value:.3g}" if np.isfinite(value) else "never feasible"
+                                   for value in values],
                             padding=4, fontsize=8.5)
             if column == "largest_step":
                 for bar, continuous in zip(bars, table.continuous):
@@ -59,14 +62,18 @@ def plot_tension_comparison(table: TensionComparison) -> Figure:
 def _tensions(panel: Axes, table: TensionComparison, k: int) -> None:
     for cable, tensions in enumerate(table.tensions[k].T):
         color, dashes = cable_style(cable)
-        panel.plot(table.time, tensions, color=color, linestyle=dashes, linewidth=1.2, label=f"{cable + 1}")
-    panel.axhline(float(table.world.robot.tension_min.max()), color=INK, linewidth=1.0, linestyle=(0, (1, 2)),
+        panel.plot(table.time, tensions, color=color, linestyle=dashes, linewidth=1.2,
+                   label=f"{cable + 1}")
+    panel.axhline(float(table.world.robot.tension_min.max()), color=INK, linewidth=1.0,
+                  linestyle=(0, (1, 2)),
                   label=r"$\tau_\mathrm{min}$")
     bad = ~table.feasible[k]
     if bad.any():
-        panel.fill_between(table.time, 0, 1, where=bad, step="mid", color=WARNING, zorder=0, linewidth=0,
+        panel.fill_between(table.time, 0, 1, where=bad, step="mid", color=WARNING, zorder=0,
+                           linewidth=0,
                            transform=panel.get_xaxis_transform())
-        panel.set_title(f"infeasible {100 * bad.mean():.0f} %", loc="right", fontsize=9, fontweight="normal",
+        panel.set_title(f"infeasible {100 * bad.mean():.0f} %", loc="right", fontsize=9,
+                        fontweight="normal",
                         color=VERMILION)
 
 

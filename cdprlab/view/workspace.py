@@ -1,7 +1,5 @@
 """Pictures of workspaces: maps with contours of the margin, and the border in space."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -31,7 +29,8 @@ _PALE = "#A9CBE3"
 _SURFACE = "#5696C8"
 
 
-def plot_workspaces(robot: Robot, grid: PoseGrid, judgements: Mapping[str, Judgement], *, title: str = "",
+def plot_workspaces(robot: Robot, grid: PoseGrid, judgements: Mapping[str, Judgement], *,
+                    title: str = "",
                     unit: str = "", quantity: str = "margin") -> Figure:
     """Maps over a plane grid: inside shaded by the margin with contours, outside pale red, the border as a line.
 
@@ -70,24 +69,32 @@ def plot_workspaces(robot: Robot, grid: PoseGrid, judgements: Mapping[str, Judge
 def _draw_map(axes: Axes, robot: Robot, grid: PoseGrid, judgement: Judgement, label: str, most: float) -> None:
     x, y = grid.axes.values()
     inside, margin = grid.field(judgement.inside).T, grid.field(judgement.margin).T
-    axes.pcolormesh(x, y, np.ma.masked_where(inside, inside), cmap=ListedColormap([WARNING]), shading="nearest")
+    axes.pcolormesh(x, y, np.ma.masked_where(inside, inside), cmap=ListedColormap([WARNING]),
+                    shading="nearest")
     shown = np.where(inside & np.isfinite(margin), margin, np.nan)
     if np.isfinite(shown).any():
         blues = ListedColormap(colormaps["Blues"](np.linspace(0.12, 0.72, 256)))
         drawn = axes.pcolormesh(x, y, shown, cmap=blues, vmin=0, vmax=most, shading="nearest")
-        levels = np.unique([float(f"{level:.2g}") for level in most * np.array([0.2, 0.4, 0.6, 0.8])])
-        lines = axes.contour(x, y, np.ma.masked_invalid(shown), levels, colors=INK, linewidths=0.6)
-        axes.clabel(lines, fmt=lambda value: f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}", fontsize=8)
+        levels = np.unique([float(f"{level:.2g}")
+                            for level in most * np.array([0.2, 0.4, 0.6, 0.8])])
+        lines = axes.contour(x, y, np.ma.masked_invalid(shown), levels, colors=INK,
+                             linewidths=0.6)
+        axes.clabel(lines, fmt=lambda value: f"{value:.0f}"
+                    if abs(value) >= 100 else f"{value:.3g}", fontsize=8)
         figure: Any = axes.figure
-        figure.colorbar(drawn, ax=axes, label=label, location="bottom" if np.ptp(x) > np.ptp(y) else "right",
+        figure.colorbar(drawn, ax=axes, label=label,
+                        location="bottom" if np.ptp(x) > np.ptp(y) else "right",
                         aspect=35, extend="max" if np.nanmax(shown) > most else "neither")
     else:
-        axes.pcolormesh(x, y, np.ma.masked_where(~inside, inside), cmap=ListedColormap([_PALE]), shading="nearest")
+        axes.pcolormesh(x, y, np.ma.masked_where(~inside, inside), cmap=ListedColormap([_PALE]),
+                        shading="nearest")
     if inside.any() and not inside.all():
         axes.contour(x, y, inside.astype(float), [0.5], colors=INK, linewidths=1.6)
     # The exit points too, as far as the plane has their directions.
-    exits = robot.exit_points[:, [axis_names(robot.dimension).index(name) for name in grid.axes]]
-    axes.plot(*exits.T, "s", color=INK, markersize=5, label="exit points", clip_on=False, zorder=5)
+    exits = robot.exit_points[:, [axis_names(robot.dimension).index(name)
+                                  for name in grid.axes]]
+    axes.plot(*exits.T, "s", color=INK, markersize=5, label="exit points",
+              clip_on=False, zorder=5)
     across, up = (f"{name} [m]" for name in grid.axes)
     axes.set(xlabel=across, ylabel=up, aspect="equal")
     axes.margins(0.03)
@@ -102,7 +109,8 @@ def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: st
     """
     target, corners = checked_path(path, ".png"), border_triangles(grid, judgement)
     figure = sized_figure(width, 3 * width // 4)
-    drawing = RobotDrawing(robot_axes(figure, 3), world.robot, world.scene, world.pose, solid=True)
+    drawing = RobotDrawing(robot_axes(figure, 3), world.robot, world.scene, world.pose,
+                           solid=True)
     view = drawing.view
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True).clip(1e-300)
@@ -123,7 +131,8 @@ def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: st
 def describe(grid: PoseGrid, judgement: Judgement, unit: str = "") -> str:
     """What the picture shows, in words."""
     inside = judgement.inside
-    where = ", ".join(f"{name} from {a[0]:.4g} to {a[-1]:.4g} m" for name, a in grid.axes.items())
+    where = ", ".join(f"{name} from {a[0]:.4g} to {a[-1]:.4g} m"
+                      for name, a in grid.axes.items())
     text = f"{100 * inside.mean():.1f} % of {len(grid)} poses inside, {where}"
     known = judgement.margin[inside & np.isfinite(judgement.margin)]
     return f"{text}; margins up to {known.max():.4g} {unit}".rstrip() + "." if known.size else f"{text}."

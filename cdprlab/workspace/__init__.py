@@ -12,8 +12,11 @@ from .tensions import DynamicEquilibrium, StaticEquilibrium, TippingSafe, Wrench
 from .twists import TwistFeasible
 
 __all__ = [
-    "AllOrientations", "AnyOrientation", "CertifiedWorkspace", "Criterion", "DynamicEquilibrium", "InterferenceFree",
-    "Judgement", "PoseGrid", "RefinedWorkspace", "StaticEquilibrium", "StaticallyStable", "TippingSafe",
-    "TwistFeasible", "WrenchClosure", "WrenchFeasible", "certify", "low_discrepancy_poses", "position_grid",
+    "AllOrientations", "AnyOrientation", "CertifiedWorkspace", "Criterion",
+    "DynamicEquilibrium", "InterferenceFree",
+    "Judgement", "PoseGrid", "RefinedWorkspace", "StaticEquilibrium", "StaticallyStable",
+    "TippingSafe",
+    "TwistFeasible", "WrenchClosure", "WrenchFeasible", "certify", "low_discrepancy_poses",
+    "position_grid",
     "refine", "workspace",
 ]

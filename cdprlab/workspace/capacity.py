@@ -1,7 +1,5 @@
 """How much room wrenches leave: to the tension limits, to the facets of the available wrench set, to tipping."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np
@@ -52,8 +50,10 @@ def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: boo
 
 def _best_by_program(W: Array, w_e: Array, low: Array, high: Array, at_high: bool) -> tuple[float, Array]:
     m = low.size
-    rows = np.block([[-np.eye(m), np.ones((m, 1))], [np.eye(m), np.full((m, 1), float(at_high))]])
-    return largest_last(rows, np.append(-low, high), np.column_stack([W, np.zeros(len(W))]), -w_e)
+    rows = np.block([[-np.eye(m), np.ones((m, 1))],
+                     [np.eye(m), np.full((m, 1), float(at_high))]])
+    return largest_last(rows, np.append(-low, high),
+                        np.column_stack([W, np.zeros(len(W))]), -w_e)
 
 
 def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
@@ -81,16 +81,19 @@ def standing_margin(robot: Robot, W: Array, w_e: Array, A: Array, b: Array) -> f
     return largest_last(rows, sides, np.column_stack([W, np.zeros(n)]), -w_e)[0]
 
 
-def capacity_margins(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: Array, *,
+def capacity_margins(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: Array,
+                     *,
                      exact: bool = True) -> tuple[Array, Array]:
     """Distance of all wrenches −(w_e + load ± half) from the border of {W τ : τ_min ≤ τ ≤ τ_max}, negative outside.
 
-    The nearest facet decides. Where the rows are forces and moments it is in N, a moment of 1 N m counting as 1 N.
+    The nearest facet decides. Where the rows are forces and moments it is in N, a moment of 1 N
+    m counting as 1 N.
 
-    W : (N, n, m); w_e : (N, n) [N, N m]; loads : (v, n); half : (n,) [N, N m]; low, high : (m,) [N]
+    W : (N, n, m); w_e : (N, n) [N, N m]; loads : (v, n); half : (n,) [N, N m]; low, high : (m,)
+        [N]
     exact : without it a negative answer only means outside
-    Returns (N,); (N, n) outward unit normal of the facet that decides. Where W loses rank the set is flat: −inf for a
-    box that is not, else 0 or what a corner lacks by `tension_margins`.
+    Returns (N,); (N, n) outward unit normal of the facet that decides. Where W loses rank the
+    set is flat: −inf for a box that is not, else 0 or what a corner lacks by `tension_margins`.
     Source: Bouchard et al. 2010; Gouttefarde and Krut 2010; Guay et al. 2014 (capacity margin).
 
     >>> W = np.array([[[1.0, 0.0], [0.0, 1.0]]])
@@ -115,7 +118,8 @@ def _one_by_one(W: Array, w_e: Array, loads: Array, half: Array, low: Array, hig
     n = W.shape[0]
     if np.linalg.matrix_rank(W) < n:
         corners = box_loads(loads, half)
-        margins = tension_margins(np.broadcast_to(W, (len(corners), *W.shape)), w_e + corners, low, high)
+        margins = tension_margins(np.broadcast_to(W, (len(corners), *W.shape)),
+                                  w_e + corners, low, high)
         return float(min(0.0, margins.min())), np.full(n, np.nan)
     normals, offsets = hyperplane_shifting(W @ (high + low) / 2, W * (high - low) / 2)
     left = (offsets - (normals @ -(w_e + loads).T).max(axis=1)) - np.abs(normals) @ half

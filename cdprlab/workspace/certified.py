@@ -1,7 +1,5 @@
 """Certified workspaces: boxes of poses that are inside or outside beyond doubt, and what is left between them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,18 +74,21 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
             progress: Progress | None = None) -> CertifiedWorkspace:
     """Wrench feasibility under the weight, proven box by box with intervals rounded outward (branch and bound).
 
-    Inside: tensions that follow the pose are proven to balance the wrench within the limits all over the box. Outside:
-    one hyperplane separates the wrench from all that the cables can do, all over the box. Robot and limits are taken
-    as given, in floating point, and not one newton is forgiven.
+    Inside: tensions that follow the pose are proven to balance the wrench within the limits all
+    over the box. Outside: one hyperplane separates the wrench from all that the cables can do,
+    all over the box. Robot and limits are taken as given, in floating point, and not one newton
+    is forgiven.
 
-    lower, upper : (d,) corners [m]; in the plane (x, y, φ) as well [m, rad]; equal ends hold an axis
+    lower, upper : (d,) corners [m]; in the plane (x, y, φ) as well [m, rad]; equal ends hold an
+        axis
     resolution : boxes that are neither are halved down to this size [m; rad for φ]
     rpy, angle : the orientation where it is held [rad]
-    wrenches : (k, n) or (n,) external wrenches besides the weight; inside needs all of them [N, N m]
+    wrenches : (k, n) or (n,) external wrenches besides the weight; inside needs all of them
+        [N, N m]
     progress : called with (share decided in percent, 100)
     Raises InvalidInput for a 2R3T robot, or where the boxes get too many.
-    Source: Gouttefarde, Daney and Merlet 2011 (interval-analysis-based determination of the wrench-feasible workspace);
-        the proofs are chosen anew.
+    Source: Gouttefarde, Daney and Merlet 2011 (interval-analysis-based determination of the
+    wrench-feasible workspace); the proofs are chosen anew.
 
     >>> import cdprlab as cl
     >>> found = certify(cl.load_world("planar_point").robot, [-0.5, 0.5], [0.5, 1.5], resolution=0.2)
@@ -101,7 +102,8 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
     kept: list[tuple[Array, Array, Array]] = []
     boxes, total, decided = (low[None], high[None]), float(np.prod((high - low)[varying])), 0.0
     while len(boxes[0]):
-        verdict = np.concatenate([_verdicts(robot, boxes[0][k:k + _CHUNK], boxes[1][k:k + _CHUNK], rotation, loads)
+        verdict = np.concatenate([_verdicts(robot, boxes[0][k:k + _CHUNK],
+                                            boxes[1][k:k + _CHUNK], rotation, loads)
                                   for k in range(0, len(boxes[0]), _CHUNK)])
         small = ((boxes[1] - boxes[0]) <= least * (1 + 1e-9)).all(axis=1)
         done = (verdict != 0) | small
@@ -132,16 +134,19 @@ def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array, loads: Arr
         if sound.any():
             verdict[sound] = _verdicts(robot, low[sound], high[sound], rotation, loads)
         return verdict
-    W, weight = wrench_matrix(robot, poses), np.broadcast_to(gravity_wrench(robot, poses), (len(low), robot.n_dof))
+    W, weight = wrench_matrix(robot, poses), np.broadcast_to(gravity_wrench(robot, poses),
+                                                             (len(low), robot.n_dof))
     inside, outside = np.ones(len(low), dtype=bool), np.zeros(len(low), dtype=bool)
     for load in loads:
         s, tau = best_tensions(W, weight + load, robot.tension_min, robot.tension_max)
         good, bad = s > 0, (s < 0) & ~outside
         inside &= good
         if good.any():
-            inside[good] &= certainly_inside(boxes[good], load, W[good], tau[good], lengths[good])
+            inside[good] &= certainly_inside(boxes[good], load, W[good], tau[good],
+                                             lengths[good])
         if bad.any():
-            normal = capacity_margins(W[bad], weight[bad], load[None], np.zeros(robot.n_dof), robot.tension_min,
+            normal = capacity_margins(W[bad], weight[bad], load[None], np.zeros(robot.n_dof),
+                                      robot.tension_min,
                                       robot.tension_max)[1]
             outside[bad] = certainly_outside(boxes[bad], load, normal)
     return inside.astype(float) - outside

@@ -1,7 +1,5 @@
 """Finished chunks of a sweep on disk, each under a name that only the very same question has."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 from dataclasses import fields, is_dataclass

@@ -17,7 +17,8 @@ class Judgement(NamedTuple):
     """One entry a pose: ``inside, margin = …``.
 
     inside : (N,) whether the pose belongs to the workspace
-    margin : (N,) how far it is from the border, in the criterion's unit, negative outside; NaN where none is known
+    margin : (N,) how far it is from the border, in the criterion's unit, negative outside; NaN
+        where none is known
     """
 
     inside: Flags

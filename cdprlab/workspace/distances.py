@@ -1,7 +1,5 @@
 """Distances between straight cables, and between a cable and a box: closed forms over batches."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..arrays import Array, Indices
@@ -14,8 +12,8 @@ def segment_distance(p: Array, q: Array, r: Array, s: Array) -> Array:
 
     p, q, r, s : (…, d) ends [m]
     Returns (…) [m].
-    The squared distance is a convex quadratic over the unit square: its minimum is where both derivatives vanish, or on
-    an edge, and there it is a quadratic in one variable, clipped.
+    The squared distance is a convex quadratic over the unit square: its minimum is where both
+    derivatives vanish, or on an edge, and there it is a quadratic in one variable, clipped.
 
     >>> segment_distance(*(np.array(x, dtype=float) for x in ([-1, 0, 0], [1, 0, 0], [0, 1, 0.5], [0, 2, 0.5])))
     np.float64(1.118033988749895)
@@ -24,7 +22,8 @@ def segment_distance(p: Array, q: Array, r: Array, s: Array) -> Array:
     a, b, c = _dot(u, u), _dot(u, v), _dot(v, v)
     d, e = _dot(u, w), _dot(v, w)
     det = a * c - b * b
-    # Where the segments are parallel the interior point is none, and an edge has the minimum as well.
+    # Where the segments are parallel the interior point is none, and an edge has the minimum as
+    # well.
     inner = np.clip(_ratio(b * e - c * d, det, _FLAT * a * c), 0, 1)
     best = np.full(np.shape(det), np.inf)
     for x in (inner, np.zeros_like(det), np.ones_like(det)):
@@ -40,8 +39,9 @@ def box_distance(p: Array, q: Array, half: Array) -> Array:
 
     p, q : (…, d) ends in the box's frame [m]; half : (d,) or (…, d) half edges [m]
     Returns (…) [m], 0 where it passes through.
-    The squared distance along the segment is convex and piecewise quadratic: its derivative, piecewise linear between
-    the places where the segment crosses the planes of the faces, changes sign once.
+    The squared distance along the segment is convex and piecewise quadratic: its derivative,
+    piecewise linear between the places where the segment crosses the planes of the faces,
+    changes sign once.
 
     >>> box_distance(np.array([-3.0, 2.0]), np.array([3.0, 2.0]), np.array([1.0, 0.5]))
     np.float64(1.5)

@@ -1,7 +1,5 @@
 """Which poses are judged: grids of positions, planes among them, random and evenly spread samples."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -74,7 +72,8 @@ def axis_names(dimension: int) -> str:
     return "xyz"[:dimension]
 
 
-def position_grid(lower: ArrayLike, upper: ArrayLike, step: float, *, rpy: ArrayLike | None = None,
+def position_grid(lower: ArrayLike, upper: ArrayLike, step: float, *,
+                  rpy: ArrayLike | None = None,
                   angle: float | None = None) -> PoseGrid:
     """A grid from corner to corner at one orientation; an axis whose ends are equal is held, which makes a plane.
 
@@ -89,7 +88,8 @@ def position_grid(lower: ArrayLike, upper: ArrayLike, step: float, *, rpy: Array
     low, high = corners(lower, upper)
     spacing = as_number(step, "step", "m", positive=True)
     counts = np.ceil((high - low) / spacing - 1e-9).astype(int) + 1
-    axes = {name: frozen(np.linspace(low[k], high[k], counts[k])) for k, name in enumerate(axis_names(len(low)))
+    axes = {name: frozen(np.linspace(low[k], high[k], counts[k]))
+            for k, name in enumerate(axis_names(len(low)))
             if high[k] > low[k]}
     if not axes:
         raise InvalidInput(f"lower and upper are the same point {low.tolist()}: let at least one axis vary")

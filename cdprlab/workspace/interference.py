@@ -1,7 +1,5 @@
 """Interference: cables that touch each other, the platform or what stands around."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -26,17 +24,19 @@ _SAME = 1e-6
 class InterferenceFree(Criterion):
     """No cable comes nearer than the clearance to another one, to the platform or to an obstacle.
 
-    Cables are straight lines; two that share an end cannot be told apart there and are not compared. A cable meets the
-    platform's box at its anchor point anyway: only what is farther than ``root`` from there counts, by default ten
-    times the clearance and 5 cm at least, so that cables may leave the platform at 6° and more.
+    Cables are straight lines; two that share an end cannot be told apart there and are not
+    compared. A cable meets the platform's box at its anchor point anyway: only what is farther
+    than ``root`` from there counts, by default ten times the clearance and 5 cm at least, so
+    that cables may leave the platform at 6° and more.
 
     clearance : [m]
     obstacles : boxes of a scene, e.g. ``world.scene.boxes``
     cables, platform : whether these are looked at; in the plane cables that cross do touch
     root : [m]
-    margin : the smallest distance less the clearance [m]; touching and passing through count as distance 0
-    Source: Merlet 2004 (cable interference); Perreault et al. 2010; the workspace at one orientation is the IFCOW of
-        Okoli 2016, sec. 2.6.2.
+    margin : the smallest distance less the clearance [m]; touching and passing through count as
+        distance 0
+    Source: Merlet 2004 (cable interference); Perreault et al. 2010; the workspace at one
+    orientation is the IFCOW of Okoli 2016, sec. 2.6.2.
     """
 
     clearance: float = 0.0
@@ -79,7 +79,8 @@ def cable_distances(robot: Robot, poses: Pose) -> Array:
     anchors, exits = _anchors(robot, poses), robot.exit_points
     one, other = pairs[:, 0], pairs[:, 1]
     first, second = np.broadcast_to(exits[one], anchors[..., one, :].shape), exits[other]
-    return segment_distance(anchors[..., one, :], first, anchors[..., other, :], np.broadcast_to(second, first.shape))
+    return segment_distance(anchors[..., one, :], first, anchors[..., other, :],
+                            np.broadcast_to(second, first.shape))
 
 
 def platform_distances(robot: Robot, poses: Pose, root: float = 0.05) -> Array:
@@ -113,8 +114,10 @@ def obstacle_distances(robot: Robot, poses: Pose, box: Box) -> Array:
         raise InvalidInput(f"obstacle {box.name or box.kind!r} has {np.size(box.size)} edges, the robot lives in "
                            f"{d} dimensions")
     center, turn = box.pose.position, box.pose.rotation
-    anchors, exits = ((points - center) @ turn for points in (_anchors(robot, poses), robot.exit_points))
-    return box_distance(anchors, np.broadcast_to(exits, anchors.shape), np.asarray(box.size) / 2)
+    anchors, exits = ((points - center) @ turn
+                      for points in (_anchors(robot, poses), robot.exit_points))
+    return box_distance(anchors, np.broadcast_to(exits, anchors.shape),
+                        np.asarray(box.size) / 2)
 
 
 def _anchors(robot: Robot, poses: Pose) -> Array:

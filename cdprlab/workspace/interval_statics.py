@@ -1,7 +1,8 @@
 """What a box of poses holds for certain: feasible everywhere, or nowhere, for one wrench.
 
-With σ_i = τ_i / l_i, the tension for each meter of cable, equilibrium reads V σ + w = 0, V having columns
-[A_i − p − r_i; r_i × (A_i − p)]: linear in the position p, and in cos φ and sin φ, so that sums over cables are exact.
+With σ_i = τ_i / l_i, the tension for each meter of cable, equilibrium reads V σ + w = 0, V
+having columns [A_i − p − r_i; r_i × (A_i − p)]: linear in the position p, and in cos φ and sin
+φ, so that sums over cables are exact.
 """
 
 from __future__ import annotations
@@ -41,7 +42,8 @@ class PoseBoxes:
         """f (N or 1, 1, 1) and exact R_k with R = Σ f_k R_k: cos φ and sin φ in the plane, 1 in space."""
         if isinstance(self.turned, Intervals):
             angle = self.turned[:, None, None]
-            return [(angle.cos(), np.eye(2)), (angle.sin(), np.array([[0.0, -1.0], [1.0, 0.0]]))]
+            return [(angle.cos(), np.eye(2)),
+                    (angle.sin(), np.array([[0.0, -1.0], [1.0, 0.0]]))]
         return [(exact(np.ones((1, 1, 1))), self.turned)]
 
     @cached_property
@@ -70,7 +72,8 @@ class PoseBoxes:
             arms = f * exact(sigma).times(r) + arms
             moments = f * exact(sigma).times(_cross(r, exact(exits))) + moments
         ones = np.ones((self.robot.n_cables, 1))
-        return self._wrench(exact(sigma).times(exits) - arms - exact(sigma).times(ones) * p, moments - _cross(arms, p))
+        return self._wrench(exact(sigma).times(exits) - arms - exact(sigma).times(ones) * p,
+                            moments - _cross(arms, p))
 
     def pulls(self, normal: Array) -> Intervals:
         """(N, m) n · [u_i; r_i × u_i] for exact n = [f; m] (N, n): (f + m × r)·(A − p) − f·r, over the length."""
@@ -98,14 +101,16 @@ _CROSS = {2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}
 
 
 def _cross(a: Intervals, b: Intervals) -> Intervals:
-    return stack([a[..., j] * b[..., k] - a[..., k] * b[..., j] for j, k in _CROSS[b.lower.shape[-1]]])
+    return stack([a[..., j] * b[..., k] - a[..., k] * b[..., j]
+                  for j, k in _CROSS[b.lower.shape[-1]]])
 
 
 def certainly_inside(boxes: PoseBoxes, load: Array, W: Array, tensions: Array, lengths: Array) -> Flags:
     """Where some tensions within the limits balance weight and load at every pose of a box.
 
-    With Y a right inverse of V at the center, σ = σ₀ − Y z balances the wrench where (V Y) z = V σ₀ + w; E = I − V Y is
-    small, and every z̄ > 0 with |E| z̄ + |V σ₀ + w| ≤ z̄ bounds the solution z. Then l σ must stay inside the limits.
+    With Y a right inverse of V at the center, σ = σ₀ − Y z balances the wrench where (V Y) z =
+    V σ₀ + w; E = I − V Y is small, and every z̄ > 0 with |E| z̄ + |V σ₀ + w| ≤ z̄ bounds the
+    solution z. Then l σ must stay inside the limits.
 
     W (N, n, m), tensions (N, m), lengths (N, m) : at the boxes' centers, merely good choices
     """

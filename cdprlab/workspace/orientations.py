@@ -1,7 +1,5 @@
 """Workspaces over several orientations: total orientation asks for all of them, reachable for any."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -41,10 +39,12 @@ class AllOrientations(Criterion):
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         planar = robot.dimension == 2
-        given: Array = as_array(self.orientations, "orientations", ("k",) if planar else ("k", 3), "rad")
+        given: Array = as_array(self.orientations, "orientations",
+                                ("k",) if planar else ("k", 3), "rad")
         if not len(given):
             raise InvalidInput("orientations must hold at least one")
-        turned = [Pose(poses.position, angle=turn) if planar else Pose(poses.position, rpy=turn) for turn in given]
+        turned = [Pose(poses.position, angle=turn) if planar else Pose(poses.position, rpy=turn)
+                  for turn in given]
         found = zip(*(self.criterion.judge(robot, at, margin) for at in turned))
         return Judgement(*(join.reduce(parts) for join, parts in zip(self.join, found)))
 

@@ -1,7 +1,5 @@
 """Length, area or volume of a workspace with an error bound: cells the border runs through are split again."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import product
 
@@ -36,7 +34,8 @@ class RefinedWorkspace:
     def bounds(self) -> tuple[float, float]:
         """Least and largest measure: without and with the border's cells [m, m², m³].
 
-        They hold for a workspace without details smaller than the first grid's cells; `certify` asks for nothing.
+        They hold for a workspace without details smaller than the first grid's cells; `certify`
+        asks for nothing.
         """
         sizes = np.prod(self.upper - self.lower, axis=1)
         least = float(sizes[self.inside].sum())
@@ -53,7 +52,8 @@ class RefinedWorkspace:
         return (self.bounds[1] - self.bounds[0]) / 2
 
 
-def refine(robot: Robot, grid: PoseGrid, criterion: Criterion, levels: int = 3, *, n_jobs: int | None = None,
+def refine(robot: Robot, grid: PoseGrid, criterion: Criterion, levels: int = 3, *,
+           n_jobs: int | None = None,
            progress: Progress | None = None) -> RefinedWorkspace:
     """Split the cells whose corners and center do not agree, level by level.
 
@@ -69,7 +69,8 @@ def refine(robot: Robot, grid: PoseGrid, criterion: Criterion, levels: int = 3, 
     True
     """
     lower, upper = (np.stack([part.ravel() for part in np.meshgrid(*ends, indexing="ij")], axis=1)
-                    for ends in ([at[:-1] for at in grid.axes.values()], [at[1:] for at in grid.axes.values()]))
+                    for ends in ([at[:-1] for at in grid.axes.values()],
+                                 [at[1:] for at in grid.axes.values()]))
     kept: list[tuple[Array, Array, Flags, Flags]] = []
     for level in range(levels + 1):
         if len(lower) > _MOST_CELLS:
@@ -92,7 +93,8 @@ def _halved(lower: Array, upper: Array) -> tuple[Array, Array]:
     return low, low + np.tile(size, (len(parts), 1))
 
 
-def _share_inside(robot: Robot, grid: PoseGrid, criterion: Criterion, lower: Array, upper: Array,
+def _share_inside(robot: Robot, grid: PoseGrid, criterion: Criterion, lower: Array,
+                  upper: Array,
                   n_jobs: int | None) -> Array:
     """Of each cell's corners and center; points that cells share are judged once."""
     k = lower.shape[1]
@@ -102,6 +104,7 @@ def _share_inside(robot: Robot, grid: PoseGrid, criterion: Criterion, lower: Arr
     points = np.stack([lower + (upper - lower) * at for at in places], axis=1)
     # Points that differ by more than rounding, and which of them each point is.
     flat = points.reshape(-1, k)
-    _, first, back = np.unique(np.round(flat, 9), axis=0, return_index=True, return_inverse=True)
+    _, first, back = np.unique(np.round(flat, 9), axis=0, return_index=True,
+                               return_inverse=True)
     inside = workspace(robot, grid.poses_at(flat[first]), criterion, margin=False, n_jobs=n_jobs).inside
     return inside[back.ravel()].reshape(len(lower), -1).mean(axis=1)

@@ -1,7 +1,5 @@
 """Statically stable poses: a small push meets a force that pushes back."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,14 +17,17 @@ from .criterion import Criterion, Judgement
 class StaticallyStable(Criterion):
     """The weight is balanced, and every eigenvalue of the stiffness at these tensions exceeds ``least``.
 
-    Lengths stay, cables stretch and turn; the weight's own part counts where the center of mass is not at P.
+    Lengths stay, cables stretch and turn; the weight's own part counts where the center of mass
+    is not at P.
 
     method : tension distribution that decides how much the cables are pretensioned
     axial_stiffness : EA [N]; default that of the robot's cables
     length : turns are measured at this arm, which makes all of the matrix N/m [m]
     least : smallest eigenvalue asked for [N/m]
-    margin : the smallest eigenvalue less ``least`` [N/m]; NaN where the method finds no tensions
-    Source: Behzadipour and Khajepour 2006; Okoli 2016, sec. 2.5, whose statically stable workspace this is.
+    margin : the smallest eigenvalue less ``least`` [N/m]; NaN where the method finds no
+        tensions
+    Source: Behzadipour and Khajepour 2006; Okoli 2016, sec. 2.5, whose statically stable
+    workspace this is.
     """
 
     method: str = "quadratic_program"
@@ -37,17 +38,20 @@ class StaticallyStable(Criterion):
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
-        found = distribute_tensions(W, np.broadcast_to(weight, W.shape[:-1]), robot.tension_min, robot.tension_max,
+        found = distribute_tensions(W, np.broadcast_to(weight, W.shape[:-1]), robot.tension_min,
+                                    robot.tension_max,
                                     self.method)
         smallest = np.full(poses.batch_shape, np.nan)
         held = np.asarray(found.feasible)
         if held.any():
-            smallest[held] = smallest_stiffness(robot, poses[held], found.tensions[held], self.axial_stiffness,
+            smallest[held] = smallest_stiffness(robot, poses[held], found.tensions[held],
+                                                self.axial_stiffness,
                                                 self.length)
         return Judgement(smallest > self.least, smallest - self.least)
 
 
-def smallest_stiffness(robot: Robot, poses: Pose, tensions: Array, axial_stiffness: float | None = None,
+def smallest_stiffness(robot: Robot, poses: Pose, tensions: Array,
+                       axial_stiffness: float | None = None,
                        length: float = 1.0) -> Array:
     """Smallest eigenvalue of the symmetric stiffness of cables and weight, turns times ``length``.
 
@@ -69,7 +73,8 @@ def smallest_stiffness(robot: Robot, poses: Pose, tensions: Array, axial_stiffne
         axial_stiffness = robot.elasticity.axial_stiffness
     arm = as_number(length, "length", "m", positive=True)
     K = stiffness(robot, poses, tensions, axial_stiffness) + weight_stiffness(robot, poses)
-    scale = np.where(np.arange(robot.n_dof) < robot.n_dof - len(robot.pattern.turn_axes), 1.0, 1.0 / arm)
+    scale = np.where(np.arange(robot.n_dof) < robot.n_dof - len(robot.pattern.turn_axes),
+                     1.0, 1.0 / arm)
     symmetric = (K + np.swapaxes(K, -1, -2)) / 2 * scale[:, None] * scale
     return np.asarray(np.linalg.eigvalsh(symmetric)[..., 0])
 

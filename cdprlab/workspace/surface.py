@@ -1,7 +1,5 @@
 """The border of a workspace in space: triangles where a field over a grid changes sign."""
 
-from __future__ import annotations
-
 from itertools import permutations
 
 import numpy as np
@@ -22,7 +20,8 @@ _CUTS = ((1, ((0, 1), (0, 2), (0, 3))), (3, ((0, 3), (1, 3), (2, 3))),
 def border_triangles(grid: PoseGrid, judgement: Judgement) -> Array:
     """Triangles of the surface around the poses inside, closed at the grid's ends.
 
-    Where margins are known the surface lies where they vanish by linear interpolation, else half-way.
+    Where margins are known the surface lies where they vanish by linear interpolation, else
+    half-way.
 
     grid : with three axes; judgement : of its poses
     Returns (k, 3, 3) corners, counter-clockwise from outside [m].

@@ -1,7 +1,5 @@
 """Many poses, judged chunk by chunk: over cores or a cluster, with progress, kept on disk if wanted."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Protocol
@@ -27,7 +25,8 @@ class Poses(Protocol):
     def __getitem__(self, index: slice, /) -> Pose: ...
 
 
-def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool = True, n_jobs: int | None = None,
+def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool = True,
+              n_jobs: int | None = None,
               chunk: int = 4096, checkpoint: str | Path | None = None, progress: Progress | None = None) -> Judgement:
     """Judge which poses belong to a workspace.
 
@@ -35,12 +34,14 @@ def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool 
     poses : Pose of any batch shape, or a `PoseGrid`
     criterion : e.g. ``WrenchFeasible() & InterferenceFree(0.02)``
     margin : without it only verdicts are found, where that is quicker
-    n_jobs : processes, −1 for all cores; by default one, or what ``joblib.parallel_config`` says (Dask too)
+    n_jobs : processes, −1 for all cores; by default one, or what ``joblib.parallel_config``
+        says (Dask too)
     chunk : poses judged at a time; memory beyond poses and answers depends on it alone
-    checkpoint : folder that keeps finished chunks; the same call goes on where an interrupted one stopped
+    checkpoint : folder that keeps finished chunks; the same call goes on where an interrupted
+        one stopped
     progress : called with (poses done, poses in all) after each chunk
-    Returns Judgement ``(inside, margin)``, each of the poses' batch shape. Poses with an anchor point on its exit point
-    are outside.
+    Returns Judgement ``(inside, margin)``, each of the poses' batch shape. Poses with an anchor
+    point on its exit point are outside.
     Raises InvalidInput for a criterion that does not fit the robot.
 
     >>> import cdprlab as cl
@@ -73,7 +74,8 @@ def _flattened(poses: Poses) -> tuple[tuple[int, ...], Poses]:
     return poses.batch_shape, Pose.of(poses.position.reshape(-1, d), rotations)
 
 
-def _judged(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_jobs: int | None, chunk: int,
+def _judged(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_jobs: int | None,
+            chunk: int,
             kept: Checkpoint | None) -> Iterator[tuple[int, Judgement]]:
     """(start, judgement) chunk by chunk; at any time only a few chunks exist."""
     waiting = []
@@ -83,13 +85,15 @@ def _judged(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_jo
             yield start, found
         else:
             waiting.append(start)
-    for start, part in zip(waiting, _answers(robot, poses, criterion, margin, n_jobs, chunk, waiting)):
+    for start, part in zip(waiting,
+                           _answers(robot, poses, criterion, margin, n_jobs, chunk, waiting)):
         if kept:
             kept.save(poses[start:start + chunk], part)
         yield start, part
 
 
-def _answers(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_jobs: int | None, chunk: int,
+def _answers(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_jobs: int | None,
+             chunk: int,
              starts: list[int]) -> Iterator[Judgement]:
     from joblib import Parallel, delayed, effective_n_jobs
 
@@ -97,7 +101,8 @@ def _answers(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_j
     if n_jobs == 1 or effective_n_jobs(n_jobs) == 1:
         return (_judge(robot, part, criterion, margin) for part in parts)
     work = delayed(_judge)
-    return Parallel(n_jobs=n_jobs, return_as="generator")(work(robot, part, criterion, margin) for part in parts)
+    return Parallel(n_jobs=n_jobs, return_as="generator")(work(robot, part, criterion, margin)
+                                                          for part in parts)
 
 
 def _judge(robot: Robot, poses: Pose, criterion: Criterion, margin: bool) -> Judgement:

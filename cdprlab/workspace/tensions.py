@@ -1,7 +1,5 @@
 """Workspaces of tensions: closure, feasibility of wrenches, equilibrium under weight and in motion, standing bases."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +28,8 @@ from .criterion import Criterion, Judgement, unknown
 class WrenchClosure(Criterion):
     """Every wrench can be exerted by tensions large enough: W has full rank and an all-positive null vector.
 
-    margin : the largest s with W τ = 0, s ≤ τ_i ≤ 1, the smallest over the largest entry at best; 0 where there is none
+    margin : the largest s with W τ = 0, s ≤ τ_i ≤ 1, the smallest over the largest entry at
+        best; 0 where there is none
     Source: Pham et al. 2006; Gouttefarde and Gosselin 2006.
     """
 
@@ -48,15 +47,17 @@ class WrenchClosure(Criterion):
 class WrenchFeasible(Criterion):
     """Tensions within the limits balance the weight and every one of the given external wrenches.
 
-    wrenches : (k, n) or (n,) external wrenches besides the weight, their convex hull included; default 0 [N, N m]
+    wrenches : (k, n) or (n,) external wrenches besides the weight, their convex hull included;
+        default 0 [N, N m]
     half_widths : (n,) of a box around each of them; default none [N, N m]
-    by : "tensions", or "facets" of the available wrench set, which take a box of wrenches at the price of one;
-        default the facets for a box
-    margin : by tensions the largest s with τ_min + s ≤ τ ≤ τ_max − s, the smallest over the wrenches; by facets the
-        smallest distance of a wrench from a facet, 1 N m counting as 1 N [N]
+    by : "tensions", or "facets" of the available wrench set, which take a box of wrenches at
+        the price of one; default the facets for a box
+    margin : by tensions the largest s with τ_min + s ≤ τ ≤ τ_max − s, the smallest over the
+        wrenches; by facets the smallest distance of a wrench from a facet, 1 N m counting as
+        1 N [N]
     Raises InvalidInput for half widths that are negative, or another ``by``.
-    Source: Bosscher et al. 2006; tension margin: Ruiz et al. 2015 with all cables alike; capacity margin: Guay et al.
-        2014.
+    Source: Bosscher et al. 2006; tension margin: Ruiz et al. 2015 with all cables alike;
+    capacity margin: Guay et al. 2014.
     """
 
     wrenches: ArrayLike | None = None
@@ -84,7 +85,8 @@ class WrenchFeasible(Criterion):
 class StaticEquilibrium(Criterion):
     """Cables that only pull, however hard, balance the weight.
 
-    margin : the smallest tension at best, at most that at which the others reach a hundred weights [N]
+    margin : the smallest tension at best, at most that at which the others reach a hundred
+        weights [N]
     Source: Pusey et al. 2004 (static equilibrium workspace).
     """
 
@@ -111,7 +113,8 @@ class DynamicEquilibrium(Criterion):
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         half = as_array(self.accelerations, "accelerations", (robot.n_dof,), "m/s², rad/s²")
         W, weight, M = wrench_matrix(robot, poses), gravity_wrench(robot, poses), mass_matrix(robot, poses)
-        # Wrenches are convex in the acceleration: the corners decide, and directions that are held make none.
+        # Wrenches are convex in the acceleration: the corners decide, and directions that are
+        # held make none.
         corners = box_loads(np.zeros((1, half.size)), half)
         return _balanced(robot, W, [weight - M @ corner for corner in corners], margin)
 
@@ -120,8 +123,8 @@ class DynamicEquilibrium(Criterion):
 class TippingSafe(Criterion):
     """Tensions within the limits balance the weight and leave every mobile base standing.
 
-    margin : the largest moment by which every footprint edge can be kept from lifting, negative where one must [N m];
-        −inf where the weight cannot be balanced at all
+    margin : the largest moment by which every footprint edge can be kept from lifting, negative
+        where one must [N m]; −inf where the weight cannot be balanced at all
     Source: Pedemonte et al. 2020, eq. (21)–(24).
     """
 

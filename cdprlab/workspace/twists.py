@@ -1,7 +1,5 @@
 """Twist-feasible poses: the winches, and bases that drive along, are fast enough."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -27,7 +25,8 @@ class TwistFeasible(Criterion):
     half_widths : (n,) of a box of wanted twists around 0; give one of the two
     moving : bases that may drive: "all", "none", a name or several
     pivot : what θ turns a base about, as in `available_twist_set`
-    margin : the smallest speed the winches have to spare, negative where one is short of it [m/s]
+    margin : the smallest speed the winches have to spare, negative where one is short of it
+        [m/s]
     Source: Gagliardini et al. 2018 (twist-feasible workspace); Lessanibahri et al. 2018.
     """
 
@@ -47,10 +46,12 @@ class TwistFeasible(Criterion):
         else:
             wanted, half = np.zeros((1, n)), box_half_widths(self.half_widths, n, "m/s, rad/s")
         if bases.any():
-            B = np.broadcast_to(base_jacobian(robot, poses, self.pivot)[..., columns], (*J.shape[:-1], len(columns)))
+            B = np.broadcast_to(base_jacobian(robot, poses, self.pivot)[..., columns],
+                                (*J.shape[:-1], len(columns)))
             if half.any():  # the twist set is convex and symmetric: a box is in it where half of its corners are
                 wanted = np.array_split(box_loads(wanted, half), 2)[0]
-            spare = np.array([min(speed_margin(each, b, robot.speed_max, bases) for each in wanted @ j.T)
+            spare = np.array([min(speed_margin(each, b, robot.speed_max, bases)
+                                  for each in wanted @ j.T)
                               for j, b in zip(J, B)])
         else:
             spare = (robot.speed_max - np.abs(J @ wanted.T).max(axis=-1) - np.abs(J) @ half).min(axis=-1)

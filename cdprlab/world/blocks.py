@@ -3,8 +3,6 @@
 Reading, writing, the JSON Schema and the designer's fields follow from here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
@@ -62,11 +60,13 @@ Limits = Annotated[list[NotNegative], _TWO, AfterValidator(_ordered)]
 class Block(BaseModel):
     """Keys and the part they make; the texts below keys are the schema's descriptions, with units in brackets.
 
-    Unknown keys are refused, and a string is no number. A block that is read in a world whose dimension is known
-    (pydantic's context) tries to make its part: what the part refuses is the file's mistake, named by its place.
+    Unknown keys are refused, and a string is no number. A block that is read in a world whose
+    dimension is known (pydantic's context) tries to make its part: what the part refuses is the
+    file's mistake, named by its place.
     """
 
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False,
+                              use_attribute_docstrings=True)
     makes: ClassVar[Any] = dict
     """What is called with the block's words. A dict: they are words of the block around it."""
     called: ClassVar[dict[str, tuple[str, ...]]] = {}
@@ -135,7 +135,8 @@ class PoseBlock(Block):
     @classmethod
     def of(cls, part: Pose) -> Words:
         turn = "angle" if part.dimension == 2 else "rpy"
-        block = {"position": part.position, "rpy": None, "angle": None, turn: getattr(part, turn)}
+        block = {"position": part.position, "rpy": None, "angle": None,
+                 turn: getattr(part, turn)}
         return {key: _said(value) for key, value in block.items()}
 
 
@@ -165,7 +166,8 @@ left out: that of a uniform box of `size`"""
         block = super().of(part)
         if part.inertia.ndim:
             products = part.inertia[np.triu_indices(3, 1)].tolist()
-            block["inertia"] = part.inertia.diagonal().tolist() + (products if any(products) else [])
+            block["inertia"] = part.inertia.diagonal().tolist() + (products
+                                                                   if any(products) else [])
         return block
 
 
@@ -309,8 +311,10 @@ class ShelfBlock(Block):
         thickness = 0.02
         depth, width, height = self.size
         turn, foot = turned_to(self.yaw, 3), np.array([*self.position, 0.0])
-        walls = [((0.0, side * (width - thickness) / 2, height / 2), (depth, thickness, height)) for side in (-1, 1)]
-        boards = [((0.0, 0.0, level - thickness / 2), (depth, width, thickness)) for level in self.levels]
+        walls = [((0.0, side * (width - thickness) / 2, height / 2), (depth, thickness, height))
+                 for side in (-1, 1)]
+        boards = [((0.0, 0.0, level - thickness / 2), (depth, width, thickness))
+                  for level in self.levels]
         for center, size in walls + boards:
             yield Box(foot + turn @ center, np.array(size), self.yaw, "box", self.name)
 
@@ -336,7 +340,8 @@ class SceneBlock(Block):
                  *(replace(box.part(d), kind="obstacle") for box in self.obstacles),
                  *(board for shelf in self.shelves for board in shelf.boards()))
         frame = self.frame and frozen(np.array([self.frame.lower, self.frame.upper]))
-        return {"frame": frame, "floor_height": self.floor.height if self.floor else 0.0, "boxes": boxes}
+        return {"frame": frame, "floor_height": self.floor.height if self.floor else 0.0,
+                "boxes": boxes}
 
 
 class TaskBlock(Block):
@@ -405,7 +410,8 @@ class CoupledBlock(Block):
 
     def words(self, d: int) -> Words:
         # One level more: the words of a dict are those of the block around it.
-        return {"coupled": {self.base: (*self.pose.position, self.pose.heading)}, "aside": self.aside}
+        return {"coupled": {self.base: (*self.pose.position, self.pose.heading)},
+                "aside": self.aside}
 
 
 class PickAndPlaceTask(TaskBlock):
@@ -462,7 +468,8 @@ class WorldFile(Block):
         for i, block in enumerate(self.cables):
             with under("cables", i):
                 cables.append(block.cable(self.cable_limits, d))
-        robot = Robot(pattern, self.platform.part(d), tuple(cables), tuple(base.part(d) for base in self.bases),
+        robot = Robot(pattern, self.platform.part(d), tuple(cables),
+                      tuple(base.part(d) for base in self.bases),
                       self.gravity, self.winch.part(d) if self.winch else None,
                       self.cable.part(d) if self.cable else None)
         pose = self.platform.pose.part(d)
@@ -470,14 +477,16 @@ class WorldFile(Block):
         for name, task in self.tasks.items():
             with under("tasks", name):
                 tasks[name] = task.task(pose, robot)
-        return {"name": self.name, "title": self.title, "source": self.source, "robot": robot, "pose": pose,
+        return {"name": self.name, "title": self.title, "source": self.source, "robot": robot,
+                "pose": pose,
                 "scene": self.scene.part(d), "tasks": tasks}
 
     @classmethod
     def of(cls, part: Any) -> Words:
         """Robot and pose of a `World` as the blocks of its file."""
         robot = part.robot
-        return {"name": part.name, "title": part.title, "source": part.source, "engine": robot.pattern.engine,
+        return {"name": part.name, "title": part.title, "source": part.source,
+                "engine": robot.pattern.engine,
                 "motion_pattern": robot.motion_pattern, "gravity": robot.gravity,
                 "platform": PlatformBlock.of(robot.platform) | {"pose": PoseBlock.of(part.pose)},
                 "cables": [CableBlock.of(cable) for cable in robot.cables],
@@ -500,10 +509,12 @@ def keys_at(location: Location) -> dict[str, Words]:
     """
     blocks = [file_schema()]
     for part in location:
-        inner = [block.get("properties", {}).get(part) or block.get("items") or block.get("additionalProperties")
+        inner = [block.get("properties", {}).get(part) or block.get("items")
+                 or block.get("additionalProperties")
                  for block in blocks]
         blocks = [found for schema in inner if schema for found in _alternatives(schema)]
-    return {key: schema for block in blocks for key, schema in block.get("properties", {}).items()}
+    return {key: schema for block in blocks
+            for key, schema in block.get("properties", {}).items()}
 
 
 def _alternatives(schema: Words) -> Iterator[Words]:

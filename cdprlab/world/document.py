@@ -1,7 +1,5 @@
 """The document of a world file: mappings and lists that remember the comments, lines and style of their text."""
 
-from __future__ import annotations
-
 import io
 import pickle
 import re
@@ -58,7 +56,8 @@ def plain(value: Any) -> Any:
 def styled(value: Any) -> Any:
     """Plain data as it reads best in YAML: what fits on a line in braces or brackets, the rest indented; no None."""
     if isinstance(value, dict):
-        node: Any = CommentedMap((key, styled(item)) for key, item in value.items() if item is not None)
+        node: Any = CommentedMap((key, styled(item)) for key, item in value.items()
+                                 if item is not None)
     elif isinstance(value, list):
         node = CommentedSeq(styled(item) for item in value)
     else:
@@ -119,7 +118,8 @@ def place_text(location: Location) -> str:
     >>> place_text(("cables", 2, "tension"))
     'cable 3: tension'
     """
-    text = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in location)
+    text = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}"
+                   for part in location)
     return re.sub(r"^cables\[(\d+)\]\.?", r"cable \1: ", text.lstrip(".")).removesuffix(": ")
 
 

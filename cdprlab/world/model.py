@@ -1,7 +1,5 @@
 """What a world file says beside the robot: the scene around it, and tasks."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -61,12 +59,14 @@ class PickAndPlace(Task):
     """Take a box from where it stands to its place: a job of many phases, see `picking`.
 
     box_size, box_mass : [m], [kg]
-    box_position, place : (3,) center of the box before and after; its face is flush with the edge of its board [m]
+    box_position, place : (3,) center of the box before and after; its face is flush with the
+        edge of its board [m]
     seat : (3,) center of a box that is drawn in, platform frame [m]
     stroke : (3,) from there to the box on its board, world axes, the platform level [m]
     tilt : (3,) roll, pitch, yaw at which the platform hooks and unhooks [rad]
     clearance : to the shelf as the platform moves along it [m]
-    coupled : base name → (x, y, heading) of the base that drives away first, empty if none does [m, m, rad]
+    coupled : base name → (x, y, heading) of the base that drives away first, empty if none does
+        [m, m, rad]
     aside : how far it keeps aside on its way, along its own y axis [m]
     """
 

@@ -1,7 +1,5 @@
 """Document → the words of a `World`; every mistake is named by file, line, key and cable."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -17,7 +15,8 @@ from .document import line_number, place_text, plain, styled
 def read(document: Any, path: str) -> dict[str, Any]:
     """The arguments of the `World` a document describes.
 
-    document : its mapping; kept for saving if it comes from a file, for its comments, else copied
+    document : its mapping; kept for saving if it comes from a file, for its comments, else
+        copied
     path : what messages call it; '' where its lines have moved: they name neither file nor line
     Raises WorldError.
     """
@@ -57,7 +56,8 @@ class _Mistake:
 
     def line(self, path: str) -> str:
         number = line_number(self.document, self.place) if path else None
-        return ": ".join(filter(None, (f"{path}:{number}" if number else path, place_text(self.place), self.words())))
+        return ": ".join(filter(None, (f"{path}:{number}" if number else path,
+                                       place_text(self.place), self.words())))
 
     def words(self) -> str:
         if self.refused is not None:
@@ -82,7 +82,8 @@ _WORDS = {"Input should": "must", "List should": "must", "a valid ": "a ", "a st
 _WANTED = {"dict_type": "must be a block of keys", "model_type": "must be a block of keys",
            "model_attributes_type": "must be a block of keys",
            "string_pattern_mismatch": "must be one word of letters, digits, _ and -",
-           "union_tag_invalid": "kind must be {expected_tags}, got {tag}", "union_tag_not_found": "must name its kind"}
+           "union_tag_invalid": "kind must be {expected_tags}, got {tag}",
+           "union_tag_not_found": "must name its kind"}
 
 
 def _existing(document: Any, location: Location) -> Iterator[str | int]:
@@ -99,12 +100,14 @@ def _existing(document: Any, location: Location) -> Iterator[str | int]:
 def _distinct(found: list[_Mistake]) -> list[_Mistake]:
     """Unknown keys first, each mistake once."""
     found.sort(key=lambda mistake: mistake.kind != "extra_forbidden")
-    misspelt = {(*mistake.place[:-1], guess) for mistake in found for guess in mistake.guesses()}
+    misspelt = {(*mistake.place[:-1], guess) for mistake in found
+                for guess in mistake.guesses()}
     kept: dict[Location, _Mistake] = {}
     for mistake in found:
         place = mistake.place
         # A value that fits no member of a union is told at its deepest place only.
-        deeper = any(len(other.place) > len(place) and other.place[:len(place)] == place for other in found)
+        deeper = any(len(other.place) > len(place) and other.place[:len(place)] == place
+                     for other in found)
         if not deeper and not (mistake.kind == "missing" and place in misspelt):
             kept.setdefault(place, mistake)
     return list(kept.values())

@@ -13,7 +13,8 @@ from ..robot import Robot
 from ..robot.pose import Pose
 from .model import Scene, Task
 
-# Blocks and documents (pydantic, ruamel) are imported when needed: they would double the time of `import cdprlab`.
+# Blocks and documents (pydantic, ruamel) are imported when needed: they would double the time
+# of `import cdprlab`.
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +73,8 @@ class World:
     def save(self, path: str | Path) -> Path:
         """Write the world file as the world is now: a changed robot or pose too, comments of its file kept.
 
-        Scene and tasks stay as they were read; a task that names no start begins at the saved pose.
+        Scene and tasks stay as they were read; a task that names no start begins at the saved
+        pose.
 
         path : where to; raises InvalidInput if its folder does not exist
         """

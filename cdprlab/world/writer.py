@@ -1,7 +1,5 @@
 """`World` → document: the robot and pose of now laid over what they were read from; all else keeps its text."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 
@@ -17,7 +15,8 @@ def updated_document(world: Any) -> Any:
     if document.get("cable_limits"):
         _share_limits(own(document, "cable_limits"), world.robot.cables)
     wanted = WorldFile.of(world)
-    # The second round catches what follows a changed value by default: inertia that is left out follows the mass.
+    # The second round catches what follows a changed value by default: inertia that is left out
+    # follows the mass.
     for _ in range(2):
         present = WorldFile.of(SimpleNamespace(**read(document, world.name)))
         if present == wanted:

@@ -1,7 +1,5 @@
 """What a design is worth: equilibrium and rank at the start, interference, stiffness, a slice of the workspace."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -83,13 +81,15 @@ def assess(world: World, plane: str = "x–y") -> Assessment:
         where = f"{cable_names(limp).capitalize()} has no length at the start: its anchor point is on its exit point."
         return Assessment((where,), None, None, np.nan, found)
     W, w_e = wrench_matrix(robot, pose), gravity_wrench(robot, pose)
-    held = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max, "quadratic_program")
+    held = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max,
+                               "quadratic_program")
     K, least, tipping = None, np.nan, {}
     if held.feasible:
         K = stiffness(robot, pose, held.tensions, stretch(robot))
         least = float(smallest_stiffness(robot, pose, held.tensions, stretch(robot)))
         tipping = tipping_moments(robot, pose, held.tensions)
-    warnings = (*_rank(robot, W), *_equilibrium(W, w_e, held), *_tipping(tipping), *_interference(world),
+    warnings = (*_rank(robot, W), *_equilibrium(W, w_e, held), *_tipping(tipping),
+                *_interference(world),
                 *_stability(least), *_ground(world))
     return Assessment(warnings, held, K, least, found)
 

@@ -1,7 +1,5 @@
 """The picture of a design: the robot at its start, the edited cable marked."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -26,12 +24,15 @@ class DesignPicture:
     def __init__(self, world: World) -> None:
         figure = Figure(figsize=SIZE, dpi=100)
         with house_style():
-            axes = figure.add_axes((0.0, 0.0, 1.0, 1.0) if world.robot.dimension == 3 else (0.11, 0.12, 0.87, 0.86))
-            # Few ticks, and a title that stays in place: matplotlib spends much of its time on these.
+            axes = figure.add_axes((0.0, 0.0, 1.0, 1.0)
+                                   if world.robot.dimension == 3 else (0.11, 0.12, 0.87, 0.86))
+            # Few ticks, and a title that stays in place: matplotlib spends much of its time on
+            # these.
             axes.set_title("", y=1.0)
             axes.locator_params(nbins=4)
             self.drawing = RobotDrawing(axes, world.robot, world.scene, _poses(world))
-            self._mark = LineCollection([], colors=ORANGE, linewidths=8, alpha=0.45, zorder=4.5, animated=True)
+            self._mark = LineCollection([], colors=ORANGE, linewidths=8, alpha=0.45, zorder=4.5,
+                                        animated=True)
             axes.add_collection(self._mark, autolim=False)
         self._picture = Picture(figure)
 
@@ -43,7 +44,8 @@ class DesignPicture:
                 drawing.turn(azimuth)
                 drawing.move(drawing.pose)
             exit_point = drawing.robot.exit_points[cable]
-            ends = np.stack([exit_point, exit_point - cable_vectors(drawing.robot, drawing.pose)[cable]])
+            ends = np.stack([exit_point,
+                             exit_point - cable_vectors(drawing.robot, drawing.pose)[cable]])
             self._mark.set_segments([drawing.view.flat(ends)])
             return self._picture.png()
 
@@ -51,4 +53,5 @@ class DesignPicture:
 def _poses(world: World) -> Pose:
     """The start, which is drawn, and the end of the task: both must fit into the picture."""
     poses = [world.pose, world.tasks["default"].end]
-    return Pose.of(np.stack([pose.position for pose in poses]), np.stack([pose.rotation for pose in poses]))
+    return Pose.of(np.stack([pose.position for pose in poses]),
+                   np.stack([pose.rotation for pose in poses]))

@@ -1,7 +1,5 @@
 """Edits of a world as changes of what its file says, which is then read again. Comments stay."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
@@ -28,13 +26,15 @@ def opened(world: World) -> World:
 def contents(world: World) -> dict[str, Any]:
     """Everything a world file can say of a robot, its frame and its tasks, spelled out; None for what is left out.
 
-    Under ``cable_limits`` are the first cable's, which an edit there gives to all. Not to be changed.
+    Under ``cable_limits`` are the first cable's, which an edit there gives to all. Not to be
+    changed.
     """
     document, known = world.document, WorldFile.of(world)
     if "inertia" not in document["platform"]:
         known["platform"]["inertia"] = None
     # A world without a default task holds its pose for a while.
-    tasks: dict[str, Any] = {"default": {"kind": "hold", "duration": world.tasks["default"].duration}}
+    tasks: dict[str, Any] = {"default": {"kind": "hold",
+                                         "duration": world.tasks["default"].duration}}
     tasks |= plain(document.get("tasks", {}))
     turn = {"angle": 0.0} if world.robot.dimension == 2 else {"rpy": [0.0, 0.0, 0.0]}
     for task in tasks.values():
@@ -100,11 +100,13 @@ def with_entry(world: World, key: str, block: Mapping[str, Any]) -> World:
 def without_entry(world: World, key: str, index: int) -> World:
     """The world without one cable or base.
 
-    Raises WorldError where that leaves no world, InvalidInput for a base that still carries cables.
+    Raises WorldError where that leaves no world, InvalidInput for a base that still carries
+    cables.
     """
     if key == "bases":
         name = world.robot.bases[index].name
-        carried = [str(i + 1) for i, cable in enumerate(world.robot.cables) if cable.base == name]
+        carried = [str(i + 1) for i, cable in enumerate(world.robot.cables)
+                   if cable.base == name]
         if carried:
             raise InvalidInput(f"base {name!r} still carries cable{'s' * (len(carried) > 1)} {', '.join(carried)}: "
                                "give them another base, or none, first", ("bases", index))

@@ -1,7 +1,5 @@
 """What can be edited, group by group: rows of fields for keys of the world file, whose schema tells type and unit."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -59,25 +57,33 @@ class Place(NamedTuple):
 
 
 GROUPS = {
-    "cables": ("cables.{cable}.exit_point", "cables.{cable}.anchor_point", "cables.{cable}.tension",
+    "cables": ("cables.{cable}.exit_point", "cables.{cable}.anchor_point",
+               "cables.{cable}.tension",
                "cables.{cable}.speed", "cables.{cable}.base"),
     "all cables": ("cable_limits", "cable.axial_stiffness"),
-    "platform": ("platform.mass", "platform.inertia", "platform.center_of_mass", "platform.size", "platform.center"),
+    "platform": ("platform.mass", "platform.inertia", "platform.center_of_mass",
+                 "platform.size", "platform.center"),
     "start": ("platform.pose", "motion_pattern", "gravity", "scene.frame"),
-    "bases": ("bases.{base}.pose", "bases.{base}.mass", "bases.{base}.center_of_mass", "bases.{base}.footprint",
+    "bases": ("bases.{base}.pose", "bases.{base}.mass", "bases.{base}.center_of_mass",
+              "bases.{base}.footprint",
               "bases.{base}.speed"),
     "task": ("tasks.default.to", "tasks.default.duration"),
 }
 """Group → the keys it shows; of a block all that a world has."""
 
-LEFT_OUT = {"inertia": "of a uniform box", "speed": "unlimited", "axial_stiffness": "does not stretch", "base": "none"}
+LEFT_OUT = {"inertia": "of a uniform box", "speed": "unlimited",
+            "axial_stiffness": "does not stretch", "base": "none"}
 """Keys that may be left empty → what that means."""
 
-_LABELS = {"exit_point": "exit point A", "anchor_point": "anchor point B", "tension": "tension limits",
-           "speed": "speed limit", "base": "on base", "axial_stiffness": "stiffness EA", "center": "box center",
-           "rpy": "orientation", "lower": "frame, lower", "upper": "frame, upper", "rotation": "turn speed",
+_LABELS = {"exit_point": "exit point A", "anchor_point": "anchor point B",
+           "tension": "tension limits",
+           "speed": "speed limit", "base": "on base", "axial_stiffness": "stiffness EA",
+           "center": "box center",
+           "rpy": "orientation", "lower": "frame, lower", "upper": "frame, upper",
+           "rotation": "turn speed",
            "translation": "drive speed", "duration": "lasts"}
-_PARTS = {"tension": ("min", "max"), "rpy": ("roll", "pitch", "yaw"), "translation": ("ρ₁", "ρ₂")}
+_PARTS = {"tension": ("min", "max"), "rpy": ("roll", "pitch", "yaw"),
+          "translation": ("ρ₁", "ρ₂")}
 
 
 def rows(world: World, group: str, place: Place) -> list[Row]:
@@ -92,7 +98,8 @@ def rows(world: World, group: str, place: Place) -> list[Row]:
     if group not in GROUPS:
         raise InvalidInput(f"there is no group {group!r}; there are {', '.join(GROUPS)}")
     index = {"{cable}": place.cable, "{base}": place.base}
-    paths = [tuple(index.get(part, part) for part in words.split(".")) for words in GROUPS[group]]
+    paths = [tuple(index.get(part, part) for part in words.split("."))
+             for words in GROUPS[group]]
     return [row for path in paths for row in _rows(world, path)]
 
 
@@ -131,7 +138,8 @@ def typed(world: World, field: Field, entry: Any) -> World:
 
 def _value(field: Field, text: str) -> Any:
     """What was typed, as the file has it; words stay words, which the file refuses by name."""
-    points = [re.sub(r"[,\[\]]", " ", part).replace("−", "-").split() for part in text.split(";") if part.strip()]
+    points = [re.sub(r"[,\[\]]", " ", part).replace("−", "-").split()
+              for part in text.split(";") if part.strip()]
     try:
         numbers = [[float(word) * field.scale for word in point] for point in points]
     except ValueError:
@@ -162,7 +170,8 @@ def _rows(world: World, path: Path) -> Iterator[Row]:
     elif schema.get("items", {}).get("type") == "array":
         fields = [Field(path, "", unit, "points")]
     elif isinstance(value, list):
-        fields = [Field((*path, k), name, unit) for k, (name, _) in enumerate(zip(_parts(world, key), value))]
+        fields = [Field((*path, k), name, unit)
+                  for k, (name, _) in enumerate(zip(_parts(world, key), value))]
     else:
         fields = [Field(path, "", unit)]
     if fields:
@@ -173,7 +182,8 @@ def _options(world: World, key: str) -> tuple[Any, ...]:
     if key == "base":
         return None, *(base.name for base in world.robot.bases)
     if key == "motion_pattern":
-        return tuple(name for name, pattern in MOTION_PATTERNS.items() if pattern.dimension == world.robot.dimension)
+        return tuple(name for name, pattern in MOTION_PATTERNS.items()
+                     if pattern.dimension == world.robot.dimension)
     return ()
 
 

@@ -1,7 +1,5 @@
 """Fields as widgets, row by row; what is typed is told, what the robot says is shown."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -50,15 +48,18 @@ class Form:
     def _row(self, row: Row, world: World) -> Any:
         beside = len(row.fields) == 1
         label = ipywidgets.Label(row.label + _in(row.fields[0]),
-                                 layout={"margin": "2px", "width": "9.6em" if beside else "100%"})
+                                 layout={"margin": "2px", "width": "9.6em"
+                                         if beside else "100%"})
         width = {1: "11em", 2: "50%", 3: "33.3%"}[len(row.fields)]
         entries = [self._entry(row, field, world, width) for field in row.fields]
         return ipywidgets.HBox([label, *entries]) if beside else ipywidgets.VBox([label, ipywidgets.HBox(entries)])
 
     def _entry(self, row: Row, field: Field, world: World, width: str) -> Any:
         # Where there is no description the tooltip is the entry's name for a screen reader.
-        look: dict[str, Any] = {"description": field.label, "layout": {"width": width, "min_width": "0"},
-                                "style": {"description_width": "2.8em" if len(field.label) > 2 else "1.2em"},
+        look: dict[str, Any] = {"description": field.label,
+                                "layout": {"width": width, "min_width": "0"},
+                                "style": {"description_width": "2.8em"
+                                          if len(field.label) > 2 else "1.2em"},
                                 "tooltip": f"{row.label} {field.label}".strip() + _in(field)
                                 + _HELP.get(field.kind, "")}
         nothing = LEFT_OUT.get(str(field.path[-1]), "none")

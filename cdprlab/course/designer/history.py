@@ -54,7 +54,8 @@ class History(Generic[State]):
         if not self.future:
             raise InvalidInput("nothing to redo: no edit has been undone since the last one was made")
         following, *later = self.future
-        return replace(self, present=following.state, past=(*self.past, Step(following.label, self.present)),
+        return replace(self, present=following.state,
+                       past=(*self.past, Step(following.label, self.present)),
                        future=tuple(later))
 
     @property

@@ -1,7 +1,5 @@
 """The robot designer: fields, picture, slice, warnings and numbers on one page, in a notebook or by itself."""
 
-from __future__ import annotations
-
 import html
 from base64 import b64encode
 from collections.abc import Callable
@@ -80,7 +78,8 @@ class RobotDesigner(Shown):
         if self.player is not None:
             self.player.close()
             self.player, self.below.children = None, ()
-        self.do(self.session.simulate, said="Simulated; played at the end of the page.", **chosen)
+        self.do(self.session.simulate,
+                said="Simulated; played at the end of the page.", **chosen)
         run = self.session.flown
         if run is not None:
             self.player = run_player(run)
@@ -109,7 +108,8 @@ class RobotDesigner(Shown):
         for button, word, label in ((self.undo, "Undo", session.history.undo_label),
                                     (self.redo, "Redo", session.history.redo_label)):
             button.description, button.disabled = f"{word}: {label}" if label else word, not label
-        _show_only([self.planes, self.eye] if world.robot.dimension == 3 else [], [self.planes, self.eye])
+        _show_only([self.planes, self.eye] if world.robot.dimension == 3 else [],
+                   [self.planes, self.eye])
 
     def _say(self, words: str) -> None:
         self.message.value = f'<div role="status">{html.escape(words)}</div>' if words else ""
@@ -150,31 +150,38 @@ class RobotDesigner(Shown):
         self._quiet = False
         self.image, self.slice, self.warnings, self.numbers, self.message, self.download, self.brief = (
             ipywidgets.HTML() for _ in range(7))
-        self.groups = ipywidgets.ToggleButtons(options=[*GROUPS, FILE, FLIGHT], style={"button_width": "6.3em"},
+        self.groups = ipywidgets.ToggleButtons(options=[*GROUPS, FILE, FLIGHT],
+                                               style={"button_width": "6.3em"},
                                                layout=_WIDE)
         self.groups.observe(lambda _: self._show_group(), names="value")
         self.form = Form(lambda field, entry: self.do(self.session.type, field, entry))
         self._tools = self._make_tools()
-        self.planes = ipywidgets.Dropdown(options=PLANES, description="Slice", layout={"width": "12em"},
+        self.planes = ipywidgets.Dropdown(options=PLANES, description="Slice",
+                                          layout={"width": "12em"},
                                           style={"description_width": "3.5em"})
         self.planes.observe(self._look, names="value")
         self.eye = ipywidgets.FloatSlider(
-            value=25.0, min=-180, max=180, step=5, description="seen from [deg]", readout_format=".0f",
+            value=25.0, min=-180, max=180, step=5, description="seen from [deg]",
+            readout_format=".0f",
             style={"description_width": "9.5em"}, layout={"width": "32em", "max_width": "100%"})
         self.eye.add_class("view-only")  # it changes the picture, no number
         self.eye.observe(lambda _: self._draw(), names="value")
         cables, bases, start, task = self._tools.values()
-        self._parts = {"form": ipywidgets.VBox([cables, bases, self.form.box, start, task]), FILE: self._file_part(),
+        self._parts = {"form": ipywidgets.VBox([cables, bases, self.form.box, start, task]),
+                       FILE: self._file_part(),
                        FLIGHT: self._flight_part()}
         # Words and wishes first, then what they make: the order of the Tab key.
         left = ipywidgets.VBox([self.groups, *self._parts.values(), self.message],
                                layout={"width": "21.5em", "flex": "0 0 auto"})
         middle = ipywidgets.VBox([self.image, self.eye, self.brief, self.warnings],
-                                 layout={"width": f"{100 * SIZE[0] + 4:.0f}px", "max_width": "100%"})
-        right = ipywidgets.VBox([self.planes, self.slice, self.numbers], layout={"width": "350px"})
+                                 layout={"width": f"{100 * SIZE[0] + 4:.0f}px",
+                                         "max_width": "100%"})
+        right = ipywidgets.VBox([self.planes, self.slice, self.numbers],
+                                layout={"width": "350px"})
         self.below = ipywidgets.VBox([])
         wrapping = {"flex_flow": "row wrap", "align_items": "flex-start"}
-        self.widget = ipywidgets.VBox([self._toolbar(), ipywidgets.HBox([left, middle, right], layout=wrapping),
+        self.widget = ipywidgets.VBox([self._toolbar(),
+                                       ipywidgets.HBox([left, middle, right], layout=wrapping),
                                        self.below])
 
     def _button(self, word: str, width: str, work: Callable[..., Any], *entries: Any) -> Any:
@@ -187,26 +194,32 @@ class RobotDesigner(Shown):
         session = self.session
         self.undo = self._button("Undo", "auto", self.do, session.undo)
         self.redo = self._button("Redo", "auto", self.do, session.redo)
-        names = ipywidgets.Dropdown(options=world_names(), value=_START, description="World", layout={"width": "17em"},
+        names = ipywidgets.Dropdown(options=world_names(), value=_START, description="World",
+                                    layout={"width": "17em"},
                                     style={"description_width": "3.5em"})
         opens = self._button("Open", "5em", lambda: self.do(session.load, names.value))
-        return ipywidgets.HBox([names, opens, self.undo, self.redo], layout={"flex_flow": "row wrap"})
+        return ipywidgets.HBox([names, opens, self.undo, self.redo],
+                               layout={"flex_flow": "row wrap"})
 
     def _make_tools(self) -> dict[str, Any]:
         """Group → what stands beside its fields."""
         session = self.session
-        self.cables, self.bases = (ipywidgets.Dropdown(description="edit", layout={"width": "9.6em"},
-                                                       style={"description_width": "2em"}) for _ in range(2))
+        self.cables, self.bases = (ipywidgets.Dropdown(description="edit",
+                                                       layout={"width": "9.6em"},
+                                                       style={"description_width": "2em"})
+                                   for _ in range(2))
         self.cables.observe(lambda change: self._turn(cable=change["new"]), names="value")
         self.bases.observe(lambda change: self._turn(base=change["new"]), names="value")
 
         def beside(choice: Any, word: str, add: Any, remove: Any) -> Any:
-            buttons = [self._button(word, "5.3em", self.do, add), self._button("Remove", "5.3em", self.do, remove)]
+            buttons = [self._button(word, "5.3em", self.do, add),
+                       self._button("Remove", "5.3em", self.do, remove)]
             return ipywidgets.HBox([choice, *buttons], layout=_WIDE)
 
         return {"cables": beside(self.cables, "Copy", session.add_cable, session.remove_cable),
                 "bases": beside(self.bases, "Add", session.add_base, session.remove_base),
-                "start": self._button("Frame around the exit points", "21em", self.do, session.frame_exits),
+                "start": self._button("Frame around the exit points", "21em", self.do,
+                                      session.frame_exits),
                 "task": self._button("Make it a motion", "21em", self.do, session.make_motion)}
 
     def _file_part(self) -> Any:
@@ -214,22 +227,30 @@ class RobotDesigner(Shown):
         self.file_text = ipywidgets.Textarea(layout=_WIDE | {"height": "24em"})
         path = ipywidgets.Text(value="my_robot.yaml", description="path", layout=_WIDE,
                                style={"description_width": "3em"})
-        upload = ipywidgets.FileUpload(accept=".yaml,.yml", multiple=False, description="Upload",
+        upload = ipywidgets.FileUpload(accept=".yaml,.yml", multiple=False,
+                                       description="Upload",
                                        layout={"width": "7.5em"})
         upload.observe(lambda _: self._uploaded(upload), names="value")
-        self.apply = self._button("Apply this text", "21em", lambda: self.do(session.read, self.file_text.value))
-        save = self._button("Save", "6em", lambda: self.do(session.save, path.value, said=f"Saved as {path.value}."))
+        self.apply = self._button("Apply this text", "21em",
+                                  lambda: self.do(session.read, self.file_text.value))
+        save = self._button("Save", "6em", lambda: self.do(session.save, path.value,
+                                                           said=f"Saved as {path.value}."))
         load = self._button("Load", "6em", lambda: self.do(session.load, path.value.strip()))
-        return ipywidgets.VBox([self.file_text, self.apply, path, ipywidgets.HBox([save, load, upload]), self.download])
+        return ipywidgets.VBox([self.file_text, self.apply, path,
+                                ipywidgets.HBox([save, load, upload]), self.download])
 
     def _flight_part(self) -> Any:
         wide = {"layout": _WIDE, "style": {"description_width": "9.5em"}}
-        method = ipywidgets.Dropdown(options=[(name.replace("_", " "), name) for name in tension_methods()],
-                                     value="quadratic_program", description="tensions by", **wide)
-        kp, kd = (ipywidgets.BoundedFloatText(value=100.0, min=0.0, max=1e6, step=10.0, description=name, **wide)
+        method = ipywidgets.Dropdown(options=[(name.replace("_", " "), name)
+                                              for name in tension_methods()],
+                                     value="quadratic_program",
+                                     description="tensions by", **wide)
+        kp, kd = (ipywidgets.BoundedFloatText(value=100.0, min=0.0, max=1e6, step=10.0,
+                                              description=name, **wide)
                   for name in ("K_p [1/s²]", "K_d [1/s]"))
         words = ipywidgets.HTML("Computed torque flies the default task of the group “task”.")
-        go = self._button("Simulate", "21em", lambda: self.simulate(method=method.value, kp=kp.value, kd=kd.value))
+        go = self._button("Simulate", "21em",
+                          lambda: self.simulate(method=method.value, kp=kp.value, kd=kd.value))
         return ipywidgets.VBox([words, method, kp, kd, go])
 
     # --- moves ------------------------------------------------------------------------------------------------
@@ -248,7 +269,8 @@ class RobotDesigner(Shown):
     def _uploaded(self, upload: Any) -> None:
         if upload.value:
             file = upload.value[0]
-            self.do(self.session.read, bytes(file["content"]).decode("utf-8", "replace"), file["name"])
+            self.do(self.session.read, bytes(file["content"]).decode("utf-8", "replace"),
+                    file["name"])
             upload.value = ()  # the same file may be uploaded again
 
 
@@ -257,7 +279,8 @@ def robot_designer(world: World | str = _START, brief: Brief | None = None) -> R
 
     world : World, or the name or path of one
     brief : judged with every edit too, if given
-    A bad edit is named and changes nothing; everything can be undone. ``designer.world`` is the robot as it is.
+    A bad edit is named and changes nothing; everything can be undone. ``designer.world`` is the
+    robot as it is.
     Raises WorldError for an unknown name, InvalidInput for anything else.
 
     >>> designer = robot_designer("planar_rigid")

@@ -1,7 +1,5 @@
 """A design in numbers and warnings, as text and as HTML."""
 
-from __future__ import annotations
-
 import html
 
 import numpy as np
@@ -30,7 +28,8 @@ def report(world: World, found: Assessment) -> str:
     lengths = cable_lengths(robot, world.pose)
     tensions = held.tensions if held is not None and held.feasible else np.full(m, np.nan)
     table = [[str(i + 1), fixed(lengths[i], 2), "–" if np.isnan(tau) else fixed(tau, 1),
-              f"{robot.tension_min[i]:g} to {robot.tension_max[i]:g}"] for i, tau in enumerate(tensions)]
+              f"{robot.tension_min[i]:g} to {robot.tension_max[i]:g}"]
+             for i, tau in enumerate(tensions)]
     lines += ["", "At the start, least-squares tensions:",
               text_table(["cable", "l [m]", "τ [N]", "limits [N]"], table, gap=1)]
     return "\n".join([*lines, "", *_stiffness(world, found), "", in_words(found.slice),
@@ -56,7 +55,8 @@ def in_words(found: Slice) -> str:
     >>> in_words(workspace_slice(cl.load_world("planar_rigid")))
     'Of the plane x–y 75 % are held within the limits.'
     """
-    held, clear = (100 * float(flags.mean()) for flags in (found.held, found.held & found.clear))
+    held, clear = (100 * float(flags.mean())
+                   for flags in (found.held, found.held & found.clear))
     tangled = f", {clear:.0f} % without interference" if clear < held else ""
     return f"Of the plane {found.plane} {held:.0f} % are held within the limits{tangled}."
 

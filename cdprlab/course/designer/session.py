@@ -102,7 +102,8 @@ class DesignSession:
     @verb
     def add_cable(self) -> None:
         """A copy of the cable being edited, at the end; it is then edited."""
-        world = with_entry(self.world, "cables", contents(self.world)["cables"][self.place.cable])
+        world = with_entry(self.world, "cables",
+                           contents(self.world)["cables"][self.place.cable])
         m = world.robot.n_cables
         self._become(world, f"cable {m} added", self.place._replace(cable=m - 1))
 
@@ -140,7 +141,8 @@ class DesignSession:
         """A default task that moves: a little way up, which may be changed then."""
         pose = contents(self.world)["platform"]["pose"]
         *level, height = pose["position"]
-        task = {"kind": "quintic", "to": pose | {"position": [*level, height + 0.3]}, "duration": 3.0}
+        task = {"kind": "quintic", "to": pose | {"position": [*level, height + 0.3]},
+                "duration": 3.0}
         self._become(edited(self.world, ("tasks", "default"), task), "task")
 
     def turn_to(self, place: Place) -> None:
@@ -213,7 +215,8 @@ def _new_base(world: World) -> dict[str, Any]:
     x = float(world.robot.exit_points[:, 0].max()) + 1.0
     planar = world.robot.dimension == 2
     y = 0.0 if planar else float(np.mean(world.robot.exit_points[:, 1]))
-    contacts = [[0.4, 0.0], [-0.4, 0.0]] if planar else [[0.4, 0.4], [-0.4, 0.4], [-0.4, -0.4], [0.4, -0.4]]
+    contacts = [[0.4, 0.0], [-0.4, 0.0]] if planar else [[0.4, 0.4], [-0.4, 0.4], [-0.4, -0.4],
+                                                         [0.4, -0.4]]
     return {"name": name, "pose": {"position": [x, y], "heading": 0.0}, "mass": 50.0,
             "center_of_mass": [0.0, 0.5] if planar else [0.0, 0.0, 0.5], "footprint": contacts,
             "speed": {"rotation": 0.0, "translation": [0.2, 0.0]}}

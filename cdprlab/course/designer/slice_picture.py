@@ -1,7 +1,5 @@
 """The picture of a slice of the workspace: made once, then filled again and again."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
@@ -14,7 +12,8 @@ from .assessment import Slice
 from .report import in_words
 
 _SIZE = (3.4, 2.6)
-_KINDS = {"not held": "#FFFFFF", "held, but cables interfere (dotted)": "#F3C98B", "held within the limits": "#8FC1E3"}
+_KINDS = {"not held": "#FFFFFF", "held, but cables interfere (dotted)": "#F3C98B",
+          "held within the limits": "#8FC1E3"}
 _LEGEND = "".join(f'<div><span style="background: {color}; border: 1px solid {INK}; padding: 0 0.6em"></span> '
                   f"{word}</div>" for word, color in reversed(_KINDS.items()))
 
@@ -26,13 +25,15 @@ class SlicePicture:
         with house_style():
             figure = Figure(_SIZE, dpi=100)
             self._axes = figure.add_axes((0.14, 0.18, 0.83, 0.78))
-            # Few ticks, no grid; title and legend are the page's: matplotlib spends much of its time on these.
+            # Few ticks, no grid; title and legend are the page's: matplotlib spends much of its
+            # time on these.
             self._axes.locator_params(nbins=4)
             self._axes.grid(visible=False)
             self._cells = self._axes.imshow(np.zeros((1, 1)), ListedColormap(list(_KINDS.values())), vmin=0, vmax=2,
                                             origin="lower")
             self._tangled, = self._axes.plot([], [], ".", color=INK, markersize=2)
-            self._start, = self._axes.plot([], [], "+", color=INK, markersize=12, markeredgewidth=3)
+            self._start, = self._axes.plot([], [], "+", color=INK, markersize=12,
+                                           markeredgewidth=3)
         self._picture = Picture(figure)
 
     def html(self, world: World, found: Slice) -> str:
@@ -40,7 +41,8 @@ class SlicePicture:
         (across, x), (up, y) = found.grid.axes.items()
         half = found.grid.step / 2
         self._cells.set_data(found.grid.field(found.held.astype(int) + (found.held & found.clear)).T)
-        self._cells.set_extent((x[0] - half[0], x[-1] + half[0], y[0] - half[1], y[-1] + half[1]))
+        self._cells.set_extent((x[0] - half[0], x[-1] + half[0], y[0] - half[1],
+                                y[-1] + half[1]))
         tangled = np.argwhere(found.grid.field(found.held & ~found.clear))
         self._tangled.set_data(x[tangled[:, 0]], y[tangled[:, 1]])
         place = dict(zip("xyz", world.pose.position))

@@ -1,7 +1,5 @@
 """Move a point load, push it, tighten its cables: does the force polygon close? Then let it go in the engine."""
 
-from __future__ import annotations
-
 import textwrap
 from typing import Any
 
@@ -33,7 +31,8 @@ class EquilibriumExplorer(Explorer):
     def __init__(self, n_cables: int = 2, internal: bool = True) -> None:
         self._robots = {m: point_load(m) for m in EXIT_POINTS}
         controls: list[Slider | Choice] = [
-            Choice("cables", "number of cables m", tuple(EXIT_POINTS), start=point_load(n_cables).n_cables),
+            Choice("cables", "number of cables m", tuple(EXIT_POINTS),
+                   start=point_load(n_cables).n_cables),
             # Ends short of the exit points at x = ±2 m, where a cable would have no length.
             Slider("x", "load x", "m", -1.8, 1.8, 0.0, 0.1),
             Slider("y", "load y", "m", 0.2, 3.4, 1.0, 0.1),
@@ -41,7 +40,8 @@ class EquilibriumExplorer(Explorer):
             Slider("push_y", "push f_y", "N", -150.0, 150.0, 0.0, 5.0),
         ]
         if internal:
-            controls.append(Slider("internal", "internal tension λ", "N", -200.0, 200.0, 0.0, 5.0))
+            controls.append(Slider("internal", "internal tension λ", "N", -200.0,
+                                   200.0, 0.0, 5.0))
         controls += [Slider("extra", "cable 1 pulls extra", "N", -100.0, 100.0, 0.0, 5.0),
                      Slider("time", "let go for", "s", 0.0, 0.6, 0.0, 0.02)]
         super().__init__(controls, title="Forces on a point load", size=(7.8, 5.2))
@@ -49,7 +49,8 @@ class EquilibriumExplorer(Explorer):
     @once_a_move
     def state(self, values: Values) -> Equilibrium:
         """The balance of forces at the controls' values."""
-        state = equilibrium(self._robots[values["cables"]], *_load(values), values.get("internal", 0.0))
+        state = equilibrium(self._robots[values["cables"]], *_load(values),
+                            values.get("internal", 0.0))
         return state.held(state.tensions + values["extra"] * (np.arange(state.tensions.size) == 0))
 
     @once_a_move
@@ -58,14 +59,16 @@ class EquilibriumExplorer(Explorer):
         position, push = _load(values)
         if values["time"] == 0:
             return None
-        return let_go(self._robots[values["cables"]], Pose(position, angle=0.0), self.state(values).tensions, push,
+        return let_go(self._robots[values["cables"]], Pose(position, angle=0.0),
+                      self.state(values).tensions, push,
                       values["time"])
 
     def build(self, figure: Figure) -> None:
         self.axes = panels(figure, stacked=True)
 
     def draw(self, values: Values) -> None:
-        draw_panels(self.axes, self._robots[values["cables"]], *_load(values), self.state(values), self.motion(values))
+        draw_panels(self.axes, self._robots[values["cables"]], *_load(values),
+                    self.state(values), self.motion(values))
 
     def numbers(self, values: Values) -> dict[str, Any]:
         state, motion = self.state(values), self.motion(values)

@@ -1,7 +1,5 @@
 """Drive mobile bases and the platform: how long are the cables, how fast must the winches run? l̇ = J t − B_b q̇_b."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +19,8 @@ from ..text_table import cable_names, cable_table, fixed
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
 from .posing import EYE, Posing, checked_world, draw_arrow, velocity
 
-_DIRECTIONS = (("turn", "θ", 30.0, "deg", "rad/s"), ("along", "ρ₁", 0.6, "m", "m/s"), ("across", "ρ₂", 0.6, "m", "m/s"))
+_DIRECTIONS = (("turn", "θ", 30.0, "deg", "rad/s"), ("along", "ρ₁", 0.6, "m", "m/s"),
+               ("across", "ρ₂", 0.6, "m", "m/s"))
 """Of a base: slider's name, symbol, how far it goes either way, unit of the displacement, of the speed."""
 
 _MOST_DISPLACEMENTS = 4
@@ -37,7 +36,8 @@ class BaseMotion(NamedTuple):
     robot, pose : bases and platform where they are
     base_speeds, twist : (3p,) q̇_b and (n,) t [m/s, rad/s]
     lengths : (m,) [m]
-    from_platform, from_bases : (m,) J t and −B_b q̇_b, whose sum is l̇ [m/s]; nan where a cable has no length
+    from_platform, from_bases : (m,) J t and −B_b q̇_b, whose sum is l̇ [m/s]; nan where a cable
+        has no length
     """
 
     robot: Robot
@@ -67,11 +67,13 @@ class BaseMotion(NamedTuple):
 class BaseExplorer(Explorer):
     """Sliders for bases and platform; the picture, the cable lengths and l̇ = J t − B_b q̇_b answer.
 
-    Bases are displaced from where the world has them: ρ₁, ρ₂ along their own axes, θ about their own centers, each
-    only where its speed limit lets it drive. Arrows show velocities; a base drives at most at its limits.
+    Bases are displaced from where the world has them: ρ₁, ρ₂ along their own axes, θ about
+    their own centers, each only where its speed limit lets it drive. Arrows show velocities; a
+    base drives at most at its limits.
 
     world : with mobile bases that can drive
-    bases : names of those with sliders; default all that drive, the first alone if that is too many
+    bases : names of those with sliders; default all that drive, the first alone if that is too
+        many
     Raises InvalidInput for a world without bases that can drive, or a base that cannot.
 
     >>> import cdprlab as cl
@@ -82,15 +84,18 @@ class BaseExplorer(Explorer):
     """
 
     def __init__(self, world: World, bases: tuple[str, ...] | None = None) -> None:
-        if not any((base.speed_max > 0).any() for base in checked_world(world, "base").robot.bases):
+        if not any((base.speed_max > 0).any()
+                   for base in checked_world(world, "base").robot.bases):
             raise InvalidInput(f"world {world.name!r} has no base that can drive; planar_mcdpr, fastkit_planar and "
                                "mobile_four_bases have")
         self._posing, self._start = Posing(world), world.robot
         self._shown = _shown(world.robot, bases)
-        sliders: list[Slider | Choice] = [slider for base in self._shown for slider in _displacements(base)]
+        sliders: list[Slider | Choice] = [slider for base in self._shown
+                                          for slider in _displacements(base)]
         sliders += [*self._posing.places, *self._posing.turns]
         if len(self._shown) > 1:
-            sliders.append(Choice("drives", "base that drives", tuple(base.name for base in self._shown)))
+            sliders.append(Choice("drives", "base that drives",
+                                  tuple(base.name for base in self._shown)))
         sliders += _speeds(self._shown)
         if world.robot.dimension == 2:
             sliders += [Slider(f"v_{axis}", f"platform v_{axis}", "m/s", -2.0, 2.0, 0.0, 0.025)
@@ -113,7 +118,8 @@ class BaseExplorer(Explorer):
 
     def build(self, figure: Figure) -> None:
         above, below = figure.subplots(2, 1, height_ratios=(3, 1.1))
-        self._drawing = RobotDrawing(above, self._driven_outward(), self._posing.scene, self._posing.ends)
+        self._drawing = RobotDrawing(above, self._driven_outward(), self._posing.scene,
+                                     self._posing.ends)
         self._drawing.drive(self._start)
         self._rates = below
         _frame_rates(below, self._start)
@@ -134,7 +140,8 @@ class BaseExplorer(Explorer):
         motion = self.motion(values)
         rows = {"length [m]": [fixed(length, 3) for length in motion.lengths]}
         if np.isfinite(motion.rates).all():
-            # No dotted letters here: a combining dot counts as a letter and would push the columns out of line.
+            # No dotted letters here: a combining dot counts as a letter and would push the
+            # columns out of line.
             parts = {"platform [m/s]": motion.from_platform, "bases [m/s]": motion.from_bases,
                      "rate [m/s]": motion.rates}
             rows |= {name: [fixed(rate, 3) for rate in rates] for name, rates in parts.items()}
@@ -152,15 +159,18 @@ class BaseExplorer(Explorer):
     def _robot_at(self, values: Values) -> Robot:
         places = {}
         for base in self._shown:
-            turn, along, across = (values.get(f"{base.name}_{name}", 0.0) for name, *_ in _DIRECTIONS)
+            turn, along, across = (values.get(f"{base.name}_{name}", 0.0)
+                                   for name, *_ in _DIRECTIONS)
             place = base.position + base.rotation[:2, :2] @ [along, across]
             places[base.name] = (*place, base.heading + np.deg2rad(turn))
         return self._start.with_bases(places)
 
     def _base_speeds(self, values: Values) -> Array:
         name = values.get("drives", self._shown[0].name)
-        wanted = np.array([values.get(f"speed_{direction}", 0.0) for direction, *_ in _DIRECTIONS])
-        return np.concatenate([np.clip(wanted, -base.speed_max, base.speed_max) if base.name == name else np.zeros(3)
+        wanted = np.array([values.get(f"speed_{direction}", 0.0)
+                           for direction, *_ in _DIRECTIONS])
+        return np.concatenate([np.clip(wanted, -base.speed_max, base.speed_max)
+                               if base.name == name else np.zeros(3)
                                for base in self._start.bases])
 
     def _driven_outward(self) -> Robot:
@@ -193,15 +203,19 @@ def _shown(robot: Robot, names: tuple[str, ...] | None) -> list[Base]:
 
 
 def _displacements(base: Base) -> list[Slider]:
-    return [Slider(f"{base.name}_{name}", f"{base.name.replace('_', ' ')} {symbol}", unit, -reach, reach, 0.0,
+    return [Slider(f"{base.name}_{name}", f"{base.name.replace('_', ' ')} {symbol}", unit,
+                   -reach, reach, 0.0,
                    reach / 30)
-            for (name, symbol, reach, unit, _), limit in zip(_DIRECTIONS, base.speed_max) if limit > 0]
+            for (name, symbol, reach, unit, _), limit in zip(_DIRECTIONS, base.speed_max)
+            if limit > 0]
 
 
 def _speeds(bases: list[Base]) -> list[Slider]:
     limits = np.max([base.speed_max for base in bases], axis=0)
-    return [Slider(f"speed_{name}", f"base speed {symbol}̇", unit, -limit, limit, 0.0, limit / 20)
-            for (name, symbol, _, _, unit), limit in zip(_DIRECTIONS, limits.tolist()) if limit > 0]
+    return [Slider(f"speed_{name}", f"base speed {symbol}̇", unit, -limit, limit, 0.0,
+                   limit / 20)
+            for (name, symbol, _, _, unit), limit in zip(_DIRECTIONS, limits.tolist())
+            if limit > 0]
 
 
 # --- picture --------------------------------------------------------------------------------------------------
@@ -218,6 +232,7 @@ def _frame_rates(axes: Axes, robot: Robot) -> None:
     cables = np.arange(1, robot.n_cables + 1)
     axes.axhline(0, color=INK, linewidth=1)
     for sign in (-1, 1):
-        axes.hlines(sign * limits, cables - 0.4, cables + 0.4, color=INK, linestyles="dashed", linewidth=1.2)
+        axes.hlines(sign * limits, cables - 0.4, cables + 0.4, color=INK, linestyles="dashed",
+                    linewidth=1.2)
     axes.set(xlabel="cable (dashes: limit of its winch)", ylabel="l̇ [m/s]", xticks=cables,
              ylim=(-1.3 * limits.max(), 1.3 * limits.max()))

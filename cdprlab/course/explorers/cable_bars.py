@@ -1,7 +1,5 @@
 """Tensions as bars, a word at the end of each."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -21,10 +19,13 @@ class CableBars:
 
     def __init__(self, axes: Axes, m: int, end: float, gap: float) -> None:
         self.axes, self.gap, cables = axes, gap, np.arange(1, m + 1)
-        axes.set(xlim=(0.0, end), ylim=(m + 0.5, 0.5), xlabel="tension [N]", ylabel="cable", yticks=cables)
+        axes.set(xlim=(0.0, end), ylim=(m + 0.5, 0.5), xlabel="tension [N]", ylabel="cable",
+                 yticks=cables)
 
     def draw(self, lengths: Array, words: Sequence[str], ends: Array | None = None, **look: Any) -> None:
         """Bars of these (m,) lengths [N], words beyond their ``ends``, or beyond other ones [N]."""
-        self.bars = self.axes.barh(range(1, len(words) + 1), lengths, height=0.62, zorder=2, **look)
-        self.words = [self.axes.text(float(end) + self.gap, k, word, va="center", fontsize=9, color=INK, zorder=5)
+        self.bars = self.axes.barh(range(1, len(words) + 1), lengths, height=0.62,
+                                   zorder=2, **look)
+        self.words = [self.axes.text(float(end) + self.gap, k, word, va="center", fontsize=9,
+                                     color=INK, zorder=5)
                       for k, (end, word) in enumerate(zip(lengths if ends is None else ends, words), start=1)]

@@ -1,7 +1,5 @@
 """Move S and G on the plan: which three cables hold, where they change, and the chosen sequence in the engine."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import ipywidgets
@@ -35,7 +33,8 @@ class ConfigurationExplorer(Explorer):
     """Sliders for S and G; triangles inside, uncertain or outside; sequences with scores; the chosen one in the engine.
 
     world : a point mass (3T) on three cables or more
-    uncertain : whether the uncertainties, the interval form and the method can be chosen; without, all is exact
+    uncertain : whether the uncertainties, the interval form and the method can be chosen;
+        without, all is exact
     Raises InvalidInput for another kind of world.
 
     >>> import cdprlab as cl
@@ -51,7 +50,8 @@ class ConfigurationExplorer(Explorer):
         self.names = triplets(self.robot)
         self.run: Run | None = None
         self._player: RunPlayer | None = None
-        super().__init__(_controls(world, uncertain), f"{world.title}: configurations from S to G",
+        super().__init__(_controls(world, uncertain),
+                         f"{world.title}: configurations from S to G",
                          size=(8.4, 4.0 if len(self.names) <= 4 else 5.4))
         self._add_fly_button()
 
@@ -66,7 +66,8 @@ class ConfigurationExplorer(Explorer):
         """Sequences, and why there are none: S outside all triangles is no mistake of the reader's."""
         position, exits = _boxes(values)
         try:
-            return plan_configurations(self.robot, *_ends(values), values.get("method", "stability"),
+            return plan_configurations(self.robot, *_ends(values),
+                                       values.get("method", "stability"),
                                        position_uncertainty=position, exit_uncertainty=exits), \
                 "method accuracy finds no change where both configurations are certain"
         except InvalidInput as reason:
@@ -107,9 +108,11 @@ class ConfigurationExplorer(Explorer):
     def build(self, figure: Figure) -> None:
         columns = 2 if len(self.names) <= 4 else 3
         rows = -(-len(self.names) // columns)
-        grid = figure.add_gridspec(rows, columns + 1, width_ratios=[2.0] + [2.0 / columns] * columns)
+        grid = figure.add_gridspec(rows, columns + 1,
+                                   width_ratios=[2.0] + [2.0 / columns] * columns)
         self._plan = figure.add_subplot(grid[:, 0])
-        self._small = [figure.add_subplot(grid[k // columns, 1 + k % columns]) for k in range(len(self.names))]
+        self._small = [figure.add_subplot(grid[k // columns, 1 + k % columns])
+                       for k in range(len(self.names))]
         draw_room(self._plan, self.robot)
         for panel in self._small:
             draw_room(panel, self.robot, WIDE_MARGIN)
@@ -122,10 +125,12 @@ class ConfigurationExplorer(Explorer):
         if sequence is None:
             for name, end in zip("SG", _ends(values)):
                 self._plan.plot(*end[:2], marker="o", color=GREY, markersize=8)
-                self._plan.annotate(name, (end[0], end[1]), (0, 9), textcoords="offset points", ha="center")
+                self._plan.annotate(name, (end[0], end[1]), (0, 9), textcoords="offset points",
+                                    ha="center")
         else:
             fill_sequence(self._plan, self.robot, sequence)
-        self._plan.plot(*place[:2], marker="x", markersize=9, markeredgewidth=2, color=INK, zorder=7)
+        self._plan.plot(*place[:2], marker="x", markersize=9, markeredgewidth=2,
+                        color=INK, zorder=7)
         self._plan.set_title("no sequence" if sequence is None else str(sequence), fontsize=11)
         for panel, (chosen, verdict) in zip(self._small, self.classes(values).items()):
             fill_triplet(panel, self.robot, chosen, place, verdict, *_boxes(values))
@@ -133,7 +138,8 @@ class ConfigurationExplorer(Explorer):
 
     def numbers(self, values: Values) -> dict[str, Any]:
         sequences, reason = self.planned(values)
-        listed = "\n".join(f"{k}: {sequence}" for k, sequence in enumerate(sequences[:_LISTED], start=1))
+        listed = "\n".join(f"{k}: {sequence}"
+                           for k, sequence in enumerate(sequences[:_LISTED], start=1))
         found = {"sequences": listed or f"none: {reason}"}
         sequence = self.chosen(values)
         if sequence is not None:
@@ -154,7 +160,8 @@ class ConfigurationExplorer(Explorer):
 
     # --- inside -------------------------------------------------------------------------------------------
     def _add_fly_button(self) -> None:
-        self.button = ipywidgets.Button(description="Play in the engine", icon="play", layout={"width": "auto"})
+        self.button = ipywidgets.Button(description="Play in the engine", icon="play",
+                                        layout={"width": "auto"})
         self.button.on_click(lambda _: self._clicked())
         self.panel.children = (*self.panel.children, self.button)
         self.on_move(lambda _: self._show_player(None))  # a flight belongs to the sequence it was made of
@@ -187,14 +194,17 @@ def _controls(world: World, uncertain: bool) -> list[Slider | Choice]:
     low, high = np.append(low[:2], 0.1).round(2), np.append(high[:2], high[2] - 0.1).round(2)
     sliders: list[Slider | Choice] = []
     for name, end in zip("SG", ends):
-        sliders += [Slider(f"{name}{axis}", f"{name} {axis}", "m", float(low[k]), float(max(high[k], low[k] + 0.1)),
-                           float(np.clip(end[k], low[k], high[k])), 0.01) for k, axis in enumerate("xyz")]
+        sliders += [Slider(f"{name}{axis}", f"{name} {axis}", "m", float(low[k]),
+                           float(max(high[k], low[k] + 0.1)),
+                           float(np.clip(end[k], low[k], high[k])), 0.01)
+                    for k, axis in enumerate("xyz")]
     sliders += [Slider("share", "look at share of way", "", 0.0, 1.0, 0.0, 0.01),
                 Choice("pick", "sequence", tuple(range(1, _LISTED + 1)))]
     if uncertain:
         sliders += [Slider("position_uncertainty", "position ±", "m", 0.0, 0.15, 0.05, 0.005),
                     Slider("exit_uncertainty", "exit points ±", "m", 0.0, 0.06, 0.02, 0.005),
-                    Choice("form", "interval form", tuple(FORMS)), Choice("method", "method", METHODS)]
+                    Choice("form", "interval form", tuple(FORMS)),
+                    Choice("method", "method", METHODS)]
     return [*sliders, Slider("slack", "slack when played", "m", 0.0, 0.3, 0.1, 0.01)]
 
 

@@ -1,10 +1,9 @@
 """The base of every explorer: a picture, sliders and numbers beside it, mistakes in plain sight.
 
-A subclass says three things: ``build`` makes what stands still, ``draw`` adds or moves the rest, ``numbers`` tells in
-text what the picture shows. Needs no kernel and no browser: `set` moves the sliders, `text` and `picture` answer.
+A subclass says three things: ``build`` makes what stands still, ``draw`` adds or moves the
+rest, ``numbers`` tells in text what the picture shows. Needs no kernel and no browser: `set`
+moves the sliders, `text` and `picture` answer.
 """
-
-from __future__ import annotations
 
 import html
 from collections.abc import Callable, Hashable, Mapping, Sequence
@@ -96,7 +95,8 @@ class Slider:
         digits = next((n for n in range(7) if abs(step - round(step, n)) < 1e-9 * step), 3)
         return ipywidgets.FloatSlider(
             value=self.start, min=self.low, max=self.high, step=step, description=self.caption,
-            readout_format=f".{digits}f", continuous_update=True, style={"description_width": "13em"},
+            readout_format=f".{digits}f", continuous_update=True,
+            style={"description_width": "13em"},
             layout={"width": "auto"})
 
 
@@ -128,8 +128,10 @@ class Choice:
     def widget(self) -> Any:
         """The ipywidget."""
         start = self.options[0] if self.start is None else self.check(self.start)
-        return ipywidgets.Dropdown(options=[(str(option).replace("_", " "), option) for option in self.options],
-                                   value=start, description=self.label, style={"description_width": "13em"},
+        return ipywidgets.Dropdown(options=[(str(option).replace("_", " "), option)
+                                            for option in self.options],
+                                   value=start, description=self.label,
+                                   style={"description_width": "13em"},
                                    layout={"width": "auto"})
 
 
@@ -148,10 +150,11 @@ class Explorer(Shown):
     controls : Slider and Choice, in the order shown
     title : above the picture
     size : of the picture [inch at 100 pixels]
-    Further widgets go below the sliders (``panel.children += (…,)``) or below the picture (``stage``).
+    Further widgets go below the sliders (``panel.children += (…,)``) or below the picture
+    (``stage``).
 
-    A move calls ``numbers`` and then ``draw``. A mistake in either is shown in red where the numbers are and raised
-    again; the next move works as if nothing had happened.
+    A move calls ``numbers`` and then ``draw``. A mistake in either is shown in red where the
+    numbers are and raised again; the next move works as if nothing had happened.
 
     >>> class Spring(Explorer):
     ...     def build(self, figure):
@@ -199,8 +202,10 @@ class Explorer(Shown):
 
     def describe(self, values: Values) -> str:
         """One sentence for those who do not see the picture."""
-        shown = ", ".join(f"{self.controls[name].caption} {value:.4g}" if isinstance(value, float)
-                          else f"{self.controls[name].caption} {value}" for name, value in values.items())
+        shown = ", ".join(f"{self.controls[name].caption} {value:.4g}"
+                          if isinstance(value, float)
+                          else f"{self.controls[name].caption} {value}"
+                          for name, value in values.items())
         return f"{self.title or type(self).__name__} at {shown}; numbers beside it"
 
     # --- what everyone may use ------------------------------------------------------------------------
@@ -216,13 +221,15 @@ class Explorer(Shown):
 
     def told(self, values: Values, *left_out: str) -> str:
         """The sliders' values as text, but for some: "x 0.5 m, yaw 30 deg"."""
-        return ", ".join(f"{name} {values[name]:.4g} {control.unit}" for name, control in self.controls.items()
+        return ", ".join(f"{name} {values[name]:.4g} {control.unit}"
+                         for name, control in self.controls.items()
                          if isinstance(control, Slider) and name not in left_out)
 
     def set(self, **values: Any) -> None:
         """Move some controls; one answer for all of them.
 
-        Raises InvalidInput for an unknown name or a value out of range, and whatever the answer raises.
+        Raises InvalidInput for an unknown name or a value out of range, and whatever the answer
+        raises.
         """
         for name in values:
             if name not in self.controls:
@@ -256,12 +263,14 @@ class Explorer(Shown):
         self.sliders = {name: control.widget() for name, control in self.controls.items()}
         self.image, self._numbers, self.mistake = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
         title = ipywidgets.HTML(f"<b>{html.escape(self.title)}</b>")
-        self.panel = ipywidgets.VBox(list(self.sliders.values()), layout={"width": "34em", "max_width": "100%"})
+        self.panel = ipywidgets.VBox(list(self.sliders.values()),
+                                     layout={"width": "34em", "max_width": "100%"})
         self.stage = ipywidgets.VBox([self.image])
         beside = ipywidgets.VBox([self.panel, self.mistake, self._numbers],
                                  layout={"flex": "1 1 25em", "min_width": "0"})
         wrapping = {"flex_flow": "row wrap", "align_items": "flex-start"}
-        self.widget = ipywidgets.VBox([title, ipywidgets.HBox([self.stage, beside], layout=wrapping)])
+        self.widget = ipywidgets.VBox([title,
+                                       ipywidgets.HBox([self.stage, beside], layout=wrapping)])
         for slider in self.sliders.values():
             slider.observe(self._moved, names="value")
 
@@ -282,7 +291,8 @@ class Explorer(Shown):
         self.text = text
         self._numbers.value = f'<pre style="{_NUMBERS_STYLE}">{html.escape(text)}</pre>'
         self._png, self.alt_text = picture, alt_text
-        self.image.value = picture_tag(picture, tuple(self._picture.figure.get_size_inches()), alt_text)
+        self.image.value = picture_tag(picture,
+                                       tuple(self._picture.figure.get_size_inches()), alt_text)
         self.mistake.value = ""
         for callback in tuple(self._callbacks):
             try:
@@ -320,7 +330,8 @@ def as_text(numbers: Mapping[str, Any] | str) -> str:
     """
     if isinstance(numbers, str):
         return numbers
-    shown = {label: f"{value:.6g}" if isinstance(value, float) else str(value) for label, value in numbers.items()}
+    shown = {label: f"{value:.6g}" if isinstance(value, float) else str(value)
+             for label, value in numbers.items()}
     width = max((len(label) for label, value in shown.items() if "\n" not in value), default=0)
     return "\n".join(f"\n{label}\n{value}" if "\n" in value else f"{label:<{width}}  {value}"
                      for label, value in shown.items()).strip("\n")

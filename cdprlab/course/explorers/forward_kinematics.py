@@ -3,8 +3,6 @@
 Beside it the engine: where would a platform hang on ropes of exactly these lengths?
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -50,7 +48,8 @@ class ForwardKinematicsExplorer(Explorer):
     def __init__(self, cables: int = 4, cable: int = 2, error: float = 0.0) -> None:
         controls: list[Slider | Choice] = [
             Choice("cables", "cables measured", (3, 4, 5, 6), cables),
-            Slider("x", "true x", "m", -0.8, 0.8, 0.4, 0.02), Slider("y", "true y", "m", 0.8, 2.2, 1.3, 0.02),
+            Slider("x", "true x", "m", -0.8, 0.8, 0.4, 0.02),
+            Slider("y", "true y", "m", 0.8, 2.2, 1.3, 0.02),
             Slider("angle", "true φ", "°", -30.0, 30.0, 9.0, 1.0),
             Choice("cable", "cable in error", (1, 2, 3, 4, 5, 6), cable),
             Slider("error", "its length error", "mm", -200.0, 200.0, error, 5.0),
@@ -58,18 +57,22 @@ class ForwardKinematicsExplorer(Explorer):
             Slider("guess_y", "guess y", "m", 0.6, 2.4, 1.8, 0.02),
             Slider("guess_angle", "guess φ", "°", -180.0, 180.0, -30.0, 1.0),
             Choice("hang", "hang it on these ropes", (_HELD, _HUNG), _HELD)]
-        super().__init__(controls, title="Forward kinematics of a planar robot", size=(7.2, 5.6))
+        super().__init__(controls, title="Forward kinematics of a planar robot",
+                         size=(7.2, 5.6))
 
     def build(self, figure: Figure) -> None:
         """Frame and exit points stand still, all else moves."""
         self._panel = figure.subplots()
         draw_exit_points(self._panel, six_cables().exit_points)
-        self._panel.set(xlim=(-2.5, 2.5), ylim=(-0.6, 3.6), aspect="equal", xlabel="x [m]", ylabel="y [m]")
+        self._panel.set(xlim=(-2.5, 2.5), ylim=(-0.6, 3.6), aspect="equal", xlabel="x [m]",
+                        ylabel="y [m]")
         figure.legend(loc="outside lower center", ncols=2, fontsize=9, handles=[
             Line2D([], [], color=GREY, alpha=0.5, linewidth=7, label="true pose"),
             Line2D([], [], color=SKY, linewidth=7, alpha=0.7, label="hung on ropes (pymunk)"),
-            Line2D([], [], color=INK, linewidth=1, linestyle=(0, (2, 2)), label="guess 0, steps 1, 2, …"),
-            Line2D([], [], color=VERMILION, linewidth=2.4, marker="^", label="pose found, its top edge"),
+            Line2D([], [], color=INK, linewidth=1, linestyle=(0, (2, 2)),
+                   label="guess 0, steps 1, 2, …"),
+            Line2D([], [], color=VERMILION, linewidth=2.4, marker="^",
+                   label="pose found, its top edge"),
             Line2D([], [], color=cable_style(0).color, linewidth=1.2,
                    label="where cable 1, 2, … puts P, φ being right")])
 
@@ -100,7 +103,8 @@ class ForwardKinematicsExplorer(Explorer):
         if self._settled is not None and self._settled.fits:
             self._draw_hung(self._settled.pose)
         self._draw_iterates()
-        panel.plot(*np.array([pose.position for pose in poses]).T, color=INK, marker="o", markersize=3, linewidth=0.8)
+        panel.plot(*np.array([pose.position for pose in poses]).T, color=INK, marker="o",
+                   markersize=3, linewidth=0.8)
         corners = outline(self._robot, poses[-1])
         panel.plot(*corners.T, color=VERMILION, linewidth=2.4)
         panel.plot(*corners[2:4].mean(axis=0), color=VERMILION, marker="^", markersize=9)
@@ -119,13 +123,15 @@ class ForwardKinematicsExplorer(Explorer):
         self._lengths = cable_lengths(self._robot, self._truth).copy()
         if values["cable"] <= values["cables"]:
             self._lengths[values["cable"] - 1] += 1e-3 * values["error"]
-        guess = Pose([values["guess_x"], values["guess_y"]], angle=np.deg2rad(values["guess_angle"]))
+        guess = Pose([values["guess_x"], values["guess_y"]],
+                     angle=np.deg2rad(values["guess_angle"]))
         self._path = gauss_newton_path(self._robot, self._lengths, guess)
         self._settled = hang(self._robot, self._lengths, self._truth) if values["hang"] == _HUNG else None
 
     def _draw_hung(self, pose: Pose) -> None:
         """The platform at rest on its ropes; what is slack hangs through."""
-        self.hung = self._panel.fill(*outline(self._robot, pose).T, facecolor=to_rgba(SKY, 0.5), edgecolor=BLUE,
+        self.hung = self._panel.fill(*outline(self._robot, pose).T, facecolor=to_rgba(SKY, 0.5),
+                                     edgecolor=BLUE,
                                      linewidth=1.2)
         anchors = pose.position + anchor_offsets(self._robot, pose)
         for rope in zip(anchors, self._robot.exit_points, self._lengths):
@@ -134,7 +140,8 @@ class ForwardKinematicsExplorer(Explorer):
     def _hung_text(self, settled: Settled) -> str:
         if not settled.fits:
             return "nowhere: no pose is within reach of all ropes.\nSomething would tear."
-        loose = ", ".join(f"cable {i + 1} by {1e3 * settled.spare[i]:.0f} mm" for i in np.flatnonzero(settled.slack))
+        loose = ", ".join(f"cable {i + 1} by {1e3 * settled.spare[i]:.0f} mm"
+                          for i in np.flatnonzero(settled.slack))
         return (f"at {_pose_text(settled.pose)}\nslack: {loose or 'none'}\n"
                 f"off the pose found by {_apart_text(settled.pose, self._path.poses[-1])}")
 
@@ -144,12 +151,15 @@ class ForwardKinematicsExplorer(Explorer):
         # The number sits on the circle, this far along it from P [m].
         along = 0.75 / self._lengths
         bearings = np.arctan2(*(end.position - centers).T[::-1]) + along
-        marks = centers + self._lengths[:, None] * np.column_stack([np.cos(bearings), np.sin(bearings)])
+        marks = centers + self._lengths[:, None] * np.column_stack([np.cos(bearings),
+                                                                    np.sin(bearings)])
         for i, length in enumerate(self._lengths):
             look = cable_style(i)
-            self._panel.add_patch(Circle(centers[i], length, fill=False, linewidth=1.2, alpha=0.75,
+            self._panel.add_patch(Circle(centers[i], length, fill=False, linewidth=1.2,
+                                         alpha=0.75,
                                          edgecolor=look.color, linestyle=look.linestyle))
-            self._panel.text(marks[i, 0], marks[i, 1], str(i + 1), color=look.color, fontsize=10, ha="center",
+            self._panel.text(marks[i, 0], marks[i, 1], str(i + 1), color=look.color,
+                             fontsize=10, ha="center",
                              va="center", fontweight="bold", clip_on=True,
                              bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
             self._panel.plot(*np.transpose([exits[i], anchors[i]]), color=GREY, linewidth=0.9)
@@ -162,7 +172,8 @@ class ForwardKinematicsExplorer(Explorer):
             # Where steps have become small their numbers would cover each other.
             if np.linalg.norm(corners[2] - named) > 0.12:
                 named = corners[2]
-                self._panel.text(named[0], named[1], str(k), color=INK, fontsize=9, clip_on=True)
+                self._panel.text(named[0], named[1], str(k), color=INK, fontsize=9,
+                                 clip_on=True)
 
     def _verdict(self) -> str:
         if not self._path.converged:
@@ -177,7 +188,8 @@ class ForwardKinematicsExplorer(Explorer):
         for i in range(self._robot.n_cables):
             robot, lengths = without_cable(self._robot, i), np.delete(self._lengths, i)
             try:
-                found = forward_kinematics(robot, lengths, self._path.poses[-1], tolerance=np.inf)
+                found = forward_kinematics(robot, lengths, self._path.poses[-1],
+                                           tolerance=np.inf)
             except (NoConvergence, InvalidInput):
                 continue
             left[i] = np.abs(lengths - cable_lengths(robot, found)).max()

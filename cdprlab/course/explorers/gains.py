@@ -1,7 +1,5 @@
 """Gains and clock at one's fingertips: how an error dies out under K_p and K_d, sampled every Δt."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -128,12 +126,14 @@ class GainExplorer(Explorer):
             Slider("kp", "K_p", "1/s²", 0.0, 2000.0, kp, 10.0),
             Slider("kd", "K_d", "1/s", 0.0, 2000.0, kd, 10.0),
             Slider("dt", "Δt", "ms", 0.2, 20.0, dt, 0.2),
-            Slider("span", "time shown", "s", 0.05, 6.0, span, 0.05)], title="Gains and the clock", size=(8.4, 4.4))
+            Slider("span", "time shown", "s", 0.05, 6.0, span, 0.05)],
+                         title="Gains and the clock", size=(8.4, 4.4))
 
     def build(self, figure: Figure) -> None:
         """Left the error over time, right the unit circle."""
         self._time, circle = figure.subplots(1, 2, width_ratios=[1.6, 1])
-        self._time.set(ylim=(-1.3 * START, 1.3 * START), xlabel="time [s]", ylabel="error e [mm]",
+        self._time.set(ylim=(-1.3 * START, 1.3 * START), xlabel="time [s]",
+                       ylabel="error e [mm]",
                        title="A first error of 10 mm")
         self._time.axhline(0, color=GREY, linewidth=0.8)
         self._sampled = movable(self._time, "o-", color=BLUE, markersize=3.5, linewidth=1.0,
@@ -148,8 +148,10 @@ class GainExplorer(Explorer):
                    ylabel="imaginary part of z [–]", title="Poles and the unit circle")
         self._inside = movable(circle, "x", color=BLUE, markersize=11, markeredgewidth=2.6)
         self._outside = movable(circle, "D", color=VERMILION, markersize=10)
-        self._far = circle.text(0, -1.85, "", ha="center", fontsize=9, color=VERMILION, animated=True)
-        figure.legend(handles=[self._inside, self._outside], labels=["inside: dies out", "on or outside: does not"],
+        self._far = circle.text(0, -1.85, "", ha="center", fontsize=9, color=VERMILION,
+                                animated=True)
+        figure.legend(handles=[self._inside, self._outside],
+                      labels=["inside: dies out", "on or outside: does not"],
                       loc="outside lower right", ncols=2, fontsize=9)
 
     def numbers(self, values: Values) -> dict[str, Any]:
@@ -159,8 +161,10 @@ class GainExplorer(Explorer):
         return {
             "K_d Δt": f"{kd * dt:.3f}",
             "verdict": _words(kp, kd, verdict),
-            "stable for K_d below": f"{verdict.largest_kd:.1f} 1/s" if verdict.largest_kd > 0 else "none, K_p Δt² ≥ 4",
-            "poles z": "  ".join(f"{z.real:.4f}" + (f"{z.imag:+.4f}i" if z.imag else "") for z in verdict.poles),
+            "stable for K_d below": f"{verdict.largest_kd:.1f} 1/s"
+            if verdict.largest_kd > 0 else "none, K_p Δt² ≥ 4",
+            "poles z": "  ".join(f"{z.real:.4f}" + (f"{z.imag:+.4f}i" if z.imag else "")
+                                 for z in verdict.poles),
             "largest |z|": f"{np.abs(verdict.poles).max():.4f}",
             "damping ratio ζ": f"{zeta:.2f}" if np.isfinite(zeta) else "–",
             "error at the end": _end(sampled_error(kp, kd, dt, _count(values))),
@@ -183,7 +187,8 @@ class GainExplorer(Explorer):
         out, placed = size >= 1 - 1e-9, poles * shown / np.maximum(size, shown)
         self._inside.set_data(placed[~out].real, placed[~out].imag)
         self._outside.set_data(placed[out].real, placed[out].imag)
-        self._far.set_text(f"off the picture: |z| = {size.max():.1f}" if size.max() > shown else "")
+        self._far.set_text(f"off the picture: |z| = {size.max():.1f}"
+                           if size.max() > shown else "")
 
     def describe(self, values: Values) -> str:
         """One sentence for those who do not see the picture."""

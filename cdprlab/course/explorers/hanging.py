@@ -1,7 +1,5 @@
 """Hang the platform somewhere at rest: how hard does every cable pull?"""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -46,17 +44,21 @@ class HangingExplorer(Explorer):
     def tensions(self, values: Values) -> TensionDistribution:
         """The least tensions (in the sense of Σ τ²) that hold the platform still there."""
         robot, pose = self.robot, self.pose(values)
-        return distribute_tensions(wrench_matrix(robot, pose), gravity_wrench(robot, pose), robot.tension_min,
+        return distribute_tensions(wrench_matrix(robot, pose), gravity_wrench(robot, pose),
+                                   robot.tension_min,
                                    robot.tension_max)
 
     def build(self, figure: Figure) -> None:
         left, right = figure.subplots(1, 2, width_ratios=(3, 2))
-        ends = [[getattr(slider, end) for slider in _sliders(self.world)] for end in ("low", "start", "high")]
+        ends = [[getattr(slider, end) for slider in _sliders(self.world)]
+                for end in ("low", "start", "high")]
         self._drawing = RobotDrawing(left, self.robot, self.world.scene, Pose(np.array(ends)))
-        # Three times what the start needs: a pull that grows is seen to grow, and beyond it the number tells.
+        # Three times what the start needs: a pull that grows is seen to grow, and beyond it the
+        # number tells.
         start = self.tensions(self.values).tensions
         self._largest = rounded_up(3.0 * np.nanmax(start, initial=1.0), 2)
-        self.bars = CableBars(right, self.robot.n_cables, 1.25 * self._largest, 0.02 * self._largest)
+        self.bars = CableBars(right, self.robot.n_cables, 1.25 * self._largest,
+                              0.02 * self._largest)
 
     def draw(self, values: Values) -> None:
         self._drawing.move(self.pose(values))
@@ -64,8 +66,10 @@ class HangingExplorer(Explorer):
         shown, words = np.zeros(m), ["?"] * m
         if held.feasible:
             shown = np.minimum(held.tensions, self._largest)
-            words = [f"{tension:.0f}" + (" →" if tension > self._largest else "") for tension in held.tensions]
-        self.bars.draw(shown, words, color=[cable_style(k).color for k in range(m)], edgecolor=INK)
+            words = [f"{tension:.0f}" + (" →" if tension > self._largest else "")
+                     for tension in held.tensions]
+        self.bars.draw(shown, words, color=[cable_style(k).color for k in range(m)],
+                       edgecolor=INK)
         for k, bar in enumerate(self.bars.bars):
             bar.set_linestyle(cable_style(k).linestyle)
 
@@ -99,5 +103,7 @@ def _sliders(world: World) -> list[Slider]:
     low, high = robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)
     low[2], high[2] = world.scene.floor_height, robot.exit_points[:, 2].min()
     inset = robot.platform.size / 2 + 0.1
-    return [Slider(axis, axis, "m", min(round(bottom, 1), place), max(round(top, 1), place), place, 0.05)
-            for axis, bottom, top, place in zip("xyz", (low + inset).tolist(), (high - inset).tolist(), start.tolist())]
+    return [Slider(axis, axis, "m", min(round(bottom, 1), place), max(round(top, 1), place),
+                   place, 0.05)
+            for axis, bottom, top, place in zip("xyz", (low + inset).tolist(),
+                                                (high - inset).tolist(), start.tolist())]

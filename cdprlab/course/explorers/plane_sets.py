@@ -1,7 +1,5 @@
 """What the explorers of available twists and wrenches share: two components of a set, drawn in the plane."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -24,7 +22,8 @@ def checked_set_world(subject: Any, quantity: str, plural: str, limit: str) -> W
 
     quantity, plural : "twist" and "twists", say
     limit : that bounds it, "speed" or "tension"
-    Raises InvalidInput for anything but a World, for a single degree of freedom, for a cable without limit.
+    Raises InvalidInput for anything but a World, for a single degree of freedom, for a cable
+    without limit.
     """
     world = checked_world(subject, f"{quantity} set")
     if world.robot.n_dof < 2:
@@ -47,5 +46,6 @@ def set_patches(panel: Axes, labels: Sequence[str], names: Sequence[str], ends: 
         patch.set_animated(True)
     panel.axhline(0, color=GREY, linewidth=0.8)
     panel.axvline(0, color=GREY, linewidth=0.8)
-    panel.set(xlim=ends[0], ylim=ends[1], aspect="equal", xlabel=axis_label(names[0]), ylabel=axis_label(names[1]))
+    panel.set(xlim=ends[0], ylim=ends[1], aspect="equal", xlabel=axis_label(names[0]),
+              ylabel=axis_label(names[1]))
     return patches

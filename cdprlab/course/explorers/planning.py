@@ -1,7 +1,5 @@
 """Plan a way for two coupled bases: how wide is the gap, how far from everything, where to, and the way answers."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -53,7 +51,8 @@ class PlanningExplorer(Explorer):
         """The hall with its lower gap as wide as the slider says."""
         low, high = _MIDDLE - values["gap"] / 2, _MIDDLE + values["gap"] / 2
         across = ((0.0, low), (high, _DETOUR[0]), (_DETOUR[1], _SIZE[1]))
-        return Hall.of([[_RACKS, (a + b) / 2, _DEPTH, b - a, 0.0] for a, b in across], [[0, 0], _SIZE])
+        return Hall.of([[_RACKS, (a + b) / 2, _DEPTH, b - a, 0.0] for a, b in across],
+                       [[0, 0], _SIZE])
 
     @staticmethod
     def goal(values: Values) -> Array:
@@ -68,18 +67,22 @@ class PlanningExplorer(Explorer):
     @once_a_move
     def plan(self, values: Values) -> Plan:
         """The way, or why there is none."""
-        return plan_path(self.grid(values), self.vehicle, _START, self.goal(values), values["margin"])
+        return plan_path(self.grid(values), self.vehicle, _START, self.goal(values),
+                         values["margin"])
 
     def build(self, figure: Figure) -> None:
         axes = self._axes = figure.subplots()
         axes.plot([], [], color=BLUE, linewidth=2, label="way of the middle")
-        for color, words in ((_NEVER, "the middle may never be here"), (_TURNED, "only at some headings")):
+        for color, words in ((_NEVER, "the middle may never be here"),
+                             (_TURNED, "only at some headings")):
             axes.plot([], [], "s", color=color, markeredgecolor=GREY, markersize=9, label=words)
         axes.plot([], [], color=BLUE, linewidth=1.2, label="the pair, its front end thick")
         axes.plot([], [], "--", color=VERMILION, label="goal")
-        axes.set(xlim=(0, _SIZE[0]), ylim=(0, _SIZE[1]), aspect="equal", xlabel="x [m]", ylabel="y [m]")
+        axes.set(xlim=(0, _SIZE[0]), ylim=(0, _SIZE[1]), aspect="equal", xlabel="x [m]",
+                 ylabel="y [m]")
         axes.grid(False)
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=9)
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2,
+                      fontsize=9)
 
     def numbers(self, values: Values) -> dict[str, Any]:
         """How long, how near, and what a gap must have at least."""
@@ -104,20 +107,25 @@ class PlanningExplorer(Explorer):
         kinds = (clearance < pair.width / 2).astype(int) + (clearance < np.hypot(pair.length, pair.width) / 2)
         axes.imshow(kinds.T, origin="lower", extent=(0, _SIZE[0], 0, _SIZE[1]), vmin=0, vmax=2,
                     cmap=ListedColormap(["white", _TURNED, _NEVER]), interpolation="nearest")
-        axes.add_collection(PolyCollection(list(self.hall(values).outlines), facecolor=GREY, edgecolor=INK,
+        axes.add_collection(PolyCollection(list(self.hall(values).outlines), facecolor=GREY,
+                                           edgecolor=INK,
                                            linewidth=0.8, zorder=2))
         axes.text(float(_START[0]), 1.5, "start", color=INK, ha="center", va="top", zorder=6)
         stations = _stations(plan.poses) if plan.found else _START[None]
         front = np.array([[pair.length, -pair.width], [pair.length, pair.width]]) / 2
         for pose in stations:
-            axes.fill(*pair.outline(pose).T, facecolor="none", edgecolor=BLUE, linewidth=1.2, alpha=0.7, zorder=4)
+            axes.fill(*pair.outline(pose).T, facecolor="none", edgecolor=BLUE, linewidth=1.2,
+                      alpha=0.7, zorder=4)
             axes.plot(*carried(pose, front).T, color=BLUE, linewidth=2.5, zorder=4)
-        axes.fill(*pair.outline(self.goal(values)).T, facecolor="none", edgecolor=VERMILION, linewidth=2,
+        axes.fill(*pair.outline(self.goal(values)).T, facecolor="none", edgecolor=VERMILION,
+                  linewidth=2,
                   linestyle="--", zorder=5)
         if plan.found:
             axes.plot(*plan.poses[:, :2].T, color=BLUE, linewidth=2, zorder=5)
-        self.says = axes.text(_SIZE[0] / 2, 2.6, "" if plan.found else "no way", color=VERMILION, weight="bold",
-                              ha="center", zorder=6, bbox={"facecolor": "white", "edgecolor": VERMILION})
+        self.says = axes.text(_SIZE[0] / 2, 2.6, "" if plan.found else "no way",
+                              color=VERMILION, weight="bold",
+                              ha="center", zorder=6, bbox={"facecolor": "white",
+                                                           "edgecolor": VERMILION})
 
     def describe(self, values: Values) -> str:
         plan = self.plan(values)
@@ -139,4 +147,5 @@ def _gap(plan: Plan) -> str:
 
 def _stations(poses: Array, step: float = 0.9, turn_step: float = 0.8) -> Array:
     """(k, 3) poses on the way to be drawn, not too many."""
-    return np.concatenate([poses[:1], *(between(a, b, step, turn_step)[1:] for a, b in zip(poses, poses[1:]))])
+    return np.concatenate([poses[:1], *(between(a, b, step, turn_step)[1:]
+                                        for a, b in zip(poses, poses[1:]))])

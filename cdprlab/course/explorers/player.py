@@ -1,7 +1,5 @@
 """Play a run: the robot, its tensions against their limits, and the error, at any time."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import ipywidgets
@@ -30,7 +28,8 @@ class RunPlayer(Explorer):
     """A time slider and a play button on a run: robot, tensions against their limits, position error.
 
     run : Run
-    view : "picture" (every run, everywhere) or "scene" (spatial runs, 3-D to be turned with the mouse; needs WebGL)
+    view : "picture" (every run, everywhere) or "scene" (spatial runs, 3-D to be turned with the
+        mouse; needs WebGL)
     Raises InvalidInput for anything else.
 
     >>> run_player(42)
@@ -40,8 +39,9 @@ class RunPlayer(Explorer):
     """
 
     def __init__(self, run: Run, view: str = "picture") -> None:
-        # The picture is the default: WebGL is missing in headless browsers, remote desktops and on some students'
-        # machines, and where it is missing k3d shows an empty rectangle without a word.
+        # The picture is the default: WebGL is missing in headless browsers, remote desktops and
+        # on some students' machines, and where it is missing k3d shows an empty rectangle
+        # without a word.
         self.view = _checked_view(run, view)
         self.run, self.world = run, run.world
         self.spatial = run.world.robot.dimension == 3
@@ -51,24 +51,28 @@ class RunPlayer(Explorer):
         controls = [Slider("t", "time", "s", 0.0, max(self.end, 1e-3), 0.0, _tick(self.end))]
         if self.spatial and view == "picture":
             controls.append(Slider("azimuth", "seen from", "deg", -180.0, 180.0, 25.0, 5.0))
-        super().__init__(controls, run.world.title, size=(6.0, 6.2) if view == "picture" else (6.0, 2.4))
+        super().__init__(controls, run.world.title,
+                         size=(6.0, 6.2) if view == "picture" else (6.0, 2.4))
         self._add_play_button()
 
     def index(self, t: float) -> int:
         """Which row of the run's log is shown at time ``t`` [s]: the last that has begun."""
-        return int(np.clip(np.searchsorted(self.run.time, t + 1e-9, side="right") - 1, 0, len(self.run.time) - 1))
+        return int(np.clip(np.searchsorted(self.run.time, t + 1e-9, side="right") - 1, 0,
+                           len(self.run.time) - 1))
 
     def build(self, figure: Figure) -> None:
         """The robot above, a bar for each cable below."""
         if self.view == "picture":
             above, below = figure.subplots(2, 1, height_ratios=[2.4, 1])
-            self.drawing = RobotDrawing(above, self.world.robot, self.world.scene, _poses_to_hold(self.run))
+            self.drawing = RobotDrawing(above, self.world.robot, self.world.scene,
+                                        _poses_to_hold(self.run))
             self.drawing.limits = self.limits
         else:
             from .scene import RobotScene
 
             below = figure.subplots()
-            self.scene = RobotScene(self.world, self.run.poses[0], self.run.measured_tensions[0], self.limits)
+            self.scene = RobotScene(self.world, self.run.poses[0],
+                                    self.run.measured_tensions[0], self.limits)
         self.bars = _framed_bars(below, self.world.robot, self.limits[1])
 
     def draw(self, values: Values) -> None:
@@ -82,9 +86,11 @@ class RunPlayer(Explorer):
                 self.drawing.turn(values["azimuth"])
             self.drawing.move(pose, tau)
         shown, commanded = np.nan_to_num(np.maximum(tau, 0.0)), self.run.commanded_tensions[k]
-        self.bars.draw(shown, [tension_text(pull) for pull in tau], np.maximum(shown, commanded),
+        self.bars.draw(shown, [tension_text(pull) for pull in tau],
+                       np.maximum(shown, commanded),
                        color=tension_colors(tau, self.limits) / 255)
-        self.bars.axes.plot(commanded, range(1, len(commanded) + 1), "|", color=INK, markersize=11,
+        self.bars.axes.plot(commanded, range(1, len(commanded) + 1), "|", color=INK,
+                            markersize=11,
                             markeredgewidth=2, zorder=4)
 
     def numbers(self, values: Values) -> str:
@@ -94,10 +100,13 @@ class RunPlayer(Explorer):
         lines = [f"t               {run.time[k]:.3f} s",
                  f"position of P   ({position}) m",
                  f"position error  {1e3 * run.position_errors[k]:.3f} mm",
-                 "tensions balance the wanted wrench" if run.feasible[k] else "NO feasible tensions at this time"]
-        rows = [[str(c + 1), tension_text(measured), fixed(commanded, 1), f"{low:g} to {high:g}"]
+                 "tensions balance the wanted wrench"
+                 if run.feasible[k] else "NO feasible tensions at this time"]
+        rows = [[str(c + 1), tension_text(measured), fixed(commanded, 1),
+                 f"{low:g} to {high:g}"]
                 for c, (measured, commanded, low, high) in enumerate(zip(
-                    run.measured_tensions[k], run.commanded_tensions[k], robot.tension_min, robot.tension_max))]
+                    run.measured_tensions[k], run.commanded_tensions[k], robot.tension_min,
+                    robot.tension_max))]
         return "\n".join(lines) + "\n\n" + text_table(["cable", "measured [N]", "commanded [N]", "limits [N]"], rows)
 
     def describe(self, values: Values) -> str:
@@ -175,12 +184,14 @@ def _framed_bars(axes: Axes, robot: Robot, top: float) -> CableBars:
     axes.tick_params(axis="y", labelsize=9)
     for limits in (low, high):
         k = np.flatnonzero(limits <= end) + 1
-        axes.vlines(limits[k - 1], k - 0.4, k + 0.4, color=INK, linewidth=1.6, linestyle=(0, (1, 1)), zorder=3,
+        axes.vlines(limits[k - 1], k - 0.4, k + 0.4, color=INK, linewidth=1.6,
+                    linestyle=(0, (1, 1)), zorder=3,
                     animated=True)  # as the bars, or it would be below them
     names = ((r"$\tau_\mathrm{min}$", low), (r"$\tau_\mathrm{max}$", high))
     far = [f"{name} {_spread(limit)} N" for name, limit in names if (limit > end).any()]
     note = "dots: limits" + (f", off scale {', '.join(far)}" if far else "")
-    axes.set_title(f"bar: measured · line: commanded · {note}", fontsize=9, fontweight="normal", color=GREY, loc="left")
+    axes.set_title(f"bar: measured · line: commanded · {note}", fontsize=9, fontweight="normal",
+                   color=GREY, loc="left")
     return bars
 
 

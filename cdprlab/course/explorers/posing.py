@@ -1,7 +1,5 @@
 """Move the platform; see its cables, their lengths and the wrench matrix."""
 
-from __future__ import annotations
-
 from itertools import product
 from typing import Any
 
@@ -28,7 +26,8 @@ EYE = Slider("azimuth", "seen from", "deg", -180.0, 180.0, 25.0, 5.0)
 _TURNS = {"roll": 60.0, "pitch": 60.0, "yaw": 90.0, "angle": 90.0}
 """How far sliders turn the platform either way [deg]; pitch stays clear of ±90, where rpy is not unique."""
 
-ROW_NAMES = {"x": "f_x", "y": "f_y", "z": "f_z", "rx": "m_x [m]", "ry": "m_y [m]", "rz": "m_z [m]",
+ROW_NAMES = {"x": "f_x", "y": "f_y", "z": "f_z", "rx": "m_x [m]", "ry": "m_y [m]",
+             "rz": "m_z [m]",
              "ry′": "m_y′ [m]", "rz′": "m_z′ [m]"}
 """Motion pattern's row → what the row of W gives for a tension of 1 N: N/N for forces, N m/N = m for moments."""
 
@@ -50,7 +49,8 @@ class Posing:
     Raises InvalidInput for anything else, or a start that does not fit.
     """
 
-    def __init__(self, subject: World | Robot, start: Pose | None = None, explorer: str = "pose",
+    def __init__(self, subject: World | Robot, start: Pose | None = None,
+                 explorer: str = "pose",
                  floor: float | None = None) -> None:
         if isinstance(subject, World):
             self.robot, self.scene, self.title = subject.robot, subject.scene, subject.title
@@ -95,7 +95,8 @@ def draw_arrow(drawing: RobotDrawing, tail: Array, way: Array, width: float = 0.
     """An arrow on a robot's picture from a point by so much, (d,) each [m]; none where that is nothing."""
     if np.abs(way).max() > 1e-9:
         start, end = drawing.view.flat(np.stack([tail, tail + way]))
-        drawing.axes.quiver(*start, *(end - start), angles="xy", scale_units="xy", scale=1, color=INK, width=width,
+        drawing.axes.quiver(*start, *(end - start), angles="xy", scale_units="xy", scale=1,
+                            color=INK, width=width,
                             zorder=9)
 
 
@@ -121,7 +122,8 @@ class PoseExplorer(Explorer):
         self.posing = Posing(world_or_robot, start)
         self.robot = self.posing.robot
         eye = [EYE] if self.robot.dimension == 3 else []
-        super().__init__([*self.posing.places, *self.posing.turns, *eye], self.posing.title, size=(5.2, 4.4))
+        super().__init__([*self.posing.places, *self.posing.turns, *eye], self.posing.title,
+                         size=(5.2, 4.4))
 
     @property
     def pose(self) -> Pose:
@@ -187,11 +189,13 @@ def _turn_sliders(robot: Robot, start: Pose) -> list[Slider]:
     """Of the turns the cables control [deg]; in 2R3T the turn about x′ is not theirs and stays."""
     turns = {"angle": start.angle} if robot.dimension == 2 else dict(zip(("roll", "pitch", "yaw"), start.rpy))
     return [_slider(name, "deg", -_TURNS[name], _TURNS[name], float(np.rad2deg(turn)), 1.0)
-            for axis, (name, turn) in enumerate(turns.items()) if axis in robot.pattern.turn_axes]
+            for axis, (name, turn) in enumerate(turns.items())
+            if axis in robot.pattern.turn_axes]
 
 
 def _slider(name: str, unit: str, low: float, high: float, start: float, step: float) -> Slider:
     """Ends on whole steps, further out where the start lies beyond them."""
     low, high = min(low, start), max(high, start)
-    first, last = (round(float(step * place), 9) for place in (np.floor(low / step), np.ceil(high / step)))
+    first, last = (round(float(step * place), 9)
+                   for place in (np.floor(low / step), np.ceil(high / step)))
     return Slider(name, name, unit, first, last, start, step)

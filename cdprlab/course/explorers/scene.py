@@ -1,7 +1,5 @@
 """A spatial robot in three dimensions, to be turned with the mouse: k3d in the notebook, changed in place."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import ipywidgets
@@ -26,7 +24,8 @@ class RobotScene:
     world : a spatial World
     pose : single Pose; default the world's
     tensions : (m,) [N]; default none given, all cables grey
-    limits : tensions of the first and last color [N]; default 0 and the smaller of weight and largest limit
+    limits : tensions of the first and last color [N]; default 0 and the smaller of weight and
+        largest limit
     Raises InvalidInput for a planar world or a pose that does not fit.
 
     >>> import cdprlab as cl
@@ -36,7 +35,8 @@ class RobotScene:
     array([0., 0., 1.], dtype=float32)
     """
 
-    def __init__(self, world: World, pose: Pose | None = None, tensions: ArrayLike | None = None,
+    def __init__(self, world: World, pose: Pose | None = None,
+                 tensions: ArrayLike | None = None,
                  limits: tuple[float, float] | None = None) -> None:
         if world.robot.dimension != 3:
             raise InvalidInput(f"world {world.name!r} is planar; the k3d scene shows spatial robots, "
@@ -46,13 +46,16 @@ class RobotScene:
         start = world.pose if pose is None else pose
         points = landmarks(world.robot, world.scene, start)
         self.unit = 0.004 * float(np.linalg.norm(np.ptp(points, axis=0)))
-        self.plot = k3d.plot(height=460, grid_visible=False, camera_auto_fit=False, axes_helper=0.0)
+        self.plot = k3d.plot(height=460, grid_visible=False, camera_auto_fit=False,
+                             axes_helper=0.0)
         self._add_surroundings(points)
         self._add_axes(points)
         self._add_robot(start)
-        self.legend = k3d.text2d("", position=(0.01, 0.02), is_html=True, size=0.8, label_box=True, color=_rgb(INK))
+        self.legend = k3d.text2d("", position=(0.01, 0.02), is_html=True, size=0.8,
+                                 label_box=True, color=_rgb(INK))
         self.plot += self.legend
-        self.move(start, np.full(world.robot.n_cables, np.nan) if tensions is None else tensions)
+        self.move(start, np.full(world.robot.n_cables, np.nan)
+                  if tensions is None else tensions)
         center, reach = (points.min(axis=0) + points.max(axis=0)) / 2, float(np.linalg.norm(np.ptp(points, axis=0)))
         eye = center + 1.1 * reach * np.array([0.45, -0.85, 0.35])
         self.plot.camera = [*eye.tolist(), *center.tolist(), 0, 0, 1]
@@ -69,7 +72,8 @@ class RobotScene:
         tau = np.broadcast_to(np.asarray(tensions, dtype=float), (self.robot.n_cables,))
         colors = tension_colors(tau, self.limits)
         anchors = pose.position + anchor_offsets(self.robot, pose)
-        for line, anchor, exit_point, color in zip(self.cables, anchors, self.robot.exit_points, colors):
+        for line, anchor, exit_point, color in zip(self.cables, anchors,
+                                                   self.robot.exit_points, colors):
             line.vertices = np.array([exit_point, anchor], dtype=np.float32)
             line.color = _rgb(color)
         for label, place in zip(self.numbers, 0.6 * self.robot.exit_points + 0.4 * anchors):
@@ -95,7 +99,8 @@ class RobotScene:
         for solid in surroundings(robot, around):
             self.plot += _mesh(solid.corners[None], box_faces(3), solid.color, "frame or box",
                                1.0 if solid.color == STEEL else 0.6)
-        self.plot += k3d.points(robot.exit_points.astype(np.float32), point_size=5 * self.unit, color=_rgb(INK),
+        self.plot += k3d.points(robot.exit_points.astype(np.float32), point_size=5 * self.unit,
+                                color=_rgb(INK),
                                 name="exit points")
 
     def _add_axes(self, points: Array) -> None:
@@ -104,19 +109,25 @@ class RobotScene:
         for name, color, axis in zip("xyz", AXIS_COLORS, np.eye(3)):
             shade = _rgb(color)
             ends = np.stack([origin, origin + length * axis]).astype(np.float32)
-            self.plot += k3d.line(ends, color=shade, width=1.5 * self.unit, shader="mesh", name=f"{name} axis")
+            self.plot += k3d.line(ends, color=shade, width=1.5 * self.unit, shader="mesh",
+                                  name=f"{name} axis")
             place = (origin + 1.25 * length * axis).tolist()
-            self.plot += k3d.text(name, position=place, color=shade, size=1.2, label_box=False, reference_point="cc")
+            self.plot += k3d.text(name, position=place, color=shade, size=1.2, label_box=False,
+                                  reference_point="cc")
 
     def _add_robot(self, pose: Pose) -> None:
         body, = platform_solids(self.robot, Pose([0, 0, 0]))
         self.platform = _mesh(body.corners[None], box_faces(3), body.color, "platform", 0.8)
         ends = np.zeros((2, 3), dtype=np.float32)
-        self.cables = [k3d.line(ends, color=_rgb(SLACK_COLOR), width=1.2 * self.unit, shader="mesh",
+        self.cables = [k3d.line(ends, color=_rgb(SLACK_COLOR), width=1.2 * self.unit,
+                                shader="mesh",
                                 name=f"cable {k + 1}") for k in range(self.robot.n_cables)]
-        self.numbers = [k3d.text(str(k + 1), position=[0, 0, 0], color=_rgb(INK), size=1.2, label_box=False,
-                                 reference_point="cc", name=f"number {k + 1}") for k in range(self.robot.n_cables)]
-        self.anchors = k3d.points(np.zeros((1, 3), dtype=np.float32), point_size=3 * self.unit, color=_rgb(INK),
+        self.numbers = [k3d.text(str(k + 1), position=[0, 0, 0], color=_rgb(INK), size=1.2,
+                                 label_box=False,
+                                 reference_point="cc", name=f"number {k + 1}")
+                        for k in range(self.robot.n_cables)]
+        self.anchors = k3d.points(np.zeros((1, 3), dtype=np.float32), point_size=3 * self.unit,
+                                  color=_rgb(INK),
                                   name="anchor points")
         for thing in (self.platform, *self.cables, *self.numbers, self.anchors):
             self.plot += thing
@@ -140,11 +151,13 @@ def _mesh(corners: Array, faces: Array, color: str, name: str, opacity: float = 
     """Bodies of (n, k, 3) corners, the faces of each (f, 4), as triangles."""
     whole = (faces + corners.shape[1] * np.arange(len(corners))[:, None, None]).reshape(-1, 4)
     triangles = np.concatenate([whole[:, [0, 1, 2]], whole[:, [0, 2, 3]]]).astype(np.uint32)
-    return k3d.mesh(corners.reshape(-1, 3).astype(np.float32), triangles, color=_rgb(color), opacity=opacity,
+    return k3d.mesh(corners.reshape(-1, 3).astype(np.float32), triangles, color=_rgb(color),
+                    opacity=opacity,
                     flat_shading=True, side="double", name=name)
 
 
 def _rgb(color: Any) -> int:
     """As k3d takes a color: from "#RRGGBB" or three numbers up to 255."""
-    red, green, blue = map(int, ImageColor.getrgb(color)[:3] if isinstance(color, str) else color)
+    red, green, blue = map(int,
+                           ImageColor.getrgb(color)[:3] if isinstance(color, str) else color)
     return red << 16 | green << 8 | blue

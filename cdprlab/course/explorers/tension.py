@@ -1,7 +1,5 @@
 """Choose a distribution method, move the platform and the limits: the feasible set, every method's point, the bars."""
 
-from __future__ import annotations
-
 import textwrap
 from typing import Any, NamedTuple
 
@@ -76,7 +74,8 @@ class TensionExplorer(Explorer):
     def state(self, values: Values) -> TensionState:
         """The feasible set and all answers at some values of the controls."""
         robot, pose = self._posing.robot, self._posing.pose(values)
-        low, high = (np.full(robot.n_cables, values[name]) for name in ("tension_min", "tension_max"))
+        low, high = (np.full(robot.n_cables, values[name])
+                     for name in ("tension_min", "tension_max"))
         W, w_e = wrench_matrix(robot, pose), gravity_wrench(robot, pose)
         free = tension_set(W, w_e, low, high)
         found = {name: distribute_tensions(W, w_e, low, high, name) for name in self._methods}
@@ -90,13 +89,19 @@ class TensionExplorer(Explorer):
 
     def build(self, figure: Figure) -> None:
         grid = figure.add_gridspec(2, 2, width_ratios=[1.5, 1.0], height_ratios=[1.0, 1.15])
-        self._set, robot, self._bars = (figure.add_subplot(part) for part in (grid[:, 0], grid[0, 1], grid[1, 1]))
+        self._set, robot, self._bars = (figure.add_subplot(part)
+                                        for part in (grid[:, 0], grid[0, 1], grid[1, 1]))
         self._drawing = self._posing.drawing(robot)
-        handles = [Line2D([], [], linestyle="none", marker=mark.marker, markersize=0.7 * mark.size, color=mark.color,
-                          label=name.replace("_", " ")) for name, mark in MARKS.items() if name in self._methods]
-        handles.append(Line2D([], [], linestyle="none", marker=OWN[0].marker, markersize=0.6 * OWN[0].size,
-                              color=OWN[0].color, markerfacecolor="none", label="walk along the border"))
-        figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=9, columnspacing=1.2,
+        handles = [Line2D([], [], linestyle="none", marker=mark.marker,
+                          markersize=0.7 * mark.size, color=mark.color,
+                          label=name.replace("_", " ")) for name, mark in MARKS.items()
+                   if name in self._methods]
+        handles.append(Line2D([], [], linestyle="none", marker=OWN[0].marker,
+                              markersize=0.6 * OWN[0].size,
+                              color=OWN[0].color, markerfacecolor="none",
+                              label="walk along the border"))
+        figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=9,
+                      columnspacing=1.2,
                       title="filled: inside the limits; hollow: outside; ring: the bars' tensions", title_fontsize=9)
 
     def draw(self, values: Values) -> None:
@@ -105,17 +110,20 @@ class TensionExplorer(Explorer):
         state = self.state(values)
         low, high = state.free.low, state.free.high
         # What misses the wrench is no point of the set.
-        points = {name: answer.tensions for name, answer in state.found.items() if _balances(answer)}
+        points = {name: answer.tensions for name, answer in state.found.items()
+                  if _balances(answer)}
         if values["method"] == BORDER:
             points[BORDER] = state.shown
-        draw_set(self._set, state.free, points, {name: bool(answer.feasible) for name, answer in state.found.items()},
+        draw_set(self._set, state.free, points,
+                 {name: bool(answer.feasible) for name, answer in state.found.items()},
                  chosen=values["method"])
         draw_bars(self._bars, state.shown, low, high, values["method"].replace("_", " "))
 
     def numbers(self, values: Values) -> dict[str, Any]:
         """Every method in a row; the chosen one's tensions, and its reason where it has none."""
         state = self.state(values)
-        rows = [f"{name.replace('_', ' '):<21}{_row(answer)}" for name, answer in state.found.items()]
+        rows = [f"{name.replace('_', ' '):<21}{_row(answer)}"
+                for name, answer in state.found.items()]
         shown = "\n".join(f"  {i + 1}: {_number(tau):>9}" for i, tau in enumerate(state.shown))
         return {
             "limits": f"{values['tension_min']:.4g} to {values['tension_max']:.4g} N",
@@ -156,7 +164,8 @@ def _limit_sliders(robot: Robot, start: Pose) -> list[Slider]:
     unit = 10.0 ** np.floor(np.log10(largest) - 1)
     border = float(np.ceil(largest / unit) * unit)
     return [Slider("tension_min", "τ_min", "N", 0.0, border, least, unit / 2),
-            Slider("tension_max", "τ_max", "N", border, 6 * border, float(np.clip(most, border, 6 * border)), unit)]
+            Slider("tension_max", "τ_max", "N", border, 6 * border,
+                   float(np.clip(most, border, 6 * border)), unit)]
 
 
 def _balances(answer: TensionDistribution) -> bool:

@@ -1,7 +1,5 @@
 """Drag a wanted twist, turn the speed limits: is it in the available twist set, and how much of it can be had?"""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -64,8 +62,9 @@ class Reach(NamedTuple):
 class TwistSetExplorer(Explorer):
     """Sliders for a twist and the speed limits; {t : |J t − B_b q̇_b| ≤ l̇_max}, bases fixed and driving, answers.
 
-    The text says inside or outside, the largest scale, and one way to share the twist among bases and cables. With
-    more than two degrees of freedom the other components are zero; the shadow shows what they allow when free.
+    The text says inside or outside, the largest scale, and one way to share the twist among
+    bases and cables. With more than two degrees of freedom the other components are zero; the
+    shadow shows what they allow when free.
 
     world : motion pattern with at least two components
     components : which two are dragged
@@ -86,7 +85,8 @@ class TwistSetExplorer(Explorer):
         # Beyond the set at the world's pose with the world's limits, to a half.
         whole = available_twist_set(self._robot, world.pose).project(self._chosen).component_range()
         self._reach = np.ceil(2.6 * np.abs(whole).max(axis=1)) / 2
-        sliders = [Slider(name, name, "m/s" if name[0] == "v" else "rad/s", -reach, reach, 0.0, 0.025)
+        sliders = [Slider(name, name, "m/s" if name[0] == "v" else "rad/s", -reach, reach,
+                          0.0, 0.025)
                    for name, reach in zip(self._names, self._reach.tolist())]
         super().__init__([*sliders, *_limit_sliders(self._robot), *self._posing.places],
                          f"Available twist set: {world.title}", size=(8.0, 4.6))
@@ -108,17 +108,20 @@ class TwistSetExplorer(Explorer):
         left.set_title(f"arrow: {_SECONDS:g} s of the twist", fontsize=10)
         self._panel = panel
         flat = self._robot.n_dof == 2
-        labels = ["bases fixed", "bases driving"] if flat else ["bases fixed, all else 0", "driving, all else 0",
+        labels = ["bases fixed", "bases driving"] if flat else ["bases fixed, all else 0",
+                                                                "driving, all else 0",
                                                                 "driving, all else free"]
         self._patches = set_patches(panel, labels, self._names, np.outer(self._reach, [-1, 1]))
         for shadow in self._patches[2:]:
             shadow.set_facecolor("none")
-        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2 if flat else 1, fontsize=9)
+        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2 if flat else 1,
+                     fontsize=9)
 
     def draw(self, values: Values) -> None:
         found, wanted = self.reach(values), np.array([values[name] for name in self._names])
         self._drawing.move(found.pose)
-        draw_arrow(self._drawing, found.pose.position, _SECONDS * velocity(found.robot, found.twist), width=0.014)
+        draw_arrow(self._drawing, found.pose.position,
+                   _SECONDS * velocity(found.robot, found.twist), width=0.014)
         for patch, polytope in zip(self._patches, self._outlines(found)):
             patch.set_xy(polytope.vertices)
         self._draw_twist(found, wanted)
@@ -127,7 +130,8 @@ class TwistSetExplorer(Explorer):
         """Inside or outside, largest scales, and one way to share the twist."""
         found = self.reach(values)
         heads = [f"t = {self._wanted(values)}  [{', '.join(self._names)}]",
-                 f"bases fixed    {found.verdict(False)}", f"bases driving  {found.verdict(True)}"]
+                 f"bases fixed    {found.verdict(False)}",
+                 f"bases driving  {found.verdict(True)}"]
         if found.moving.n == 2:
             heads.append(f"area of the set [m²/s²]  {found.fixed.volume:.2f} fixed, {found.moving.volume:.2f} driving")
         return "\n".join([*heads, "", self._cable_table(found), "", *self._base_lines(found)])
@@ -144,36 +148,43 @@ class TwistSetExplorer(Explorer):
     def _outlines(self, found: Reach) -> list[Polytope]:
         if found.moving.n == 2:
             return [found.fixed, found.moving]
-        return [found.fixed.slice(self._chosen), found.moving.slice(self._chosen), found.moving.project(self._chosen)]
+        return [found.fixed.slice(self._chosen), found.moving.slice(self._chosen),
+                found.moving.project(self._chosen)]
 
     def _draw_twist(self, found: Reach, wanted: Array) -> None:
         """The mark's shape says what its color says: dot within both, triangle within one, cross within none."""
-        inside = [bool(polytope.contains(found.twist)) for polytope in (found.fixed, found.moving)]
+        inside = [bool(polytope.contains(found.twist))
+                  for polytope in (found.fixed, found.moving)]
         word, marker, color = (("inside both sets", "o", GREEN) if inside[0] else
                                ("available only if bases drive", "^", INK) if inside[1] else
                                ("outside both sets", "X", VERMILION))
         panel = self._panel
-        panel.text(0.02, 0.98, f"t is {word}", fontsize=10, ha="left", va="top", fontweight="bold", color=color,
+        panel.text(0.02, 0.98, f"t is {word}", fontsize=10, ha="left", va="top",
+                   fontweight="bold", color=color,
                    transform=panel.transAxes)
         scales = [scale if np.isfinite(scale) else 0.0 for scale in found.scales]
         panel.plot(*np.outer(wanted, [0.0, max(1.0, *scales)]), color=INK, linewidth=1.2)
         panel.plot(*wanted, marker=marker, markersize=10, color=color, markeredgecolor="white")
         for patch, scale in zip(self._patches, scales):
             if scale > 0:
-                panel.plot(*(scale * wanted), marker="D", markersize=7, markerfacecolor="white", markeredgewidth=1.6,
+                panel.plot(*(scale * wanted), marker="D", markersize=7, markerfacecolor="white",
+                           markeredgewidth=1.6,
                            markeredgecolor=patch.get_edgecolor(), zorder=5)
 
     # --- parts of the text ----------------------------------------------------------------------------
     def _cable_table(self, found: Reach) -> str:
         top = found.robot.speed_max
-        rows = [["bases fixed", *(fixed(rate, 2) + _over(rate, limit) for rate, limit in zip(found.rates, top))],
-                ["bases driving", *(fixed(rate, 2) + " " for rate in found.shares.cable_speeds)],
+        rows = [["bases fixed", *(fixed(rate, 2) + _over(rate, limit)
+                                  for rate, limit in zip(found.rates, top))],
+                ["bases driving", *(fixed(rate, 2) + " "
+                                    for rate in found.shares.cable_speeds)],
                 ["limit", *(f"{limit:g} " for limit in top)]]
         return text_table(["cable speed [m/s]", *(f"{i + 1} " for i in range(found.robot.n_cables))], rows)
 
     def _base_lines(self, found: Reach) -> list[str]:
         share = min(1.0, found.scales[1])
-        lines = [f"driving, for {share:.3f} t: one way to share it" if share < 1 else "driving: one way to share it"]
+        lines = [f"driving, for {share:.3f} t: one way to share it"
+                 if share < 1 else "driving: one way to share it"]
         for base, speeds in zip(found.robot.bases, found.shares.base_speeds.reshape(-1, 3)):
             moves = [f"{symbol} {fixed(speed, 2)} of {limit:.2f} {unit}"
                      for (_, symbol, unit), speed, limit in zip(_DIRECTIONS, speeds, base.speed_max) if limit > 0]
@@ -196,19 +207,23 @@ def _components(robot: Robot, chosen: Sequence[int]) -> list[int]:
 
 def _limit_sliders(robot: Robot) -> list[Slider]:
     """From 0 to twice what the world says; a direction the world holds has none."""
-    sliders = [Slider(f"{base.name}_{name}", f"{base.name.replace('_', ' ')} {symbol} up to", unit, 0.0, 2 * limit,
+    sliders = [Slider(f"{base.name}_{name}", f"{base.name.replace('_', ' ')} {symbol} up to",
+                      unit, 0.0, 2 * limit,
                       limit, limit / 20)
                for base in robot.bases
-               for (name, symbol, unit), limit in zip(_DIRECTIONS, base.speed_max.tolist()) if limit > 0]
+               for (name, symbol, unit), limit in zip(_DIRECTIONS, base.speed_max.tolist())
+               if limit > 0]
     top = float(robot.speed_max[0])
     if np.allclose(robot.speed_max, top):
-        sliders.append(Slider("cable_speed", "cables up to", "m/s", 0.25 * top, 1.5 * top, top, top / 40))
+        sliders.append(Slider("cable_speed", "cables up to", "m/s", 0.25 * top, 1.5 * top,
+                              top, top / 40))
     return sliders
 
 
 def _limited(robot: Robot, values: Values) -> Robot:
     bases = tuple(dataclasses.replace(base, speed_max=np.array([
-        values.get(f"{base.name}_{name}", limit) for (name, *_), limit in zip(_DIRECTIONS, base.speed_max)]))
+        values.get(f"{base.name}_{name}", limit)
+        for (name, *_), limit in zip(_DIRECTIONS, base.speed_max)]))
         for base in robot.bases)
     driven = dataclasses.replace(robot, bases=bases)
     return every_cable(driven, speed_max=values["cable_speed"]) if "cable_speed" in values else driven

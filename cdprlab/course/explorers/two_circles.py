@@ -1,7 +1,5 @@
 """Two lengths, two circles, two places: where is a point on two cables, and where does the engine hang it?"""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
@@ -40,8 +38,8 @@ Formula = Callable[[Array, Array, float, float], Any]
 class TwoCirclesExplorer(Explorer):
     """Sliders for two cable lengths: two circles, the point a formula finds, and where a load hangs in the engine.
 
-    formula : somebody's own, (A1, A2, l1, l2) → (2,) [m], raises ValueError where no point has these lengths; default
-        the lower crossing
+    formula : somebody's own, (A1, A2, l1, l2) → (2,) [m], raises ValueError where no point has
+        these lengths; default the lower crossing
 
     >>> explorer = two_circles_explorer()
     >>> explorer.set(l1=3.0, l2=6.5, hang="yes, in pymunk")
@@ -52,28 +50,36 @@ class TwoCirclesExplorer(Explorer):
     def __init__(self, formula: Formula | None = None) -> None:
         load = point_load(2)
         self._robot = replace(load, cables=tuple(replace(cable, exit_point=place)
-                                                 for cable, place in zip(load.cables, EXIT_POINTS)))
+                                                 for cable, place in zip(load.cables,
+                                                                         EXIT_POINTS)))
         self._formula = formula or _lower_crossing
         controls: list[Slider | Choice] = [Slider("l1", "length l₁", "m", 1.0, 7.0, 3.0, 0.05),
                                            Slider("l2", "length l₂", "m", 1.0, 7.0, 4.0, 0.05),
                                            Choice("hang", "hang a load", (_HELD, _HUNG), _HELD)]
-        super().__init__(controls, title="Two lengths, two circles, two places", size=(6.0, 6.0))
+        super().__init__(controls, title="Two lengths, two circles, two places",
+                         size=(6.0, 6.0))
 
     def build(self, figure: Figure) -> None:
         self._panel = figure.subplots()
         draw_exit_points(self._panel, EXIT_POINTS, ("A₁", "A₂"))
-        self._panel.set(xlim=(-2.8, 7.8), ylim=(-4.3, 6.3), aspect="equal", xlabel="x [m]", ylabel="y [m]")
-        handles = [Line2D([], [], color=color, linestyle=dashes, label=f"as far from {end} as its cable is long")
+        self._panel.set(xlim=(-2.8, 7.8), ylim=(-4.3, 6.3), aspect="equal", xlabel="x [m]",
+                        ylabel="y [m]")
+        handles = [Line2D([], [], color=color, linestyle=dashes,
+                          label=f"as far from {end} as its cable is long")
                    for end, (color, dashes) in zip(("A₁", "A₂"), _LOOKS)]
-        handles += [Line2D([], [], color=INK, marker="o", markersize=8, linestyle="none", label=self._whose),
-                    Line2D([], [], color=SKY, marker="s", markersize=10, linewidth=4, label="a load on ropes (pymunk)")]
+        handles += [Line2D([], [], color=INK, marker="o", markersize=8, linestyle="none",
+                           label=self._whose),
+                    Line2D([], [], color=SKY, marker="s", markersize=10, linewidth=4,
+                           label="a load on ropes (pymunk)")]
         figure.legend(loc="outside lower center", ncols=2, fontsize=9, handles=handles)
 
     def numbers(self, values: Values) -> dict[str, Any]:
         self._solve(values)
-        text = {"crossings [m]": "none: the circles miss each other" if np.isnan(self._crossings).any()
+        text = {"crossings [m]": "none: the circles miss each other"
+                if np.isnan(self._crossings).any()
                 else " and ".join(in_brackets(point, 3) for point in self._crossings),
-                f"{self._whose} [m]": "none" if self._found is None else in_brackets(self._found, 3)}
+                f"{self._whose} [m]": "none"
+                if self._found is None else in_brackets(self._found, 3)}
         if self._settled is None:
             return text | {"load": "not hung yet: predict, then let it hang"}
         return text | self._hung(self._settled)
@@ -87,10 +93,13 @@ class TwoCirclesExplorer(Explorer):
                 panel.plot(*hanging(load, *rope).T, color=SKY, linewidth=6.0, alpha=0.8)
             self.load = panel.plot(*load, marker="s", markersize=18, color=SKY)
         for exit_point, length, (color, dashes) in zip(EXIT_POINTS, self._lengths, _LOOKS):
-            panel.add_patch(Circle(exit_point, length, fill=False, linewidth=1.4, edgecolor=color, linestyle=dashes))
+            panel.add_patch(Circle(exit_point, length, fill=False, linewidth=1.4,
+                                   edgecolor=color, linestyle=dashes))
             if self._found is not None:
-                panel.plot(*np.transpose([exit_point, self._found]), color=color, linestyle=dashes, linewidth=2.4)
-        panel.plot(*self._crossings[1], marker="o", markersize=10, color=INK, markerfacecolor="white")
+                panel.plot(*np.transpose([exit_point, self._found]), color=color,
+                           linestyle=dashes, linewidth=2.4)
+        panel.plot(*self._crossings[1], marker="o", markersize=10, color=INK,
+                   markerfacecolor="white")
         if self._found is not None:
             panel.plot(*self._found, marker="o", markersize=10, color=INK)
 
@@ -109,7 +118,8 @@ class TwoCirclesExplorer(Explorer):
         self._crossings = circle_crossings(EXIT_POINTS, self._lengths)
         self._found = None
         with suppress(ValueError):   # no point has these lengths
-            self._found = self._formula(EXIT_POINTS[0].copy(), EXIT_POINTS[1].copy(), *self._lengths.tolist())
+            self._found = self._formula(EXIT_POINTS[0].copy(), EXIT_POINTS[1].copy(),
+                                        *self._lengths.tolist())
         if self._found is not None:
             self._found = as_array(self._found, "the point", (2,), "m")
         self._settled = hang(self._robot, self._lengths, _START) if values["hang"] == _HUNG else None
@@ -117,7 +127,8 @@ class TwoCirclesExplorer(Explorer):
     def _hung(self, settled: Settled) -> dict[str, str]:
         if not settled.fits:
             return {"load": "nowhere: the ropes together are shorter\nthan the way from A₁ to A₂"}
-        loose = [f"rope {i + 1} is slack, {settled.spare[i]:.2f} m to spare" for i in np.flatnonzero(settled.slack)]
+        loose = [f"rope {i + 1} is slack, {settled.spare[i]:.2f} m to spare"
+                 for i in np.flatnonzero(settled.slack)]
         place = in_brackets(settled.pose.position, 3)
         text = {"load": f"hangs at {place} m\n" + (", ".join(loose) or "both ropes are taut")}
         if self._found is not None:

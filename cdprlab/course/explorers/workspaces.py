@@ -1,7 +1,5 @@
 """Choose a criterion, move its limits: the workspace of a planar robot answers, cell by cell, with its margins."""
 
-from __future__ import annotations
-
 import textwrap
 from itertools import product
 from typing import Any, NamedTuple
@@ -86,7 +84,8 @@ class WorkspaceState(NamedTuple):
 class WorkspaceExplorer(Explorer):
     """A menu of criteria, sliders for limits, push, acceleration and pose; the map of the workspace answers.
 
-    Every cell of the robot's frame is judged at its center, at the orientation of the angle's slider.
+    Every cell of the robot's frame is judged at its center, at the orientation of the angle's
+    slider.
 
     world : planar, with at least two translations
     Raises InvalidInput for any other.
@@ -105,18 +104,22 @@ class WorkspaceExplorer(Explorer):
                                f"{world.name!r} is {robot.motion_pattern}")
         self.grid = _grid(world)
         self._posing = Posing(world, floor=self.grid.extent[2])
-        super().__init__([Choice("criterion", "criterion", CRITERIA), *_limit_sliders(robot), *self._posing.turns,
-                          *self._posing.places], f"Workspaces of {world.title}", size=(6.4, 5.2))
+        super().__init__([Choice("criterion", "criterion", CRITERIA), *_limit_sliders(robot),
+                          *self._posing.turns,
+                          *self._posing.places], f"Workspaces of {world.title}",
+                         size=(6.4, 5.2))
 
     @once_a_move
     def state(self, values: Values) -> WorkspaceState:
         """Every cell judged at some values of the controls."""
-        robot = every_cable(self._posing.robot, tension_min=values["tension_min"], tension_max=values["tension_max"])
+        robot = every_cable(self._posing.robot, tension_min=values["tension_min"],
+                            tension_max=values["tension_max"])
         (criterion, words), here = _asked(robot, values), self._posing.pose(values)
         places = np.vstack([self.grid.positions, here.position])
         inside, margin = criterion.judge(robot, Pose(places, matrix=here.rotation))
         shape = len(self.grid.y), len(self.grid.x)
-        return WorkspaceState(robot, criterion, words, inside[:-1].reshape(shape), margin[:-1].reshape(shape),
+        return WorkspaceState(robot, criterion, words, inside[:-1].reshape(shape),
+                              margin[:-1].reshape(shape),
                               (bool(inside[-1]), float(margin[-1])))
 
     def tensions(self, values: Values) -> Array | None:
@@ -148,9 +151,11 @@ class WorkspaceExplorer(Explorer):
         share = state.margin / state.largest if state.largest > 0 else np.where(state.inside, 1.0, 0.0)
         self._map.set_data(np.ma.masked_where(~state.inside, share))
         axes = self._drawing.axes
-        axes.plot(*grid.positions[~state.inside.ravel()].T, "x", color=GREY, markersize=3.5, markeredgewidth=0.7,
+        axes.plot(*grid.positions[~state.inside.ravel()].T, "x", color=GREY, markersize=3.5,
+                  markeredgewidth=0.7,
                   zorder=0.6)
-        self.border = LineCollection(_border(state.inside, grid), colors=INK, linewidths=1.8, zorder=0.7)
+        self.border = LineCollection(_border(state.inside, grid), colors=INK, linewidths=1.8,
+                                     zorder=0.7)
         axes.add_collection(self.border)
         self._drawing.move(self._posing.pose(values))
 
@@ -187,7 +192,8 @@ def _limit_sliders(robot: Robot) -> list[Slider]:
     least, most = robot.tension_min.max(), float(min(robot.tension_max.min(), 30 * weight))
     border = max(rounded_up(0.3 * most, 1), least)
     return [Slider("tension_min", "τ_min", "N", 0.0, border, least, border / 60),
-            Slider("tension_max", "τ_max", "N", border, max(5 * border, most), most, border / 30),
+            Slider("tension_max", "τ_max", "N", border, max(5 * border, most), most,
+                   border / 30),
             Slider("push", "push up to", "N", 0.0, border, 0.0, border / 60),
             Slider("acceleration", "acceleration up to", "m/s²", 0.0, 10.0, 1.0, 0.1)]
 
@@ -230,8 +236,10 @@ def _map(axes: Axes, grid: Grid) -> Any:
     # Neither so light that it looks like outside nor so dark that cables vanish on it.
     blues = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.18, 0.72, 128))).with_extremes(
         bad=(1.0, 1.0, 1.0, 0.0))
-    image = axes.imshow(np.zeros((len(grid.y), len(grid.x))), origin="lower", extent=grid.extent, cmap=blues,
-                        norm=Normalize(0, 1), interpolation="nearest", zorder=0.5, animated=True)
+    image = axes.imshow(np.zeros((len(grid.y), len(grid.x))), origin="lower",
+                        extent=grid.extent, cmap=blues,
+                        norm=Normalize(0, 1), interpolation="nearest", zorder=0.5,
+                        animated=True)
     left, right, bottom, top = grid.extent
     pad = 3 * grid.size  # for the labels of cables; a floor far below is not shown
     axes.set(xlim=(left - pad, right + pad), ylim=(bottom - pad, top + pad))

@@ -1,7 +1,5 @@
 """Turn tension limits and base masses: what can the cables exert, and what of it would tip a base over?"""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import NamedTuple
 
@@ -33,7 +31,8 @@ class Edge(NamedTuple):
 
     name : of its base and its number there
     place : (d,) a wheel, in space the middle between two [m]
-    moment : largest about it that the limits allow; above 0 the cables could tip the base over it [N m]
+    moment : largest about it that the limits allow; above 0 the cables could tip the base over
+        it [N m]
     share : of the zonotope's area that keeping this edge down takes away, all others let alone
     """
 
@@ -48,7 +47,8 @@ class Capability(NamedTuple):
 
     robot, pose : with the controls' limits and masses
     hold : (2,) −w_g, what the cables exert to hold the platform [N]
-    limits, standing : Polytopes of forces, within the tension limits and with no base tipping besides
+    limits, standing : Polytopes of forces, within the tension limits and with no base tipping
+        besides
     edges : of all footprints
     facets : (k, 2, 2) ends of the standing set's facets that tipping made [N]
     """
@@ -74,16 +74,18 @@ class Capability(NamedTuple):
             return "No tensions within the limits hold the platform without tipping a base."
         taken = 1 - self.standing.volume / self.limits.volume if self.limits.volume > 0 else 0.0
         count = f"{len(self.facets)} facet{'' if len(self.facets) == 1 else 's'}"
-        return (f"Tipping makes {count} and takes {100 * taken:.0f} % of the set." if len(self.facets) else
+        return (f"Tipping makes {count} and takes {100 * taken:.0f} % of the set."
+                if len(self.facets) else
                 "No facet comes from tipping: the limits alone decide.")
 
 
 class WrenchSetExplorer(Explorer):
     """Sliders for τ_max, τ_min, the bases' mass and the platform; {W τ : limits}, and the part where no base tips.
 
-    Forces are shown in the x direction and upwards; with more degrees of freedom all other components are what the
-    weight wants. One limit holds for all cables, one mass for all bases with wheels. Facets that tipping makes are
-    thick, wheels (in space: edges) over which the cables could tip a base are crossed; all of it stands in the text.
+    Forces are shown in the x direction and upwards; with more degrees of freedom all other
+    components are what the weight wants. One limit holds for all cables, one mass for all bases
+    with wheels. Facets that tipping makes are thick, wheels (in space: edges) over which the
+    cables could tip a base are crossed; all of it stands in the text.
 
     world : motion pattern with at least two components, and cables with finite tension limits
     Raises InvalidInput for anything else.
@@ -100,13 +102,17 @@ class WrenchSetExplorer(Explorer):
         self._posing, self._chosen = Posing(world), [0, robot.dimension - 1]
         self._names = [axis_names(robot.motion_pattern, "wrench")[k] for k in self._chosen]
         high, low = robot.tension_max.max(), robot.tension_min.min()
-        sliders = [Slider("tension_max", "τ_max", "N", 0.3 * high, 1.5 * high, high, high / 100),
-                   Slider("tension_min", "τ_min", "N", 0.0, max(0.25 * high, low), low, high / 100)]
+        sliders = [Slider("tension_max", "τ_max", "N", 0.3 * high, 1.5 * high, high,
+                          high / 100),
+                   Slider("tension_min", "τ_min", "N", 0.0, max(0.25 * high, low), low,
+                          high / 100)]
         if masses := [base.mass for base in robot.bases if len(base.footprint)]:
             heaviest = max(masses)
-            sliders.append(Slider("base_mass", "mass of each base", "kg", heaviest / 12, 2 * heaviest, heaviest,
+            sliders.append(Slider("base_mass", "mass of each base", "kg", heaviest / 12,
+                                  2 * heaviest, heaviest,
                                   heaviest / 60))
-        super().__init__([*sliders, *self._posing.places], f"Available wrench set: {world.title}", size=(8.0, 4.8))
+        super().__init__([*sliders, *self._posing.places],
+                         f"Available wrench set: {world.title}", size=(8.0, 4.8))
 
     @once_a_move
     def capability(self, values: Values) -> Capability:
@@ -116,20 +122,24 @@ class WrenchSetExplorer(Explorer):
         limits, standing = (self._shown(available_wrench_set(robot, pose, tipping), -weight)
                             for tipping in (False, True))
         return Capability(robot, pose, -weight[self._chosen], limits, standing,
-                          tuple(self._edges(robot, pose, limits, -weight)), _tipping_facets(limits, standing))
+                          tuple(self._edges(robot, pose, limits, -weight)),
+                          _tipping_facets(limits, standing))
 
     def build(self, figure: Figure) -> None:
         left, panel = figure.subplots(1, 2, width_ratios=(1, 1.35))
         self._drawing = self._posing.drawing(left)
         mark = {"linestyle": "none", "zorder": 9, "markeredgecolor": "white"}
-        self._stands = movable(left, "o", color=GREEN, markersize=9, label="stands for certain", **mark)
-        self._tips = movable(left, "X", color=VERMILION, markersize=11, label="could tip over this", **mark)
+        self._stands = movable(left, "o", color=GREEN, markersize=9,
+                               label="stands for certain", **mark)
+        self._tips = movable(left, "X", color=VERMILION, markersize=11,
+                             label="could tip over this", **mark)
         if "base_mass" in self.controls:
             left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=9)
         self._panel = panel
         self._patches = set_patches(panel, _LABELS, self._names, self._reach())
         panel.plot([], [], color=INK, linewidth=4, label="facets made by tipping")
-        self._mark = movable(panel, linestyle="none", marker="*", markersize=13, markeredgecolor="white",
+        self._mark = movable(panel, linestyle="none", marker="*", markersize=13,
+                             markeredgecolor="white",
                              color=GREEN, zorder=6, label="holds the weight, −w_g")
         panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=9)
 
@@ -138,7 +148,8 @@ class WrenchSetExplorer(Explorer):
         self._drawing.move(found.pose)
         for marks, wanted in ((self._stands, False), (self._tips, True)):
             places = [edge.place for edge in found.edges if (edge.moment > 0) is wanted]
-            marks.set_data(*(self._drawing.view.flat(np.array(places)).T if places else ([], [])))
+            marks.set_data(*(self._drawing.view.flat(np.array(places)).T
+                             if places else ([], [])))
         for patch, polytope in zip(self._patches, (found.limits, found.standing)):
             corners = polytope.vertices
             patch.set_visible(len(corners) > 2)
@@ -156,13 +167,15 @@ class WrenchSetExplorer(Explorer):
                 ["area [kN²]", *(f"{polytope.volume / 1e6:.4f}" for polytope in sets)],
                 *([f"add {name} [N]", *(_range(section[k]) for section in sections)]
                   for k, name in enumerate(self._names)),
-                ["payload [kg]", *(_number(found.payload(tipping), 2) for tipping in (False, True))]]
+                ["payload [kg]", *(_number(found.payload(tipping), 2)
+                                   for tipping in (False, True))]]
         lines = [text_table(["", *_LABELS], rows), ""]
         if not flat:
             lines.insert(1, "(all other components as the weight wants them)")
         if found.edges:
             lines += [text_table(["edge", "largest moment [N m]", "area it takes"],
-                                 [[edge.name, fixed(edge.moment, 1), f"{100 * edge.share:.0f} %"]
+                                 [[edge.name, fixed(edge.moment, 1),
+                                   f"{100 * edge.share:.0f} %"]
                                   for edge in found.edges]), ""]
         return "\n".join([*lines, found.words()])
 
@@ -207,16 +220,20 @@ class WrenchSetExplorer(Explorer):
         self._mark.set(marker="*" if held else "X", color=GREEN if held else VERMILION)
         self._mark.set_data(*found.hold[:, None])
         if held:
-            for way, marker, ends in zip(np.eye(2), "|_", found.standing.axis_section(found.hold)):
-                self._panel.plot(*(found.hold[:, None] + np.outer(way, ends)), color=INK, linewidth=1.2, marker=marker)
+            for way, marker, ends in zip(np.eye(2), "|_",
+                                         found.standing.axis_section(found.hold)):
+                self._panel.plot(*(found.hold[:, None] + np.outer(way, ends)), color=INK,
+                                 linewidth=1.2, marker=marker)
 
 
 wrench_set_explorer = WrenchSetExplorer
 
 
 def _changed(robot: Robot, values: Values) -> Robot:
-    limited = every_cable(robot, tension_min=values["tension_min"], tension_max=values["tension_max"])
-    bases = tuple(dataclasses.replace(base, mass=values["base_mass"]) if len(base.footprint) else base
+    limited = every_cable(robot, tension_min=values["tension_min"],
+                          tension_max=values["tension_max"])
+    bases = tuple(dataclasses.replace(base, mass=values["base_mass"])
+                  if len(base.footprint) else base
                   for base in robot.bases)
     return dataclasses.replace(limited, bases=bases)
 
@@ -238,7 +255,8 @@ def _tipping_facets(limits: Polytope, standing: Polytope) -> Array:
     size = np.ptp(corners, axis=0).max()
     ends: Array = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
     along = ends[:, 1] - ends[:, 0]
-    outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1, keepdims=True)
+    outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1,
+                                                                             keepdims=True)
     cut = limits.support(outward) - (outward * ends[:, 0]).sum(axis=1) > _CUT * size
     return np.asarray(ends[cut])
 

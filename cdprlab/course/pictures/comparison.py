@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def plot_comparison(x: ArrayLike, pairs: Mapping[str, tuple[ArrayLike, ArrayLike]], xlabel: str, ylabel: str,
+def plot_comparison(x: ArrayLike, pairs: Mapping[str, tuple[ArrayLike, ArrayLike]], xlabel: str,
+                    ylabel: str,
                     title: str = "", names: tuple[str, str] = ("engine", "formula")) -> Figure:
     """Two panels: each pair as a wide band (first) under a thin line (second); below, the second minus the first.
 
@@ -33,7 +34,8 @@ def plot_comparison(x: ArrayLike, pairs: Mapping[str, tuple[ArrayLike, ArrayLike
 
     along = np.asarray(x, float)
     with house_style():
-        figure, (above, below) = plt.subplots(2, 1, figsize=(7, 5), sharex=True, layout="constrained",
+        figure, (above, below) = plt.subplots(2, 1, figsize=(7, 5), sharex=True,
+                                              layout="constrained",
                                               height_ratios=(3, 2))
         for index, (label, pair) in enumerate(pairs.items()):
             first, second = (np.asarray(values, float) for values in pair)
@@ -43,13 +45,15 @@ def plot_comparison(x: ArrayLike, pairs: Mapping[str, tuple[ArrayLike, ArrayLike
             color, dashes = cable_style(index).color, CABLE_DASHES[index % len(CABLE_DASHES)]
             above.plot(along, first, color=color, linewidth=6, alpha=0.3, solid_capstyle="butt",
                        label=f"{label}, {names[0]}")
-            above.plot(along, second, color=INK, linewidth=1.2, linestyle=dashes, label=f"{label}, {names[1]}")
+            above.plot(along, second, color=INK, linewidth=1.2, linestyle=dashes,
+                       label=f"{label}, {names[1]}")
             below.plot(along, second - first, color=color, linestyle=dashes, label=label)
         above.set(ylabel=ylabel, title=title)
         above.legend()
         below.axhline(0, color=INK, linewidth=0.8)
         unit = ylabel[ylabel.rfind("["):] if "[" in ylabel else ""
-        below.set(xlabel=xlabel, ylabel=f"residual {unit}".rstrip(), title=f"What is left: {names[1]} − {names[0]}")
+        below.set(xlabel=xlabel, ylabel=f"residual {unit}".rstrip(),
+                  title=f"What is left: {names[1]} − {names[0]}")
         if len(pairs) > 1:
             below.legend(ncols=len(pairs))
     return figure

@@ -1,7 +1,5 @@
 """Forces on a point load: the robot, its force polygon, the tensions as bars, and where the load goes if let go."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import matplotlib.figure
@@ -37,7 +35,8 @@ _GHOSTS = 0.1
 """Between two outlines of a load on its way [s]."""
 
 
-def draw_equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 0.0), internal: float = 0.0,
+def draw_equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 0.0),
+                     internal: float = 0.0,
                      tensions: ArrayLike | None = None) -> Figure:
     """The robot, its force polygon and its tensions side by side.
 
@@ -62,7 +61,8 @@ def panels(figure: matplotlib.figure.Figure, stacked: bool = False) -> list[Axes
     """
     if stacked:
         grid = figure.add_gridspec(2, 2, width_ratios=[1.3, 1.0], height_ratios=[1.35, 1.0])
-        axes = [figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])]
+        axes = [figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1]),
+                figure.add_subplot(grid[1, 1])]
     else:
         axes = list(figure.subplots(1, 3, gridspec_kw={"width_ratios": [1.25, 1.15, 0.8]}))
     # Few numbers are easier to read, and most of the time to draw.
@@ -73,7 +73,8 @@ def panels(figure: matplotlib.figure.Figure, stacked: bool = False) -> list[Axes
     return axes
 
 
-def draw_panels(axes: list[Axes], robot: Robot, position: ArrayLike, push: ArrayLike, state: Equilibrium,
+def draw_panels(axes: list[Axes], robot: Robot, position: ArrayLike, push: ArrayLike,
+                state: Equilibrium,
                 motion: Motion | None = None) -> None:
     """Fill the three panels, under house style.
 
@@ -94,17 +95,20 @@ def _draw_robot(panel: Axes, robot: Robot, position: Array, push: Array, state: 
     load = position if motion is None else motion.positions[-1]
     for i, exit_point in enumerate(robot.exit_points):
         color, dashes, width = _look(i, state)
-        panel.plot(*np.transpose([exit_point, load]), color=color, linestyle=dashes, linewidth=width)
+        panel.plot(*np.transpose([exit_point, load]), color=color, linestyle=dashes,
+                   linewidth=width)
         if state.slack[i]:
             x, y = (exit_point - load) / np.linalg.norm(exit_point - load)
-            label(panel, "slack!", (exit_point + load) / 2, (abs(y), x if y < 0 else -x), color=SLACK)
+            label(panel, "slack!", (exit_point + load) / 2, (abs(y), x if y < 0 else -x),
+                  color=SLACK)
     draw_exit_points(panel, robot.exit_points)
     for force, name, color in _loads(push, state) if motion is None else []:
         tip = position + _ARROW * force
         arrow(panel, position, tip, color=color)
         label(panel, name, tip, force / np.linalg.norm(force), color=color)
     panel.plot(*load, marker="o", markersize=12 if motion is None else 9, color=INK)
-    panel.set(xlim=(-2.9, 2.9), ylim=(-1.3, 4.4), aspect="equal", xlabel="x [m]", ylabel="y [m]")
+    panel.set(xlim=(-2.9, 2.9), ylim=(-1.3, 4.4), aspect="equal", xlabel="x [m]",
+              ylabel="y [m]")
     panel.set_title("Robot" if motion is None else "Robot, let go", y=1.02)
 
 
@@ -118,11 +122,13 @@ def _draw_motion(panel: Axes, position: Array, state: Equilibrium, motion: Motio
         label(panel, f"→ left over {decimal(size)} N", _KEY + [-0.2, 0.45], (1, 0), color=SLACK)
     panel.plot(*motion.positions.T, color=INK, linewidth=1.0)
     every = max(round(_GHOSTS / (motion.time[1] - motion.time[0])), 1)
-    panel.plot(*motion.positions[:-1:every].T, marker="o", markersize=9, linestyle="none", markerfacecolor="none",
+    panel.plot(*motion.positions[:-1:every].T, marker="o", markersize=9, linestyle="none",
+               markerfacecolor="none",
                markeredgecolor=GREY)
     expected = position + state.left_over / MASS * motion.time[-1] ** 2 / 2
     for place in (expected, _KEY):
-        panel.plot(*place, marker="D", markersize=6, linestyle="none", color=SKY, markeredgecolor=INK, zorder=5)
+        panel.plot(*place, marker="D", markersize=6, linestyle="none", color=SKY,
+                   markeredgecolor=INK, zorder=5)
     label(panel, f"p + ½ a t², t = {motion.time[-1]:.2f} s", _KEY, (1, 0), color=INK)
 
 
@@ -140,13 +146,15 @@ def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
         label(panel, name, (start + end) / 2, _outwards(force), color=color)
     if not state.closed:
         panel.plot(*np.transpose([corners[-1], corners[0]]), color=SLACK, linestyle=(0, (1, 2)))
-        label(panel, "open!", (corners[0] + corners[-1]) / 2, _outwards(corners[0] - corners[-1]), color=SLACK)
+        label(panel, "open!", (corners[0] + corners[-1]) / 2,
+              _outwards(corners[0] - corners[-1]), color=SLACK)
     low, high = corners.min(axis=0), corners.max(axis=0)
     reach, middle = 0.85 * max((high - low).max(), 1.0), (low + high) / 2
     # In coarse steps, a third for the middle: limits that stay need not be drawn again.
     reach = _round_up(1.15 * reach)
     middle = np.round(3 * middle / reach) * reach / 3
-    panel.set(xlim=middle[0] + reach * np.array([-1, 1]), ylim=middle[1] + reach * np.array([-1, 1]),
+    panel.set(xlim=middle[0] + reach * np.array([-1, 1]),
+              ylim=middle[1] + reach * np.array([-1, 1]),
               aspect="equal", xlabel="f_x [N]", ylabel="f_y [N]")
     closed = "slack!" if state.slack.any() else "closed"
     panel.set_title(f"Force polygon: {closed if state.closed else 'OPEN'}", y=1.02)
@@ -159,10 +167,13 @@ def _draw_bars(panel: Axes, state: Equilibrium) -> None:
         color, _, _ = _look(i, state)
         slack = bool(state.slack[i])
         panel.bar(i + 1, tension, color="white" if slack else color, edgecolor=color, width=0.6,
-                  linestyle="dashed" if slack else "solid", hatch="//" if slack else None, linewidth=1.6)
-        panel.annotate(f"{decimal(tension)} N" + ("\nslack!" if slack else ""), (i + 1, tension),
+                  linestyle="dashed" if slack else "solid", hatch="//" if slack else None,
+                  linewidth=1.6)
+        panel.annotate(f"{decimal(tension)} N" + ("\nslack!" if slack else ""),
+                       (i + 1, tension),
                        (0, -3 if slack else 3), textcoords="offset points", ha="center",
-                       va="top" if slack else "bottom", color=color if slack else INK, fontsize=11 if m < 4 else 9)
+                       va="top" if slack else "bottom", color=color if slack else INK,
+                       fontsize=11 if m < 4 else 9)
     panel.axhline(0, color=INK, linewidth=1)
     low, high = min(0.0, state.tensions.min()), max(0.3 * top, state.tensions.max())
     room = high - low  # for two lines of text below a bar, for one above
@@ -174,7 +185,8 @@ def _draw_bars(panel: Axes, state: Equilibrium) -> None:
 def _round_up(size: float) -> float:
     """The next of a few round numbers."""
     unit = 10.0 ** np.floor(np.log10(size))
-    return float(unit * min(digit for digit in (1, 1.5, 2, 3, 5, 7, 10) if digit * unit >= size))
+    return float(unit * min(digit for digit in (1, 1.5, 2, 3, 5, 7, 10)
+                            if digit * unit >= size))
 
 
 def _outwards(side: Array) -> Array:

@@ -1,7 +1,5 @@
 """Figures of pose estimates: steps towards a pose, how sure it is, errors of a flight."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,7 +18,8 @@ from .panels import draw_exit_points
 ELLIPSE_95 = np.sqrt(5.991464547107979)
 """Of two normal variables 95 % lie within this many standard deviations: the root of χ²'s 95 % point, 2 freedoms."""
 
-_POSE_ERRORS = ("δx [mm]", "δy [mm]", "δz [mm]", "about x [mrad]", "about y [mrad]", "about z [mrad]")
+_POSE_ERRORS = ("δx [mm]", "δy [mm]", "δz [mm]", "about x [mrad]", "about y [mrad]",
+                "about z [mrad]")
 
 
 def outline(robot: Robot, pose: Pose) -> Array:
@@ -46,7 +45,8 @@ def draw_robot(panel: Axes, robot: Robot, pose: Pose, color: str = INK, cables: 
     if cables:
         anchors = pose.position + anchor_offsets(robot, pose)
         for i, (exit_point, anchor) in enumerate(zip(robot.exit_points, anchors)):
-            panel.plot(*np.transpose([exit_point, anchor]), linewidth=1.6, **cable_style(i)._asdict())
+            panel.plot(*np.transpose([exit_point, anchor]), linewidth=1.6,
+                       **cable_style(i)._asdict())
     panel.plot(*outline(robot, pose).T, color=color, linestyle=linestyle, linewidth=2.0)
     panel.plot(*pose.position, marker="o", markersize=5, color=color)
     draw_exit_points(panel, robot.exit_points)
@@ -60,24 +60,30 @@ def convergence(robot: Robot, poses: Sequence[Pose], truth: Pose) -> Figure:
     truth : where it should end
     """
     errors = [float(np.linalg.norm([*(pose.position - truth.position),
-                                    *rotation_vector(truth.rotation.T @ pose.rotation)])) for pose in poses]
+                                    *rotation_vector(truth.rotation.T @ pose.rotation)]))
+              for pose in poses]
     with house_style():
         figure = Figure(figsize=(10.5, 4.3), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.3, 1.0))
-        left.fill(*outline(robot, truth).T, color=GREY, alpha=0.35, linewidth=0, label="true pose")
+        left.fill(*outline(robot, truth).T, color=GREY, alpha=0.35, linewidth=0,
+                  label="true pose")
         draw_robot(left, robot, truth, color="none")
         for k, pose in enumerate(poses[:4]):
-            left.plot(*outline(robot, pose).T, color=VERMILION, linewidth=1.2 + 0.3 * k, linestyle=(0, (4, 2)),
+            left.plot(*outline(robot, pose).T, color=VERMILION, linewidth=1.2 + 0.3 * k,
+                      linestyle=(0, (4, 2)),
                       label="guess and iterates" if k == 0 else f"_{k}")
             if k < 2:
-                left.annotate(str(k), outline(robot, pose)[2], (7, 6), textcoords="offset points", color=VERMILION)
-        left.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title="From the guess to the pose")
+                left.annotate(str(k), outline(robot, pose)[2], (7, 6),
+                              textcoords="offset points", color=VERMILION)
+        left.set(aspect="equal", xlabel="x [m]", ylabel="y [m]",
+                 title="From the guess to the pose")
         left.margins(0.09)
         left.legend(loc="lower center", ncols=2)
         right.semilogy(range(len(errors)), np.maximum(errors, 1e-17), marker="o", color=INK)
         right.axhspan(1e-17, 1e-15, color=GREY, alpha=0.2, linewidth=0)
         right.annotate("rounding", (0, 1.3e-16), color=GREY, va="center")
-        right.set(xlabel="iteration", ylabel="error ‖(δx, δy, δφ)‖ [m, rad]", title="The error squares itself",
+        right.set(xlabel="iteration", ylabel="error ‖(δx, δy, δφ)‖ [m, rad]",
+                  title="The error squares itself",
                   ylim=(1e-17, 3), xticks=range(len(errors)))
         figure.alt_text = ("Platform outlines from the guess to the true pose, and the error per iteration: "
                            + ", ".join(f"{error:.1g}" for error in errors) + ".")
@@ -92,22 +98,27 @@ def cloud(errors: ArrayLike, covariance: ArrayLike) -> Figure:
     """
     sample, C = 1e3 * np.asarray(errors, dtype=float), 1e6 * np.asarray(covariance, dtype=float)
     turn = np.linspace(0, 2 * np.pi, 200)
-    ellipse = ELLIPSE_95 * np.linalg.cholesky(C[:2, :2]) @ np.array([np.cos(turn), np.sin(turn)])
+    ellipse = ELLIPSE_95 * np.linalg.cholesky(C[:2, :2]) @ np.array([np.cos(turn),
+                                                                     np.sin(turn)])
     inside = np.einsum("ki,ij,kj->k", sample[:, :2], np.linalg.inv(C[:2, :2]), sample[:, :2]) <= ELLIPSE_95**2
     with house_style():
         figure = Figure(figsize=(10.0, 4.2), layout="constrained")
         left, right = figure.subplots(1, 2)
-        left.plot(*sample[:, :2].T, linestyle="none", marker=".", markersize=4, color=BLUE, alpha=0.6,
+        left.plot(*sample[:, :2].T, linestyle="none", marker=".", markersize=4, color=BLUE,
+                  alpha=0.6,
                   label="recovered")
         left.plot(*ellipse, color=VERMILION, label="predicted, 95 %")
         left.set(aspect="equal", xlabel="δx [mm]", ylabel="δy [mm]",
                  title=f"{100 * inside.mean():.0f} % inside the ellipse")
         left.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
         sigma = float(np.sqrt(C[2, 2]))
-        right.hist(sample[:, 2], bins=25, density=True, color=BLUE, alpha=0.6, label="recovered")
+        right.hist(sample[:, 2], bins=25, density=True, color=BLUE, alpha=0.6,
+                   label="recovered")
         x = np.linspace(-4 * sigma, 4 * sigma, 200)
-        right.plot(x, np.exp(-(x / sigma)**2 / 2) / (sigma * np.sqrt(2 * np.pi)), color=VERMILION, label="predicted")
-        right.set(xlabel="δφ [mrad]", ylabel="density [1/mrad]", title="Angle", xlim=(-4 * sigma, 5 * sigma))
+        right.plot(x, np.exp(-(x / sigma)**2 / 2) / (sigma * np.sqrt(2 * np.pi)),
+                   color=VERMILION, label="predicted")
+        right.set(xlabel="δφ [mrad]", ylabel="density [1/mrad]", title="Angle",
+                  xlim=(-4 * sigma, 5 * sigma))
         right.legend(loc="upper right")
         figure.alt_text = (f"Scatter of {len(sample)} position errors; {100 * inside.mean():.0f} % lie inside "
                            "the predicted ellipse; a histogram of angle errors beside it.")
@@ -120,19 +131,22 @@ def residual_bars(all_cables: ArrayLike, left_out: ArrayLike) -> Figure:
     all_cables : (m,) residual of each cable [m]
     left_out : (m,) size of the residuals without that cable [m]
     """
-    together, without = 1e3 * np.asarray(all_cables, dtype=float), 1e3 * np.asarray(left_out, dtype=float)
+    together, without = 1e3 * np.asarray(all_cables, dtype=float), 1e3 * np.asarray(left_out,
+                                                                                    dtype=float)
     cables = np.arange(1, len(together) + 1)
     with house_style():
         figure = Figure(figsize=(10.0, 3.6), layout="constrained")
         left, right = figure.subplots(1, 2)
         for panel, values in ((left, together), (right, without)):
-            bars = panel.bar(cables, values, width=0.6, color=[cable_style(i).color for i in range(len(cables))])
+            bars = panel.bar(cables, values, width=0.6,
+                             color=[cable_style(i).color for i in range(len(cables))])
             panel.bar_label(bars, [f"{value + 0.0:.1f}".replace("-", "−") for value in values], padding=2)
             panel.axhline(0, color=INK, linewidth=0.8)
             panel.grid(axis="x", visible=False)
             panel.margins(y=0.2)
         left.set(xlabel="cable", ylabel="residual [mm]", title="All cables in the fit")
-        right.set(xlabel="cable left out", ylabel="remaining residual ‖r‖ [mm]", title="One cable left out")
+        right.set(xlabel="cable left out", ylabel="remaining residual ‖r‖ [mm]",
+                  title="One cable left out")
         figure.alt_text = (f"Largest residual in the fit to all: cable {np.abs(together).argmax() + 1}; "
                            f"least remains without cable {without.argmin() + 1}.")
     return figure
@@ -155,17 +169,20 @@ def flight(time: ArrayLike, errors: ArrayLike, sigmas: ArrayLike, residuals: Arr
         for i, name in enumerate(_POSE_ERRORS):
             panel = panels[str(i)]
             panel.fill_between(t, -band[:, i], band[:, i], color=ORANGE, alpha=0.3, linewidth=0)
-            panel.plot(t, off[:, i], color=AXIS_COLORS[i % 3], linewidth=1.0, marker=".", markersize=4)
+            panel.plot(t, off[:, i], color=AXIS_COLORS[i % 3], linewidth=1.0, marker=".",
+                       markersize=4)
             panel.set(ylabel=name, xlabel="time [s]" if i > 2 else "")
         panels["0"].set_title("Error; shaded: predicted ±2σ", fontsize=11)
         panel = panels["r"]
         for i in range(left_over.shape[1]):
-            panel.plot(t, left_over[:, i], linewidth=1.0, marker=".", markersize=3, label=str(i + 1),
+            panel.plot(t, left_over[:, i], linewidth=1.0, marker=".", markersize=3,
+                       label=str(i + 1),
                        **cable_style(i)._asdict())
         panel.axhspan(-2e3 * sigma, 2e3 * sigma, color=GREY, alpha=0.15, linewidth=0)
         panel.set(xlabel="time [s]", ylabel="residual [mm]",
                   title="Residuals measured − fitted length; gray: ±2σ of one length")
-        panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="cable", labelspacing=0.2)
+        panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="cable",
+                     labelspacing=0.2)
         share = (np.abs(off) <= band).mean()
         figure.alt_text = (f"Six pose errors over {t[-1]:.2g} s, {100 * share:.0f} % of them inside their ±2σ band; "
                            f"length residuals of at most {np.abs(left_over).max():.2g} mm.")

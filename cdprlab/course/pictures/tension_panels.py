@@ -1,7 +1,5 @@
 """The set of tensions drawn: polygon or interval with the methods' points in it, and tensions as bars with limits."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -41,7 +39,8 @@ MARKS = {
 OWN = (Mark("D", INK, 13), Mark("o", INK, 20))
 """Points of no method, a student's own or the one that walks along the border: hollow, so that nothing hides."""
 
-def plot_tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, tension_max: ArrayLike,
+def plot_tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike,
+                     tension_max: ArrayLike,
                      methods: Sequence[str] = (), own: Mapping[str, ArrayLike] | None = None,
                      title: str = "") -> Figure:
     """The interval or polygon of feasible tensions, with methods' and other points in it.
@@ -51,7 +50,8 @@ def plot_tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, tensi
     own : label → tensions (m,) or (k, m), marked too [N]
     title : above the picture
     """
-    found = {name: distribute_tensions(W, w_e, tension_min, tension_max, name) for name in methods}
+    found = {name: distribute_tensions(W, w_e, tension_min, tension_max, name)
+             for name in methods}
     points = {name: answer.tensions for name, answer in found.items()}
     feasible = {name: bool(answer.feasible) for name, answer in found.items()}
     points |= {name: np.asarray(values, float) for name, values in (own or {}).items()}
@@ -70,7 +70,8 @@ def plot_tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, tensi
     return figure
 
 
-def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array], feasible: Mapping[str, bool],
+def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array],
+             feasible: Mapping[str, bool],
              chosen: str = "") -> None:
     """Fill a panel, under house style.
 
@@ -83,19 +84,25 @@ def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array], feasibl
         panel.text(0, 0, set_in_words(free), ha="center", va="center", color=INK)
         panel.set_title("Tensions to choose from")
         return
-    shown = {name: np.atleast_2d(free.coordinates(tau)) for name, tau in points.items() if np.isfinite(tau).all()}
+    shown = {name: np.atleast_2d(free.coordinates(tau)) for name, tau in points.items()
+             if np.isfinite(tau).all()}
     frame = _frame(free, shown)
     (_draw_interval if free.redundancy == 1 else _draw_polygon)(panel, free, frame)
     own = iter(OWN * len(shown))
     for name, places in shown.items():
         mark = MARKS.get(name) or next(own)
         inside = feasible.get(name, True) and mark not in OWN
-        xy = places if free.redundancy == 2 else np.column_stack([places, np.zeros(len(places))])
-        panel.plot(*xy.T, linestyle="none", marker=mark.marker, markersize=mark.size, markeredgecolor=mark.color,
-                   markerfacecolor=mark.color if inside else "none", markeredgewidth=1.6, alpha=0.9, zorder=5,
-                   label=name.replace("_", " ") + ("" if inside or mark in OWN else ", outside"))
+        xy = places if free.redundancy == 2 else np.column_stack([places,
+                                                                  np.zeros(len(places))])
+        panel.plot(*xy.T, linestyle="none", marker=mark.marker, markersize=mark.size,
+                   markeredgecolor=mark.color,
+                   markerfacecolor=mark.color if inside else "none", markeredgewidth=1.6,
+                   alpha=0.9, zorder=5,
+                   label=name.replace("_", " ") + ("" if inside
+                                                   or mark in OWN else ", outside"))
         if name == chosen and ((xy < frame[0]) | (xy > frame[1])).any():
-            panel.text(0.02, 0.02, f"{name.replace('_', ' ')}: beyond this picture", transform=panel.transAxes,
+            panel.text(0.02, 0.02, f"{name.replace('_', ' ')}: beyond this picture",
+                       transform=panel.transAxes,
                        fontsize=9, color=INK, zorder=6, bbox=HALO)
         elif name == chosen:
             panel.plot(*xy.T, linestyle="none", marker="o", markersize=22, markeredgecolor=INK,
@@ -112,7 +119,8 @@ def _frame(free: TensionSet, shown: Mapping[str, Array]) -> Array:
         far = (steps / np.maximum(np.linalg.norm(free.directions, axis=1), 0.1)).max(initial=0.0)
         low, high = np.full(r, -far), np.full(r, far)
     size = max((high - low).max(), 1e-3 * free.high.max(), 1e-9)
-    # Points outside come into view unless they are too far: the polygon must not shrink to a dot.
+    # Points outside come into view unless they are too far: the polygon must not shrink to a
+    # dot.
     for spots in shown.values():
         near = spots[(np.abs(spots - (low + high) / 2) <= 1.3 * size).all(axis=1)]
         if len(near) and len(free.corners):
@@ -129,28 +137,33 @@ def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
             foot = middle + row * (limit - free.least[i] - row @ middle) / size**2
             if np.linalg.norm(foot - middle) > 3 * reach:
                 continue
-            panel.axline(foot, foot + [-row[1] / size, row[0] / size], color=look.color, linestyle=look.linestyle,
+            panel.axline(foot, foot + [-row[1] / size, row[0] / size], color=look.color,
+                         linestyle=look.linestyle,
                          linewidth=0.9, alpha=0.6)
             if len(free.corners) == 0 and limit == free.low[i] > free.least[i]:
                 # To where the limit is kept.
                 way = 0.16 * reach * row / size
                 x, y = foot + 1.25 * way
                 arrow(panel, foot, foot + way, color=look.color, linewidth=1.6)
-                panel.text(x, y, f"{i + 1} min", fontsize=9, color=INK, ha="center", va="center",
+                panel.text(x, y, f"{i + 1} min", fontsize=9, color=INK, ha="center",
+                           va="center",
                            clip_on=True, bbox=HALO)
     if len(free.corners):
-        panel.fill(*free.corners.T, facecolor=GREY, alpha=0.22, edgecolor=INK, linewidth=2.0, zorder=3)
+        panel.fill(*free.corners.T, facecolor=GREY, alpha=0.22, edgecolor=INK,
+                   linewidth=2.0, zorder=3)
         center = free.corners.mean(axis=0)
         for start, end in zip(free.corners, np.roll(free.corners, -1, axis=0)):
             if np.linalg.norm(end - start) > 0.12 * reach:   # shorter edges have no room for the limit's name
                 place = (start + end) / 2
                 side = (place - center) / np.linalg.norm(place - center)
-                label(panel, ", ".join(free.met_limits(free.tensions(place))), place, side, 13, fontsize=9, color=INK,
+                label(panel, ", ".join(free.met_limits(free.tensions(place))), place, side, 13,
+                      fontsize=9, color=INK,
                       zorder=4)
         panel.set_title(f"Feasible tensions: {len(free.corners)} corners")
     else:
         panel.set_title("Empty: no tensions keep all limits")
-    panel.set(xlim=middle[0] + reach * np.array([-1, 1]), ylim=middle[1] + reach * np.array([-1, 1]), aspect="equal",
+    panel.set(xlim=middle[0] + reach * np.array([-1, 1]),
+              ylim=middle[1] + reach * np.array([-1, 1]), aspect="equal",
               xlabel="λ₁ [N], to the right Σ τ grows", ylabel="λ₂ [N], Σ τ stays")
     panel.locator_params(axis="x", nbins=6)
 
@@ -162,25 +175,31 @@ def _draw_interval(panel: Axes, free: TensionSet, frame: Array) -> None:
     for i in range(m):
         look = cable_style(i)
         if abs(h[i]) > 1e-9:
-            ends = sorted((limit - free.least[i]) / h[i] for limit in (free.low[i], free.high[i]))
+            ends = sorted((limit - free.least[i]) / h[i]
+                          for limit in (free.low[i], free.high[i]))
         else:   # the cable does not mind λ: it agrees with all or none
             kept = free.low[i] <= free.least[i] <= free.high[i]
             ends = [low - 1, high + 1] if kept else [np.nan, np.nan]
         left, right = np.clip(ends, low - 0.05 * (high - low), high + 0.05 * (high - low))
-        panel.barh(i + 1, right - left, left=left, height=0.5, color=look.color, alpha=0.55, edgecolor=look.color)
-        for end, name, side, gap in zip(ends, ("min", "max") if h[i] > 0 else ("max", "min"), ("left", "right"),
+        panel.barh(i + 1, right - left, left=left, height=0.5, color=look.color, alpha=0.55,
+                   edgecolor=look.color)
+        for end, name, side, gap in zip(ends, ("min", "max") if h[i] > 0 else ("max", "min"),
+                                        ("left", "right"),
                                         (4, -4)):
             if low < end < high:
-                panel.annotate(name, (end, i + 1), (gap, 0), textcoords="offset points", ha=side, va="center",
+                panel.annotate(name, (end, i + 1), (gap, 0), textcoords="offset points",
+                               ha=side, va="center",
                                fontsize=9, color=INK)
     if len(free.corners):
-        panel.axvspan(free.corners[0, 0], free.corners[-1, 0], facecolor=GREY, alpha=0.22, edgecolor=INK, zorder=0)
+        panel.axvspan(free.corners[0, 0], free.corners[-1, 0], facecolor=GREY, alpha=0.22,
+                      edgecolor=INK, zorder=0)
         words = " to ".join(f"{end + 0.0:.4g}" for end in free.corners[[0, -1], 0])
         panel.set_title(f"Feasible λ: {words} N".replace("-", "−"))
     else:
         panel.set_title("Empty: no λ suits all cables")
     panel.set(xlim=(low, high), ylim=(m + 0.6, -0.7), yticks=range(m + 1),
-              yticklabels=["answers", *(f"cable {i + 1}" for i in range(m))], xlabel="λ [N], to the right Σ τ grows",
+              yticklabels=["answers", *(f"cable {i + 1}" for i in range(m))],
+              xlabel="λ [N], to the right Σ τ grows",
               ylabel="")
     panel.grid(axis="y", visible=False)
 
@@ -196,18 +215,22 @@ def draw_bars(panel: Axes, tensions: Array, low: Array, high: Array, title: str)
     for i in np.flatnonzero(np.isfinite(tensions)).tolist():
         look, tension = cable_style(i), tensions[i]
         broken = "below min" if tension < low[i] - close else "above max" if tension > high[i] + close else ""
-        panel.barh(i + 1, tension, height=0.56, color="white" if broken else look.color, edgecolor=look.color,
+        panel.barh(i + 1, tension, height=0.56, color="white" if broken else look.color,
+                   edgecolor=look.color,
                    linestyle=look.linestyle, hatch="//" if broken else None, linewidth=1.4)
-        panel.annotate(f"{tension:.4g} N {broken}".strip().replace("-", "−"), (max(tension, 0.0), i + 1), (5, 0),
+        panel.annotate(f"{tension:.4g} N {broken}".strip().replace("-", "−"),
+                       (max(tension, 0.0), i + 1), (5, 0),
                        textcoords="offset points", va="center", fontsize=9, color=INK, zorder=6,
                        bbox=HALO)
     for limits, cables in ((low, np.arange(m)), (high, np.flatnonzero(near))):
-        panel.vlines(limits[cables], cables + 0.6, cables + 1.4, color=INK, linewidth=2.2, zorder=5)
+        panel.vlines(limits[cables], cables + 0.6, cables + 1.4, color=INK,
+                     linewidth=2.2, zorder=5)
     bottom = np.nanmin(tensions, initial=0.0)
     right = high[near].max(initial=top)
     ends = f"{_span(low)} and {_span(high)} N" + ("" if near.all() else " (off scale)")
     room = 1.0 if (tensions > high).any() else 0.5
-    panel.set(xlim=(1.15 * bottom, right + room * (right - bottom)), ylim=(m + 0.6, 0.4), yticks=range(1, m + 1),
+    panel.set(xlim=(1.15 * bottom, right + room * (right - bottom)), ylim=(m + 0.6, 0.4),
+              yticks=range(1, m + 1),
               ylabel="cable", xlabel=f"tension [N]; black: limits\n{ends}")
     panel.grid(axis="y", visible=False)
     panel.set_title(title)

@@ -1,7 +1,5 @@
 """All tensions that hold a platform, and what the limits leave of them: an interval (r = 1) or a polygon (r = 2)."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -20,10 +18,11 @@ class TensionSet(NamedTuple):
     """The tensions τ = τ_p + N λ that balance a wrench, and those inside the limits, in coordinates one can draw.
 
     least : (m,) τ_p = −W⁺ w_e, at λ = 0 [N]
-    directions : (m, r) N, orthonormal, so that distances between λ are those between tensions; along the first Σ τ
-        grows fastest, along the second it does not change
+    directions : (m, r) N, orthonormal, so that distances between λ are those between tensions;
+        along the first Σ τ grows fastest, along the second it does not change
     low, high : (m,) limits [N]
-    corners : (v, r) λ of the feasible polygon, counter-clockwise, or of the interval's ends; empty if infeasible [N]
+    corners : (v, r) λ of the feasible polygon, counter-clockwise, or of the interval's ends;
+        empty if infeasible [N]
     """
 
     least: Array
@@ -50,13 +49,15 @@ class TensionSet(NamedTuple):
         if len(self.corners) == 0:
             return np.full(self.redundancy, np.nan)
         way = np.concatenate([self.corners, self.corners[:1]]) if self.redundancy == 2 else self.corners
-        lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+        lengths = np.concatenate([[0.0],
+                                  np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
         return np.array([np.interp(share * lengths[-1], lengths, column) for column in way.T])
 
     def met_limits(self, tensions: ArrayLike) -> list[str]:
         """The limits that tensions lie on, such as "3 min"."""
         tau, close = np.asarray(tensions, float), MET * self.high.max()
-        return [f"{i + 1} {name}" for i in range(tau.size) for name, limit in (("min", self.low), ("max", self.high))
+        return [f"{i + 1} {name}" for i in range(tau.size)
+                for name, limit in (("min", self.low), ("max", self.high))
                 if abs(tau[i] - limit[i]) <= close]
 
 
@@ -73,7 +74,8 @@ def tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, tension_ma
     """
     balanced = distribute_tensions(W, w_e, tension_min, tension_max, "pseudo_inverse")
     least, matrix = np.asarray(balanced.tensions), np.asarray(W, float)
-    low, high = (np.broadcast_to(np.asarray(limit, float), least.shape) for limit in (tension_min, tension_max))
+    low, high = (np.broadcast_to(np.asarray(limit, float), least.shape)
+                 for limit in (tension_min, tension_max))
     N = _directions(null_space(matrix))
     corners = np.zeros((0, N.shape[1]))
     reached = np.abs(balanced.residual).max() <= MET * (1 + np.abs(np.asarray(w_e, float)).max())
@@ -106,7 +108,8 @@ def set_in_words(free: TensionSet) -> str:
     """
     r = free.redundancy
     if r not in (1, 2):
-        return f"r = {r}: " + ("nothing to choose." if r == 0 else "too many dimensions for a picture.")
+        return f"r = {r}: " + ("nothing to choose."
+                               if r == 0 else "too many dimensions for a picture.")
     if len(free.corners) == 0:
         return f"r = {r}: no tensions within the limits."
     if r == 1:

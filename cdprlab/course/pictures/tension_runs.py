@@ -1,7 +1,5 @@
 """The same flight by several distributions: tensions apart, motion together."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -22,7 +20,8 @@ def plot_tension_runs(runs: Sequence[Any]) -> Figure:
     runs : of the same task, by different methods
     Raises InvalidInput where their times differ, or tensions were not commanded.
     """
-    if not runs or any(run.time.shape != runs[0].time.shape or run.commanded_lengths is not None for run in runs):
+    if not runs or any(run.time.shape != runs[0].time.shape or run.commanded_lengths is not None
+                       for run in runs):
         raise InvalidInput("plot_tension_runs takes runs of one duration with commanded tensions, got "
                            + (", ".join(f"{run.method} {run.time.size} steps" for run in runs) or "none"))
     with house_style():
@@ -35,29 +34,37 @@ def plot_tension_runs(runs: Sequence[Any]) -> Figure:
         for panel, run in zip(panels, runs):
             for i, style in enumerate(styles):
                 panel.plot(run.time, run.commanded_tensions[:, i], linewidth=1.4, **style)
-                panel.plot(run.time, run.measured_tensions[:, i], color=style["color"], linestyle="none", marker="o",
+                panel.plot(run.time, run.measured_tensions[:, i], color=style["color"],
+                           linestyle="none", marker="o",
                            markersize=4, markeredgecolor="white", markeredgewidth=0.4,
                            markevery=(every * i // 8, every))
             panel.set(title=run.method.replace("_", " "), xlabel="time [s]")
         panels[0].set_ylabel("tension [N]")
-        handles: list[Any] = [Line2D([], [], label=str(i + 1), **style) for i, style in enumerate(styles)]
-        dot = Line2D([], [], color=INK, marker="o", markersize=4, linestyle="none", label="measured")
-        parts[0].legend(handles=[*handles, dot], loc="outside lower center", ncols=m + 1, title="cable", fontsize=9,
+        handles: list[Any] = [Line2D([], [], label=str(i + 1), **style)
+                              for i, style in enumerate(styles)]
+        dot = Line2D([], [], color=INK, marker="o", markersize=4, linestyle="none",
+                     label="measured")
+        parts[0].legend(handles=[*handles, dot], loc="outside lower center", ncols=m + 1,
+                        title="cable", fontsize=9,
                         title_fontsize=9, columnspacing=1.2)
         left, right = parts[1].subplots(1, 2)
         for k, run in enumerate(runs):
             # The last run is drawn thinnest: lines on each other stay visible.
-            look = {"color": cable_style(k).color, "linestyle": CABLE_DASHES[k % len(CABLE_DASHES)],
+            look = {"color": cable_style(k).color,
+                    "linestyle": CABLE_DASHES[k % len(CABLE_DASHES)],
                     "linewidth": 1.4 * (len(runs) - k), "label": run.method.replace("_", " ")}
             residual = np.abs(run.measured_tensions - run.commanded_tensions).max(axis=1)
             left.plot(run.time, 1e3 * residual, **look)
             right.plot(run.time, 1e3 * run.position_errors, **look)
-        left.set(xlabel="time [s]", ylabel="residual [mN]", title="Largest |measured − commanded|")
-        right.set(xlabel="time [s]", ylabel="off the path [mm]", title="Platform: distance from the reference")
+        left.set(xlabel="time [s]", ylabel="residual [mN]",
+                 title="Largest |measured − commanded|")
+        right.set(xlabel="time [s]", ylabel="off the path [mm]",
+                  title="Platform: distance from the reference")
         right.legend()
         left.set_ylim(bottom=0.0)
         right.set_ylim(bottom=0.0)
         figure.alt_text = "; ".join(f"{run.method.replace('_', ' ')}: tensions {run.commanded_tensions.min():.0f} to "
                                     f"{run.commanded_tensions.max():.0f} N, platform at most "
-                                    f"{1e3 * run.position_errors.max():.2g} mm off" for run in runs)
+                                    f"{1e3 * run.position_errors.max():.2g} mm off"
+                                    for run in runs)
     return figure

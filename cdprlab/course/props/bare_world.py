@@ -1,7 +1,5 @@
 """A planar robot alone: no frame, no box, and no floor within reach."""
 
-from __future__ import annotations
-
 from ...errors import InvalidInput
 from ...robot import Robot
 from ...robot.pose import Pose
@@ -23,4 +21,5 @@ def bare_world(robot: Robot, pose: Pose) -> World:
     """
     if robot.dimension != 2:
         raise InvalidInput(f"this experiment is for planar robots, got {robot!r}")
-    return World("bare", "", "", robot, pose, Scene(frame=None, floor_height=_DEEP, boxes=()), {}, None)
+    return World("bare", "", "", robot, pose,
+                 Scene(frame=None, floor_height=_DEEP, boxes=()), {}, None)

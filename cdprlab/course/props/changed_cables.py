@@ -1,7 +1,5 @@
 """Robots whose cables are not quite the ones they came with."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

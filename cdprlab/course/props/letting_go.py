@@ -1,7 +1,5 @@
 """Hold constant tensions on a planar robot at rest, let it go, and see whether it stays: statics put to the test."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -32,7 +30,8 @@ class Motion(NamedTuple):
         return float(np.linalg.norm(self.positions[-1] - self.positions[0]))
 
 
-def let_go(robot: Robot, pose: Pose, tensions: ArrayLike, push: ArrayLike | None = None, duration: float = 0.5,
+def let_go(robot: Robot, pose: Pose, tensions: ArrayLike, push: ArrayLike | None = None,
+           duration: float = 0.5,
            dt: float = 1e-3) -> Motion:
     """The first moments of a planar robot whose winches hold these tensions: M a = W max(τ, 0) + w_e.
 
@@ -48,7 +47,8 @@ def let_go(robot: Robot, pose: Pose, tensions: ArrayLike, push: ArrayLike | None
     >>> let_go(point_load(2), Pose([0, 1], angle=0), [-50, 0]).acceleration
     array([ 0.  , -9.81])
     """
-    wrench = np.zeros(robot.n_dof) if push is None else as_array(push, "push", (robot.n_dof,), "N, N m")
+    wrench = np.zeros(robot.n_dof) if push is None else as_array(push, "push",
+                                                                 (robot.n_dof,), "N, N m")
     pulls = np.maximum(as_array(tensions, "tensions", (robot.n_cables,), "N"), 0.0)
     steps = round(as_number(duration, "duration", "s") / dt)
     with open_simulator(bare_world(robot, pose), cables="tension", dt=dt) as engine:

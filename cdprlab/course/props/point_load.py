@@ -90,7 +90,8 @@ def point_load(n_cables: int) -> Robot:
     if n_cables not in EXIT_POINTS:
         raise InvalidInput(f"the point load hangs on 2, 3 or 4 cables, got {n_cables!r}")
     here = np.zeros(2)
-    cables = tuple(Cable(np.array(exit_point), here, 0.0, 1e4) for exit_point in EXIT_POINTS[n_cables])
+    cables = tuple(Cable(np.array(exit_point), here, 0.0, 1e4)
+                   for exit_point in EXIT_POINTS[n_cables])
     load = Platform(MASS, np.array(0.1), here, np.array([0.2, 0.2]), here)
     return Robot(MOTION_PATTERNS["2T"], load, cables)
 
@@ -121,7 +122,8 @@ def circle_crossings(centers: ArrayLike, lengths: ArrayLike) -> Array:
 
     centers : (2, 2) one row an exit point, not both at one place [m]
     lengths : (…, 2) of the cables [m]
-    Returns (…, 2, 2) both places, the lower one first [m]; nan where the circles miss each other.
+    Returns (…, 2, 2) both places, the lower one first [m]; nan where the circles miss each
+    other.
 
     >>> circle_crossings([[0, 3], [5, 3]], [3, 4])
     array([[1.8, 0.6],
@@ -161,7 +163,8 @@ def null_vector(W: Array) -> Array:
         h = kernel[:, 0] * (1.0 if kernel.sum() >= 0 else -1.0)
     else:
         # h = N z with |h| ≤ 1 and t ≤ h_i, t as large as possible.
-        rows = np.block([[-kernel, np.ones((m, 1))], [kernel, np.zeros((m, 1))], [-kernel, np.zeros((m, 1))]])
+        rows = np.block([[-kernel, np.ones((m, 1))], [kernel, np.zeros((m, 1))],
+                         [-kernel, np.zeros((m, 1))]])
         bounds = np.concatenate([np.zeros(m), np.ones(2 * m)])
         h = kernel @ largest_last(rows, bounds)[1]
         if np.abs(h).max() < 1e-9:  # no h ≥ 0 but zero: any direction will do

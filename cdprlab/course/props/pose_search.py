@@ -1,7 +1,5 @@
 """Pure Gauss–Newton from lengths to a planar pose, every step kept; and a robot of three to six cables to try it on."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +14,8 @@ from ...robot.pose import Pose
 EXIT_POINTS = ((-2.0, 3.0), (2.0, 3.0), (2.0, 0.0), (-2.0, 0.0), (-2.0, 1.5), (2.0, 1.5))
 """Of the planar robot, cables 1 to 6 [m]."""
 
-ANCHOR_POINTS = ((-0.4, -0.25), (0.4, -0.25), (0.4, 0.25), (-0.4, 0.25), (0.4, 0.25), (-0.4, -0.25))
+ANCHOR_POINTS = ((-0.4, -0.25), (0.4, -0.25), (0.4, 0.25), (-0.4, 0.25), (0.4, 0.25),
+                 (-0.4, -0.25))
 """Cables from above hold the lower corners and those from below the upper ones, which fixes the angle well [m]."""
 
 _STEPS = 60
@@ -50,7 +49,8 @@ def six_cables(count: int = 6) -> Robot:
     """
     if count not in (3, 4, 5, 6):
         raise InvalidInput(f"this robot has 3, 4, 5 or 6 cables, got {count!r}")
-    cables = tuple(Cable(np.array(a), np.array(b), 10.0, 1000.0) for a, b in zip(EXIT_POINTS, ANCHOR_POINTS))
+    cables = tuple(Cable(np.array(a), np.array(b), 10.0, 1000.0)
+                   for a, b in zip(EXIT_POINTS, ANCHOR_POINTS))
     platform = Platform(10.0, np.array(0.75), np.zeros(2), np.array([0.8, 0.5]), np.zeros(2))
     return Robot(MOTION_PATTERNS["1R2T"], platform, cables[:count])
 

@@ -1,7 +1,5 @@
 """Hang a planar robot on ropes of given lengths and wait: where does it come to rest, and which ropes are taut?"""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +34,8 @@ class Settled(NamedTuple):
 
     pose : of the platform
     tensions : (m,) [N]
-    spare : (m,) rope let out beyond the distance it spans [m]; negative where the engine could not keep to the length
+    spare : (m,) rope let out beyond the distance it spans [m]; negative where the engine could
+        not keep to the length
     """
 
     pose: Pose
@@ -68,7 +67,8 @@ def hang(robot: Robot, lengths: ArrayLike, start: Pose) -> Settled:
     (array([0. , 1.5]), array([81.75, 81.75]))
     """
     wanted = as_array(lengths, "lengths", (robot.n_cables,), "m")
-    with open_simulator(bare_world(every_cable(robot, speed_max=np.inf), start), cables="length", dt=_STEP,
+    with open_simulator(bare_world(every_cable(robot, speed_max=np.inf), start),
+                        cables="length", dt=_STEP,
                         solver_iterations=_ITERATIONS) as engine:
         drag = _critical_drag(robot, wanted)
         given, winding, lulls, tugs = engine.lengths, round(_WINDING / _STEP), 0, 0
@@ -80,7 +80,8 @@ def hang(robot: Robot, lengths: ArrayLike, start: Pose) -> Settled:
                 break
             engine.push(-drag * twist)
             engine.wind(given + min(k / winding, 1.0) * (wanted - given))
-        return Settled(Pose.of(engine.position, engine.rotation), engine.tensions, wanted - engine.lengths)
+        return Settled(Pose.of(engine.position, engine.rotation), engine.tensions,
+                       wanted - engine.lengths)
 
 
 def _torn(engine: Simulator, lengths: Array) -> bool:

@@ -1,7 +1,5 @@
 """How much slack makes a configuration certain."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np
@@ -13,13 +11,16 @@ from ...errors import InvalidInput
 from ...robot import Robot
 
 
-def slack_length(robot: Robot, position: ArrayLike, configuration: Iterable[int], length_error: float = 0.01, *,
+def slack_length(robot: Robot, position: ArrayLike, configuration: Iterable[int],
+                 length_error: float = 0.01, *,
                  exit_uncertainty: float = 0.0) -> float:
     """The smallest length, added to every other cable, that leaves only one configuration compatible [m].
 
     position : (3,) or a Pose [m]; configuration : three cables, numbered from 1
-    length_error : ± of each measured length [m]; exit_uncertainty : half width of the box around each A_i [m]
-    Raises InvalidInput where no such length up to 4 m exists: the position is too near the triangle's edge.
+    length_error : ± of each measured length [m]; exit_uncertainty : half width of the box
+        around each A_i [m]
+    Raises InvalidInput where no such length up to 4 m exists: the position is too near the
+    triangle's edge.
     Source: Ramadour and Merlet 2014, section VI, where it is 0.20 m throughout.
 
     >>> import cdprlab as cl
@@ -35,12 +36,14 @@ def slack_length(robot: Robot, position: ArrayLike, configuration: Iterable[int]
     others[chosen.indices] = 0.0
 
     def certain(slack: float) -> bool:
-        found = compatible_configurations(robot, rho + slack * others, length_error, exit_uncertainty=exit_uncertainty)
+        found = compatible_configurations(robot, rho + slack * others, length_error,
+                                          exit_uncertainty=exit_uncertainty)
         return found == (chosen,)
 
     growth = 1.1
     slacks = 1e-3 * growth**np.arange(88)       # a millimeter to four meters
-    # Certainty may end again at longer slack, where another triplet's cables just meet: the first that is certain.
+    # Certainty may end again at longer slack, where another triplet's cables just meet: the
+    # first that is certain.
     high = next((slack for slack in slacks if certain(slack)), None)
     if high is None:
         raise InvalidInput(f"no slack makes {chosen} certain at {M.tolist()} with lengths known to ± {length_error:g} "

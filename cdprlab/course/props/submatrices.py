@@ -1,7 +1,5 @@
 """The papers' available twist set of bases that move: what all square sub-matrices of J allow together."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from typing import NamedTuple
 
@@ -32,8 +30,9 @@ def submatrix_twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
                         base_speed_max: ArrayLike) -> SubmatrixTwistSet:
     """What all square sub-matrices of J allow together: ∩ₖ {Jₖ⁻¹ (l̇ₖ + Bₖ q̇)}, singular ones left out.
 
-    Always contains the available twist set, and equals it when every base moves by itself (its block of B is its
-    cables' rows of J times the base's own Jacobian) and J has full column rank.
+    Always contains the available twist set, and equals it when every base moves by itself (its
+    block of B is its cables' rows of J times the base's own Jacobian) and J has full column
+    rank.
 
     J : (m, n); B : (m, a); speed_max : (m,); base_speed_max : (a,)
     Raises InvalidInput where no sub-matrix is regular.
@@ -58,7 +57,8 @@ def submatrix_twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
         raise InvalidInput(f"no {n} of the {m} cables determine the twist: J has no regular sub-matrix here, so the "
                            "construction says nothing; use available_twist_set")
     reason = _why_not_exact(j, b * base)
-    return SubmatrixTwistSet(Polytope.from_rows(np.concatenate(rows), np.concatenate(limits)), not reason, reason)
+    return SubmatrixTwistSet(Polytope.from_rows(np.concatenate(rows), np.concatenate(limits)),
+                             not reason, reason)
 
 
 def _why_not_exact(J: Array, B: Array) -> str:

@@ -1,7 +1,5 @@
 """The job itself: the machine's phases become references, a controller moves the robot, and all is written down."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -45,7 +43,8 @@ def pick_and_place(world: World, task: str = "pick_and_place",
     speed : the platform's largest [m/s]
     dt, control_period : engine step and control step, the second a multiple of the first [s]
     faults : what stops the job, see `machine`
-    fold : in the end drive the bases together again and couple them; who works on at the same shelf need not
+    fold : in the end drive the bases together again and couple them; who works on at the same
+        shelf need not
     progress : called as (milliseconds done, in all)
     Returns Job: `.state` is "done" or "stopped", `.reason` why.
     Raises InvalidInput for another kind of task; SimulationDiverged.
@@ -94,20 +93,23 @@ class _Work:
         self.driven, self.offset = np.zeros(self.bases.size), np.zeros(3)
         self.empty = self.engine.world.robot
         p, k = len(self.empty.bases), len(self.empty.bases[0].footprint)
-        self.log = Log({"base_poses": ((p, 3), "m, m, rad"), "tilts": ((p,), "rad"), "wheels": ((p, k), "N"),
+        self.log = Log({"base_poses": ((p, 3), "m, m, rad"), "tilts": ((p,), "rad"),
+                        "wheels": ((p, k), "N"),
                         "box_positions": ((3,), "m"), "box_rotations": ((3, 3), ""),
                         "stroke": ((), ""), "carried": ((), "kg"), "states": ((), "")})
         self.wished: list[Reference] = []
 
     def wishes(self, progress: Progress | None) -> Iterator[Reference]:
         """Where the platform should be, step after step, until the job is done or has been stopped for a while."""
-        machine, total = self.machine, round(1e3 * sum(phase.duration for phase in self.machine.phases))
+        machine, total = self.machine, round(1e3 * sum(phase.duration
+                                                       for phase in self.machine.phases))
         self._enter()
         for step in count():
             now = step * self.period
             if machine.ended and now > machine.began + _AFTERMATH:
                 return
-            wish = self.sampled[min(round((now - machine.began) / self.period), len(self.sampled) - 1)]
+            wish = self.sampled[min(round((now - machine.began) / self.period),
+                                    len(self.sampled) - 1)]
             self._drive(now)
             self._draw(now)
             box = self.engine.boxes.pose(BOX)
@@ -133,7 +135,8 @@ class _Work:
             stays = Pose.of(engine.position, engine.rotation) if self.machine.ended == STOPPED else end
             return self._follow(hold(stays, 1.0))
         phase.begin(engine)
-        self._follow(hold(end, phase.duration) if phase.to is None else quintic(end, phase.to, phase.duration))
+        self._follow(hold(end, phase.duration)
+                     if phase.to is None else quintic(end, phase.to, phase.duration))
         if engine.boxes.is_gripped(BOX) and not self.offset.any():
             self.offset = self._held(engine.boxes.pose(BOX)) - (self.stroke - 1) * self.task.stroke
         self.bases = engine.base_poses.copy()
@@ -148,7 +151,8 @@ class _Work:
             for k, (base, stood) in enumerate(zip(self.empty.bases, self.bases)):
                 if base.name in self.machine.phase.drives:   # θ̇, ρ̇₁, ρ̇₂, a rest-to-rest drive along each
                     way = relative(self.machine.phase.drives[base.name], stood)[[2, 0, 1]]
-                    speeds[3 * k:3 * k + 3] = driving_speed(t, way, base.speed_max, ACCELERATION)
+                    speeds[3 * k:3 * k + 3] = driving_speed(t, way, base.speed_max,
+                                                            ACCELERATION)
         self.driven = self.engine.drive(speeds)
 
     def _draw(self, now: float) -> None:
@@ -174,12 +178,14 @@ class _Work:
         place = self.offset + (self.stroke - 1) * self.task.stroke if gripped else self.task.seat + self.task.stroke
         slipped = float(np.linalg.norm(self._held(box) - place))
         base_error = max((math.dist(stands[:2], phase.drives[base.name][:2])
-                          for base, stands in zip(self.empty.bases, engine.base_poses) if base.name in phase.drives),
+                          for base, stands in zip(self.empty.bases, engine.base_poses)
+                          if base.name in phase.drives),
                          default=0.0)
         x, y, z, *turn = pose_error(Pose.of(engine.position, engine.rotation),
                                     wish.pose).tolist()
         return Sensors(now, math.hypot(x, y, z), math.hypot(*turn), engine.tensions,
-                       self.overloaded, self.missing, engine.wheel_loads(), base_error, gripped, slipped)
+                       self.overloaded, self.missing, engine.wheel_loads(), base_error,
+                       gripped, slipped)
 
     def _note(self, wish: Reference, box: Pose, sensors: Sensors) -> None:
         """A row: how all is as the step begins."""

@@ -1,7 +1,5 @@
 """What happened on a job: a run in which more is written down, the states it went through, and how it ended."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any

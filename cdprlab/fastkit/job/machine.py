@@ -1,7 +1,5 @@
 """A state machine a person can read: phases in order, each with its guard, and faults that end in a safe state."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -71,7 +69,8 @@ class Phase:
     name : of the state; what : the same in words
     duration : of its motion [s]
     to : where the platform goes, None: it stays
-    stroke : (2,) share of the gripper's stroke the box is held at, at its begin and end; 0 drawn in, 1 on its board
+    stroke : (2,) share of the gripper's stroke the box is held at, at its begin and end; 0
+        drawn in, 1 on its board
     drives : base name → (x, y, heading) it drives to
     begin : done to the engine as the phase begins: link, grip, release
     guard : asked once the motion is over; the next phase begins when it answers ''

@@ -1,7 +1,5 @@
 """The phases of pick and place, from a task: deploy, take the box, carry it, put it down, return, perhaps fold."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
@@ -82,7 +80,8 @@ def _legs(world: World, task: PickAndPlace, words: tuple[tuple[str, str], ...],
             beside = placed(ends, [[0.0, task.aside, 0.0]])[:, 0].tolist()
             stops, told = [ends[0], *map(tuple, beside), ends[1]], words
         for (state, what), here, there in zip(told, stops, stops[1:]):
-            lasting = driving_time(relative(there, here), base.speed_max[[1, 2, 0]], ACCELERATION)
+            lasting = driving_time(relative(there, here), base.speed_max[[1, 2, 0]],
+                                   ACCELERATION)
             yield Phase(state, what, float(lasting.max()), drives={name: there}, guard=_arrived)
 
 
@@ -169,8 +168,9 @@ def driving_speed(t: float, way: ArrayLike, limit: ArrayLike, acceleration: floa
 def payload(task: PickAndPlace, stroke: float) -> tuple[float, Array]:
     """What the platform carries of a box between tray and board: mass [kg] and where [m], platform frame.
 
-    The board carries the box until its center is over the edge, and nothing once its far face has left it; in between
-    the weight is handed over evenly, all of it at the place where the box leaves its board.
+    The board carries the box until its center is over the edge, and nothing once its far face
+    has left it; in between the weight is handed over evenly, all of it at the place where the
+    box leaves its board.
 
     stroke : 0 drawn in, 1 on its board, where its near face is flush with the edge
 

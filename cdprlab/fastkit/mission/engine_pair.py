@@ -32,8 +32,8 @@ class EnginePair(Pair):
     vehicle : Vehicle; hall : for exact clearances; pose : (3,) of the pair at first [m, m, rad]
     walkers : people; seed : of all noise
 
-    Its ``log`` is what the engine measured on the way, one row a period: tensions (m,) [N], wheels (2, k) load of each
-    wheel [N], tilts, the larger of the two bases' [rad].
+    Its ``log`` is what the engine measured on the way, one row a period: tensions (m,) [N],
+    wheels (2, k) load of each wheel [N], tilts, the larger of the two bases' [rad].
     """
 
     def __init__(self, world: World, vehicle: Vehicle, hall: Hall, pose: ArrayLike,
@@ -45,7 +45,8 @@ class EnginePair(Pair):
         engine.bases.couple()
         engine.bases.lock(engine.platform)
         self._bodies = [self._add_person(walker) for walker in walkers]
-        self.log = Log({"tensions": (engine.tensions.shape, "N"), "wheels": (self._wheels().shape, "N"),
+        self.log = Log({"tensions": (engine.tensions.shape, "N"),
+                        "wheels": (self._wheels().shape, "N"),
                         "tilts": ((), "rad")})
 
     def move(self, twist: Array, period: float) -> None:

@@ -1,7 +1,5 @@
 """The guards of a mission: '' when the next state may begin, else what is in the way."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...arrays import Array

@@ -1,7 +1,5 @@
 """The record of a mission: its events, its parts and what came of them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,7 +18,8 @@ class Mission(Chronicle):
     world, task : what was to be done; seed : of all noise
     state, reason : "done", or "stopped" and why
     events : states in order
-    journey, drive : the way to the shelf, and what the engine measured on it: tensions, wheels, tilts
+    journey, drive : the way to the shelf, and what the engine measured on it: tensions, wheels,
+        tilts
     job : what happened there
     way_home, drive_home : the way back, and what the engine measured on it
     real_time_factor : simulated over elapsed time
@@ -57,10 +56,12 @@ class Mission(Chronicle):
 
     def table(self) -> dict[str, str]:
         """The mission in a few lines."""
-        rows = {f"{number}. {event.state}": f"{event.time:.1f} s" + (f", {event.why}" if event.why else "")
+        rows = {f"{number}. {event.state}": f"{event.time:.1f} s" + (f", {event.why}"
+                                                                     if event.why else "")
                 for number, event in enumerate(self.events, 1)}
         for name, part in self.parts.items():
-            rows.update({f"{name}: {quantity}": value for quantity, value in part.table().items()
+            rows.update({f"{name}: {quantity}": value
+                         for quantity, value in part.table().items()
                          if quantity not in ("state", "real-time factor")})
         return {**rows, "mission time": f"{self.now:.1f} s",
                 "real-time factor": f"{self.real_time_factor:.1f}"}

@@ -1,7 +1,5 @@
 """The hall around a world's shelf: walls and pallets as parts of its scene."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -32,7 +30,8 @@ def in_hall(world: World, bounds: ArrayLike, pallets: ArrayLike = (),
     document = world.to_dict()
     scene = document.setdefault("scene", {})
     scene.setdefault("boxes", []).extend(
-        {"name": name, "position": [x, y, height / 2], "size": [along, across, height], "yaw": yaw}
+        {"name": name, "position": [x, y, height / 2], "size": [along, across, height],
+         "yaw": yaw}
         for name, (x, y, along, across, yaw) in zip(names, np.array(rows).tolist()))
     return World.from_dict(document)
 

@@ -1,13 +1,12 @@
 """FASTKIT's mission, one state after the other: drive to the shelf, stand, deploy, pick and place, return, drive home.
 
-    navigation ─ at the shelf ─▶ undeployed ─ stands still ─▶ deployed ─ base in place ─▶ pick and place
-                                                                                             │ box in place
-    stopped ◀─ any guard that stays shut, any fault          done ◀─ at home ─ home ◀─ coupled again ─ return
+    navigation ─ at the shelf ─▶ undeployed ─ stands still ─▶ deployed ─ base in place ─▶ pick
+    and place │ box in place stopped ◀─ any guard that stays shut, any fault          done ◀─ at
+    home ─ home ◀─ coupled again ─ return
 
-"stopped" is safe, and says why: bases stand still, cables keep holding the platform, the gripper stays as it is.
+"stopped" is safe, and says why: bases stand still, cables keep holding the platform, the
+gripper stays as it is.
 """
-
-from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
@@ -33,7 +32,8 @@ class Stage(NamedTuple):
     name : of it; what : the same in words
     act : what is done in it
     guard : asked then: '' when the next state may begin, else what is in the way
-    begins : where the act of an earlier state did this one too: the job's own state it began with
+    begins : where the act of an earlier state did this one too: the job's own state it began
+        with
     """
 
     name: str
@@ -54,7 +54,8 @@ def run_mission(world: World, bounds: ArrayLike, start: ArrayLike, task: str = "
     task : of kind pick_and_place, with coupled bases
     bounds : (2, 2) of the floor [m]
     start : (3,) pose of the coupled pair, as it is told [m, m, rad]
-    station : (3,) from the berth, in its frame, to where the straight drive into it begins [m, m, rad]
+    station : (3,) from the berth, in its frame, to where the straight drive into it begins
+        [m, m, rad]
     walkers : people; seed : of all noise, that of the true start included
     beams : of each scanner
     work : what is done at the shelf, by default `pick_and_place`, bases folded in the end
@@ -62,7 +63,8 @@ def run_mission(world: World, bounds: ArrayLike, start: ArrayLike, task: str = "
     progress : called with the state and the simulated time
     Returns Mission; a failure ends it in "stopped" with the reason.
     Raises InvalidInput for a task of another kind, or one that begins deployed.
-    Source: Pedemonte et al. 2020, section 2.3 and Fig. 3; the way home is the way there turned round.
+    Source: Pedemonte et al. 2020, section 2.3 and Fig. 3; the way home is the way there turned
+    round.
 
     >>> import cdprlab as cl
     >>> run_mission(cl.load_world("fastkit_suspended"), [[-5, -5], [5, 5]], [0, 0, 0], "default")
@@ -79,7 +81,8 @@ def run_mission(world: World, bounds: ArrayLike, start: ArrayLike, task: str = "
                 as_array(start, "start", (3,), "m, m, rad"),
                 as_array(station, "station", (3,), "m, m, rad"), walkers, beams, progress)
     mission, began = Mission(world, task, seed), time.perf_counter()
-    for event in walk_through(mission, mission_states(trip, work) if states is None else states):
+    for event in walk_through(mission,
+                              mission_states(trip, work) if states is None else states):
         mission.events.append(event)
     mission.real_time_factor = mission.now / (time.perf_counter() - began)
     return mission
@@ -109,5 +112,6 @@ def mission_states(trip: Trip, work: Work | None = None) -> tuple[Stage, ...]:
               watch, box_in_place, "approach"),
         Stage("return", "the platform goes back, the bases fold, the link closes",
               watch, coupled_again, "return"),
-        Stage("home", "coupled, the pair leaves its berth and drives back", trip.drive_home, at_home),
+        Stage("home", "coupled, the pair leaves its berth and drives back",
+              trip.drive_home, at_home),
     )

@@ -1,7 +1,5 @@
 """The acts of a mission: the drive to the shelf, the work there and the drive home, for one hall."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -102,11 +100,13 @@ class Trip:
     def arrived(self, mission: Mission) -> World:
         """The world with its bases as the pair truly stands, and deploys from there straight on.
 
-        That is what calibrating the exit points on the spot would give; the shelf stays where it is.
+        That is what calibrating the exit points on the spot would give; the shelf stays where
+        it is.
         """
         assert mission.journey is not None
         berth, stands = self.berth, mission.journey.poses[-1]
-        coupled = {name: shifted(place, berth, stands) for name, place in self.task.coupled.items()}
+        coupled = {name: shifted(place, berth, stands)
+                   for name, place in self.task.coupled.items()}
         deployed = {base.name: shifted(base.pose, berth, stands)
                     for base in self.world.robot.bases}
         return replace(self.world, robot=self.world.robot.with_bases(deployed),

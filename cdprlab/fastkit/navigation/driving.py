@@ -1,7 +1,5 @@
 """What drives: a pair of bases among people, whatever moves it, and one that moves as its kinematics say."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
@@ -107,7 +105,8 @@ class Pair(ABC):
 
     def scan(self) -> Array:
         """(h, 2) points of all scanners in the vehicle's frame [m]."""
-        return np.concatenate([scanner.points(scanner.measured(self.rays(scanner), self._random))
+        return np.concatenate([scanner.points(scanner.measured(self.rays(scanner),
+                                                               self._random))
                                for scanner in self.vehicle.scanners])
 
     @property

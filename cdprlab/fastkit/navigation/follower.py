@@ -1,7 +1,5 @@
 """Following a plan within the bases' speed limits, and never closer to what is in the way than a safe distance."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -32,7 +30,8 @@ class Follower:
     vehicle : Vehicle; poses : (n, 3) of a `Plan`
     around : (a, 2) points that are not on the map and were planned around, in the world [m]
 
-    ``twist`` is the last command; ``blocked`` whether something that is not on the map keeps it from driving on.
+    ``twist`` is the last command; ``blocked`` whether something that is not on the map keeps it
+    from driving on.
     """
 
     def __init__(self, vehicle: Vehicle, poses: ArrayLike, around: ArrayLike = ()) -> None:
@@ -59,7 +58,8 @@ class Follower:
         wish = self.vehicle.within_limits(_GAIN * relative(self.way[self.aim], pose))
         # Slow enough to stop at the end, v = √(2 a s).
         left = self.vehicle.way(self.way[-1], pose) + 0.01 * (len(self.way) - 1 - self.aim)
-        speed = max(float(np.linalg.norm(wish[:2])), self.vehicle.arm * abs(float(wish[2])), 1e-9)
+        speed = max(float(np.linalg.norm(wish[:2])),
+                    self.vehicle.arm * abs(float(wish[2])), 1e-9)
         wish = wish * min(1.0, np.sqrt(1.6 * _ACCELERATION * left) / speed)
         most = _ACCELERATION * period * np.array([1, 1, 1 / self.vehicle.arm])
         wish = self.twist + np.clip(wish - self.twist, -most, most)
@@ -68,7 +68,8 @@ class Follower:
                            self.vehicle.distances(here, unexpected) - 1e-4)
         for share in (1.0, 0.5, 0.2, 0.0):
             self.twist = share * wish
-            then = self.vehicle.distances(moved(here, np.outer(_HORIZON, self.twist)), unexpected)
+            then = self.vehicle.distances(moved(here, np.outer(_HORIZON, self.twist)),
+                                          unexpected)
             if (then >= least).all():
                 break
         self.blocked = share == 0.0

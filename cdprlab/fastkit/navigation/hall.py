@@ -31,7 +31,8 @@ class Hall:
     def of(cls, rectangles: ArrayLike, bounds: ArrayLike, seen: ArrayLike = True) -> Hall:
         """A hall of rectangles, by default all as high as the scanners.
 
-        rectangles : (k, 5) center x, y, edges along and across [m], heading [rad]; others as above
+        rectangles : (k, 5) center x, y, edges along and across [m], heading [rad]; others as
+            above
 
         >>> Hall.of([[0, 0, 2, 1, 0]], [[-3, -3], [3, 3]]).distance([0, 1.5]).tolist()
         1.0
@@ -59,7 +60,8 @@ class Hall:
     def with_rectangles(self, rectangles: ArrayLike) -> Hall:
         """The hall and more that stands in it; (k, 5) as in `of`."""
         more = Hall.of(rectangles, self.bounds)
-        places, sizes = np.vstack([self.places, more.places]), np.vstack([self.sizes, more.sizes])
+        places, sizes = np.vstack([self.places, more.places]), np.vstack([self.sizes,
+                                                                          more.sizes])
         return Hall(frozen(places), frozen(sizes), self.bounds, np.append(self.seen, more.seen))
 
     @cached_property
@@ -84,6 +86,7 @@ def walls(bounds: ArrayLike) -> Array:
     thickness = 0.1
     (west, south), (east, north) = np.asarray(bounds, dtype=float).tolist()
     x, y, half = (west + east) / 2, (south + north) / 2, thickness / 2
-    return np.array([[x, north + half, east - west, thickness, 0], [x, south - half, east - west, thickness, 0],
+    return np.array([[x, north + half, east - west, thickness, 0],
+                     [x, south - half, east - west, thickness, 0],
                      [west - half, y, thickness, north - south, 0],
                      [east + half, y, thickness, north - south, 0]])

@@ -1,7 +1,5 @@
 """A journey: plan, look, believe, drive, and plan again where something is in the way, until there or stopped."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -96,8 +94,10 @@ def navigate(pair: Pair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
     pair : what drives; hall : the map it goes by
     start : (3,) where it believes to be at first, give or take ``uncertainty`` (3,)
     goal : (3,) [m, m, rad]
-    berth : (3,) driven to from the goal, straight and in a narrower place than plans allow [m, m, rad]
-    leaving : (3,) driven to first, as straight and as narrow: the way out of a berth [m, m, rad]
+    berth : (3,) driven to from the goal, straight and in a narrower place than plans allow
+        [m, m, rad]
+    leaving : (3,) driven to first, as straight and as narrow: the way out of a berth
+        [m, m, rad]
     margin : kept from all that is on the map [m]; period : between two scans [s]
     longest : time allowed [s]
     progress : called with the simulated time
@@ -146,7 +146,8 @@ class _Driver:
 
     def __post_init__(self) -> None:
         self.grid = OccupancyGrid.of(self.hall)
-        self.log = Log({"time": ((), "s"), "poses": ((3,), "m, m, rad"), "estimates": ((3,), "m, m, rad"),
+        self.log = Log({"time": ((), "s"), "poses": ((3,), "m, m, rad"),
+                        "estimates": ((3,), "m, m, rad"),
                         "deviations": ((3,), "m, m, rad"), "clearance": ((), "m"),
                         "waiting": ((), ""), "backing": ((), ""),
                         "people": (self.pair.people.shape, "m")})
@@ -228,7 +229,8 @@ class _Driver:
         around, grid = carried(pose, unexpected), self.grid
         if len(unexpected):
             grid = OccupancyGrid.of(self.hall, points=around, reach=_AROUND)
-        plan = plan_path(grid, vehicle, pose if self.leaving is None else self.leaving, self.stops[0], self.margin)
+        plan = plan_path(grid, vehicle, pose if self.leaving is None else self.leaving,
+                         self.stops[0], self.margin)
         if plan.found and self.leaving is not None:
             plan = with_berth(self.hall, vehicle, plan, pose, leaving=True)
         if plan.found and len(self.stops) > 1:

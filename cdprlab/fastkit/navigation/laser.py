@@ -1,7 +1,5 @@
 """Laser scanners in the plane: where a beam ends, by geometry alone; an engine's rays give the same."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Localization on a known map: a Kalman filter whose measurement is how far scanned points are off the map's edges."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -84,7 +82,8 @@ class Localization:
     def look(self, points: Array) -> Array:
         """Correction: scanned points (h, 2) in the vehicle's frame belong on the map's edges; returns the pose.
 
-        min over q of ‖q − q_predicted‖² / P + Σ d(q p_i)² / σ², points far off every edge left out.
+        min over q of ‖q − q_predicted‖² / P + Σ d(q p_i)² / σ², points far off every edge left
+        out.
         """
         if not len(points) or not len(self.segments):
             return self.pose

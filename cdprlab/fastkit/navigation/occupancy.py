@@ -22,8 +22,8 @@ class OccupancyGrid:
     cell : edge of a cell [m]
     corner : (2,) lowest corner [m]
     occupied : (nx, ny) bool
-    clearance : (nx, ny) lower bound of the distance from anywhere in the cell to what stands there or to the floor's
-        edge; it is at most ``2 √2 cell`` below the true one [m]
+    clearance : (nx, ny) lower bound of the distance from anywhere in the cell to what stands
+        there or to the floor's edge; it is at most ``2 √2 cell`` below the true one [m]
     """
 
     cell: float
@@ -95,7 +95,8 @@ def _near(occupied: Flags, low: Array, cell: float, middle: Array,
           radius: float) -> tuple[tuple[slice, slice], Array]:
     """The cells around a place, and (…, 2) where their centers are [m]."""
     first = np.clip(np.floor((middle - radius - low) / cell).astype(int), 0, occupied.shape)
-    last = np.clip(np.ceil((middle + radius - low) / cell).astype(int) + 1, first, occupied.shape)
+    last = np.clip(np.ceil((middle + radius - low) / cell).astype(int) + 1, first,
+                   occupied.shape)
     x, y = (low[i] + (np.arange(first[i], last[i]) + 0.5) * cell for i in (0, 1))
     centers = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
     return (slice(first[0], last[0]), slice(first[1], last[1])), centers

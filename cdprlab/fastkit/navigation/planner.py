@@ -61,9 +61,11 @@ def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: Arr
     """The quickest way from start to goal: min Σ time × (2 − room left, up to where room is plenty).
 
     grid : of the hall; start, goal : (3,) poses of the vehicle [m, m, rad]
-    margin : kept from all that stands there; from where the pair stands already, as much as there is [m]
+    margin : kept from all that stands there; from where the pair stands already, as much as
+        there is [m]
     Returns Plan; without a way its ``reason`` says why.
-    Source: E. W. Dijkstra, Numerische Mathematik 1, 1959, on the costmap of Pedemonte et al. 2020, section 2.3.
+    Source: E. W. Dijkstra, Numerische Mathematik 1, 1959, on the costmap of Pedemonte et al.
+    2020, section 2.3.
 
     >>> import cdprlab as cl
     >>> from cdprlab.fastkit import Hall
@@ -101,10 +103,12 @@ class _Lattice:
     def __init__(self, grid: OccupancyGrid, vehicle: Vehicle, margin: float) -> None:
         self.grid, self.vehicle, self.margin = grid, vehicle, margin
         size = np.array(grid.occupied.shape) * grid.cell
-        self.xs, self.ys = (grid.corner[i] + np.arange(_STEP / 2, size[i], _STEP) for i in (0, 1))
+        self.xs, self.ys = (grid.corner[i] + np.arange(_STEP / 2, size[i], _STEP)
+                            for i in (0, 1))
         self.headings = np.arange(_HEADINGS * _BETWEEN) * 2 * np.pi / (_HEADINGS * _BETWEEN)
         # A rectangle that is turned round is the same rectangle: half the headings are enough.
-        half = [grid.room_on(vehicle, self.xs, self.ys, heading) for heading in self.headings[:len(self.headings) // 2]]
+        half = [grid.room_on(vehicle, self.xs, self.ys, heading)
+                for heading in self.headings[:len(self.headings) // 2]]
         self.room = np.array(half + half)
         self.free = self.room[::_BETWEEN] >= margin                                  # (headings, nx, ny)
 
@@ -151,7 +155,8 @@ class _Lattice:
         turns = (rooms >= self.margin).all(axis=1)
         edges = []
         for step in ((0, 1, 0), (0, 0, 1), (0, 1, 1), (0, 1, -1), (1, 0, 0)):
-            # Headings go round; places do not, but at the floor's edge, where rolling would join them, none is free.
+            # Headings go round; places do not, but at the floor's edge, where rolling would
+            # join them, none is free.
             back = np.negative(step)
             there, room = (np.roll(nodes, back, axis=(0, 1, 2)) for nodes in (index, wide))
             both = (turns if step[0] else self.free) & self.free.ravel()[there]

@@ -1,7 +1,5 @@
 """Seeded halls to practice in: walls, a shelf to stop at, pallets, somebody walking about."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -40,7 +38,8 @@ def practice_hall(vehicle: Vehicle, seed: int, size: tuple[float, float] = (10.0
     random = np.random.default_rng(seed)
     length, height = size
     shelf = np.array([random.uniform(0.35, 0.65) * length, height - 0.3, 2.4, 0.6, 0.0])
-    goal = np.array([shelf[0], height - 0.6 - gap - vehicle.width / 2, float(random.choice([0.0, np.pi]))])
+    goal = np.array([shelf[0], height - 0.6 - gap - vehicle.width / 2,
+                     float(random.choice([0.0, np.pi]))])
     start = random.uniform([2.0, 1.8, -np.pi], [length - 2.0, 2.2, np.pi])
     keep = np.stack([start, goal])
     rows = [*walls([[0, 0], size]), shelf]

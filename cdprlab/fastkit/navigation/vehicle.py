@@ -57,7 +57,8 @@ class Vehicle:
         if spacing < 2 * half[0]:
             raise InvalidInput(f"coupled bases are at least {2 * half[0]:g} m apart, got {spacing:g} m")
         length, width = spacing + 2 * float(half[0]), 2 * float(half[1])
-        # On opposite corners two scanners of 270 degrees look all around, and see nothing of the bases.
+        # On opposite corners two scanners of 270 degrees look all around, and see nothing of
+        # the bases.
         scanners = (Scanner(-length / 2, width / 2, 0.75 * np.pi, beams=beams),
                     Scanner(length / 2, -width / 2, -0.25 * np.pi, beams=beams))
         discs, radius = _covering(length, width)
@@ -123,7 +124,8 @@ class Vehicle:
 def _covering(length: float, width: float) -> tuple[Array, float]:
     """Centers and radius of discs over the rim of a rectangle: three rows, those inside left out."""
     rows, columns = 3, int(np.ceil(3 * length / width))
-    x, y = (((np.arange(count) + 0.5) / count - 0.5) * size for count, size in ((columns, length), (rows, width)))
+    x, y = (((np.arange(count) + 0.5) / count - 0.5) * size
+            for count, size in ((columns, length), (rows, width)))
     centers = np.stack(np.meshgrid(x, y), axis=-1)
     rim = np.ones((rows, columns), dtype=bool)
     rim[1, 1:-1] = False

@@ -1,7 +1,5 @@
 """A journey from above: the map, what inflation leaves free, plans, the way driven, what the scanners see."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
@@ -31,7 +29,8 @@ def plot_journey(journey: Journey) -> Figure:
         draw_hall(plan, journey.hall, journey.vehicle)
         draw_way(plan, journey)
         # Under all: inside, it would hide the map.
-        figure.legend(*plan.get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=9)
+        figure.legend(*plan.get_legend_handles_labels(), loc="outside lower center", ncols=5,
+                      fontsize=9)
         scan = figure.add_subplot(grid[0, 1])
         draw_scan(scan, journey)
         pose, reach = journey.estimates[-1], journey.vehicle.scanners[0].range + journey.vehicle.length / 2
@@ -59,7 +58,8 @@ def draw_hall(axes: Axes, hall: Hall, vehicle: Vehicle | None = None) -> None:
         axes.plot([], [], "s", color=_SHADE, markersize=9,
                   label="inflated by half the pair's width")
     for outline, seen in zip(hall.outlines, hall.seen):
-        axes.add_patch(Polygon(outline, facecolor=GREY if seen else "none", edgecolor=INK, linewidth=0.8,
+        axes.add_patch(Polygon(outline, facecolor=GREY if seen else "none", edgecolor=INK,
+                               linewidth=0.8,
                                hatch=None if seen else "////", zorder=2))
     axes.set(xlim=(low[0] - 0.15, high[0] + 0.15), ylim=(low[1] - 0.15, high[1] + 0.15),
              aspect="equal", xlabel="x [m]", ylabel="y [m]")
@@ -87,7 +87,8 @@ def draw_way(axes: Axes, journey: Journey, until: float = np.inf) -> None:
               zorder=6, label="goal")
     for person in np.moveaxis(journey.people[:n], 0, 1):
         axes.plot(*person[:, :2].T, ":", color=GREEN, linewidth=1.5, zorder=3, label="person")
-        axes.add_patch(Circle(tuple(person[-1, :2]), float(person[-1, 2]), facecolor=GREEN, edgecolor=INK, zorder=4))
+        axes.add_patch(Circle(tuple(person[-1, :2]), float(person[-1, 2]), facecolor=GREEN,
+                              edgecolor=INK, zorder=4))
 
 
 def draw_scan(axes: Axes, journey: Journey, k: int = -1) -> None:
@@ -116,4 +117,5 @@ def _draw_errors(axes: Axes, journey: Journey) -> None:
 def draw_pair(axes: Axes, vehicle: Vehicle, pose: Array, alpha: float = 1.0) -> None:
     """Both bases; the active one, which drives, is filled."""
     for corners, color in zip(vehicle.base_outlines(pose), (SKY, "white")):
-        axes.add_patch(Polygon(corners, facecolor=color, edgecolor=INK, linewidth=1.0, alpha=alpha, zorder=3))
+        axes.add_patch(Polygon(corners, facecolor=color, edgecolor=INK, linewidth=1.0,
+                               alpha=alpha, zorder=3))

@@ -1,7 +1,5 @@
 """Pictures of a job: what platform, cables, bases and wheels did in which phase, and a film with captions."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -56,7 +54,8 @@ def save_job_film(job: Job, path: str | Path, seconds: float = 16.0, fps: int = 
                   width: int = 640) -> Path:
     """An animated GIF of a job, below 3 MB, each picture with what is being done in words.
 
-    Phases are shown as long as they take, short ones more slowly, or their captions could not be read.
+    Phases are shown as long as they take, short ones more slowly, or their captions could not
+    be read.
 
     path : ends in .gif
     seconds : length of the film [s]; fps : pictures per second; width : [pixels]
@@ -106,7 +105,8 @@ def _show_phases(panels: Sequence[Axes], job: Job) -> None:
         for panel in panels:
             panel.axvspan(start, end, color="#F1F3F5", zorder=0, linewidth=0)
     middles = np.array([start + end for start, end, _ in phases]) / 2
-    for (_, _, name), middle in zip(phases, lasting * spread_apart(middles / lasting, gap=0.017)):
+    for (_, _, name), middle in zip(phases,
+                                    lasting * spread_apart(middles / lasting, gap=0.017)):
         panels[0].annotate(name, (middle, 1.0), xycoords=("data", "axes fraction"),
                            xytext=(0, 4), rotation=60, textcoords="offset points", ha="left",
                            va="bottom", fontsize=9, color=GREY, annotation_clip=False)

@@ -1,7 +1,5 @@
 """Pictures of a mission's drives: what the scanners saw on the way, and what wheels, masts and cables had to bear."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -28,7 +26,8 @@ def plot_scans(journey: Journey, moments: int = 6) -> Figure:
         rows = -(-moments // columns)
         figure = Figure(figsize=(11.0, 3.2 * rows + 0.4), layout="constrained")
         panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
-        for panel, k in zip(panels, np.linspace(0, len(journey.time) - 1, moments).round().astype(int)):
+        for panel, k in zip(panels,
+                            np.linspace(0, len(journey.time) - 1, moments).round().astype(int)):
             draw_scan(panel, journey, k)
             for x, y in journey.people[k, :, :2].tolist():
                 panel.plot(x, y, "o", color=GREEN, markersize=8, zorder=4, label="person")
@@ -48,20 +47,25 @@ def plot_drives(mission: Mission) -> Figure:
 
     mission : Mission with one of the two at least
     """
-    ways = [(name, way, drive) for name, way, drive in (("way there", mission.journey, mission.drive),
-                                                       ("way home", mission.way_home, mission.drive_home))
+    ways = [(name, way, drive)
+            for name, way, drive in (("way there", mission.journey, mission.drive),
+                                                       ("way home", mission.way_home,
+                                                        mission.drive_home))
             if way is not None and drive is not None and len(drive)]
     with house_style():
         figure = Figure(figsize=(11.0, 8.0), layout="constrained")
-        panels = figure.subplots(4, max(1, len(ways)), sharex="col", sharey="row", squeeze=False)
+        panels = figure.subplots(4, max(1, len(ways)), sharex="col", sharey="row",
+                                 squeeze=False)
         for column, (name, way, drive) in zip(panels.T, ways):
             column[0].set_title(name)
             _draw_drive(column, mission, way, drive)
             column[-1].set_xlabel("time [s]")
-        for panel, label in zip(panels[:, 0], ("room left [m]", "least edge\nload [N]", "tilt [°]", "tension [N]")):
+        for panel, label in zip(panels[:, 0], ("room left [m]", "least edge\nload [N]",
+                                               "tilt [°]", "tension [N]")):
             panel.set_ylabel(label)
         told = "; ".join(f"{name}: at least {way.clearance.min():.2f} m of room, "
-                         f"{_edges(drive).min():.0f} N on each edge's wheels" for name, way, drive in ways)
+                         f"{_edges(drive).min():.0f} N on each edge's wheels"
+                         for name, way, drive in ways)
         figure.alt_text = f"Room, wheel loads, tilt and cable tensions over time on the drives. {told}."
     return figure
 

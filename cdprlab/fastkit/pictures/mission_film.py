@@ -1,7 +1,5 @@
 """The film of a mission: from above while the pair drives, from the front while it works, one clock for all."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -52,8 +50,10 @@ class MissionFilm:
         self.mission = mission
         self.screens: list[PlanScreen | JobScreen] = []
         for part in mission.parts.values():
-            self.screens.append(PlanScreen(part, mission.world, width) if isinstance(part, Journey) else
-                                JobScreen(part, width, without_hall(part.world).scene, captioned=True))
+            self.screens.append(PlanScreen(part, mission.world, width)
+                                if isinstance(part, Journey) else
+                                JobScreen(part, width, without_hall(part.world).scene,
+                                          captioned=True))
         self.begins = np.cumsum([0.0, *(part.time[-1] for part in mission.parts.values())])[:-1]
 
     def frame_at(self, t: float) -> Frame:
@@ -61,7 +61,8 @@ class MissionFilm:
         which = max(0, int(np.searchsorted(self.begins, t - 1e-9)) - 1)
         screen, event = self.screens[which], [event for event in self.mission.events if event.time <= t + 1e-9][-1]
         words = screen.move(t - self.begins[which]) or _WORDS.get(event.state, "")
-        return screen.show(t, f"STOPPED {event.why}" if event.why else f"{event.state}: {words}")
+        return screen.show(t, f"STOPPED {event.why}"
+                           if event.why else f"{event.state}: {words}")
 
 
 class PlanScreen(Screen):

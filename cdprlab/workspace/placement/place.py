@@ -1,7 +1,5 @@
 """Placing bases: the present poses, a proof that none serve, a search, and the reason why it found none."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -15,32 +13,37 @@ from .reason import why_not_found
 from .search import Search
 
 
-def place_bases(robot: Robot, poses: Pose, wrenches: ArrayLike, *, tipping: bool = True, margin: float = 0.0,
+def place_bases(robot: Robot, poses: Pose, wrenches: ArrayLike, *, tipping: bool = True,
+                margin: float = 0.0,
                 evaluations: int = 300) -> Robot:
     """Base poses for which tensions within the limits balance every wrench at every pose and leave every base standing.
 
-    It maximizes the worst margin s over all poses and wrenches, one linear program a placement: max s with
-    W τ + w_e = 0, τ_min + s h ≤ τ ≤ τ_max − s h and moments ≤ −s M about every footprint edge; h is half the range of
-    each cable, M what each base's own weight holds against tipping, the mean over its edges.
+    It maximizes the worst margin s over all poses and wrenches, one linear program a placement:
+    max s with W τ + w_e = 0, τ_min + s h ≤ τ ≤ τ_max − s h and moments ≤ −s M about every
+    footprint edge; h is half the range of each cable, M what each base's own weight holds
+    against tipping, the mean over its edges.
 
-    A pattern search over the directions in which the bases can drive (speed limit above 0), from their present poses
-    and from layouts around the wanted ones. Bases keep clear of each other, and masts of the platform. A placement
-    found does serve. That there is none is proven only where it holds for each base placed freely in its directions,
-    for one pose and wrench at a time ("no base poses can serve"); otherwise the search ends ("none found").
+    A pattern search over the directions in which the bases can drive (speed limit above 0),
+    from their present poses and from layouts around the wanted ones. Bases keep clear of each
+    other, and masts of the platform. A placement found does serve. That there is none is proven
+    only where it holds for each base placed freely in its directions, for one pose and wrench
+    at a time ("no base poses can serve"); otherwise the search ends ("none found").
 
     robot : with mobile bases; returned as it is where its bases serve already
     poses : single or a batch (N,) of platform poses
-    wrenches : (n,), (k, n) or (N, k, n) external wrenches w_e, gravity included: each of the k at each pose [N, N m]
-    tipping : keep `tipping_moments` ≤ 0, on by default because a base that falls serves no pose; False asks of the
-        cables alone, as for bases on stabilizers, and a base without a footprint is never asked. The tensions exist: a
-        distribution that does not look at the bases may choose others
+    wrenches : (n,), (k, n) or (N, k, n) external wrenches w_e, gravity included: each of the k
+        at each pose [N, N m]
+    tipping : keep `tipping_moments` ≤ 0, on by default because a base that falls serves no
+        pose; False asks of the cables alone, as for bases on stabilizers, and a base without a
+        footprint is never asked. The tensions exist: a distribution that does not look at the
+        bases may choose others
     margin : smallest s asked for, 0 to 1
     evaluations : placements tried at most
     Returns the robot with its bases moved.
-    Raises NoPlacement with the pose and wrench, and what is short there: tension limits, directions that are held,
-    standing; InvalidInput for a robot without bases that can drive.
-    Source: the task is that of Pedemonte et al. 2020, abstract, with both equilibria of its section 4 (eq. (17)–(24));
-    search and proof are this project's.
+    Raises NoPlacement with the pose and wrench, and what is short there: tension limits,
+    directions that are held, standing; InvalidInput for a robot without bases that can drive.
+    Source: the task is that of Pedemonte et al. 2020, abstract, with both equilibria of its
+    section 4 (eq. (17)–(24)); search and proof are this project's.
 
     >>> import cdprlab as cl
     >>> world = cl.load_world("planar_mcdpr")
@@ -72,7 +75,8 @@ def place_bases(robot: Robot, poses: Pose, wrenches: ArrayLike, *, tipping: bool
 
 def _checked(robot: Robot, poses: Pose, wrenches: ArrayLike, tipping: bool) -> Duty:
     if not any(base.speed_max.any() for base in robot.bases):
-        raise InvalidInput("this robot has no base that can drive: every speed limit is 0" if robot.bases
+        raise InvalidInput("this robot has no base that can drive: every speed limit is 0"
+                           if robot.bases
                            else "this robot has no bases")
     if poses.dimension != robot.dimension:
         raise InvalidInput(f"a {robot.motion_pattern} robot lives in {robot.dimension} dimensions, "

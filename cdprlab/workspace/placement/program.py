@@ -20,7 +20,8 @@ UNREACHABLE = -1e3
 class Duty(NamedTuple):
     """What a placement is to serve.
 
-    poses : (N,); loads : (N, k, n) external wrenches [N, N m]; tipping : whether bases must stand
+    poses : (N,); loads : (N, k, n) external wrenches [N, N m]; tipping : whether bases must
+        stand
     """
 
     poses: Pose
@@ -33,7 +34,8 @@ class Duty(NamedTuple):
 
     def each(self) -> Iterator[Duty]:
         """One pose under one wrench after the other, wrenches running faster."""
-        return (self.one(i, j) for i in range(self.loads.shape[0]) for j in range(self.loads.shape[1]))
+        return (self.one(i, j) for i in range(self.loads.shape[0])
+                for j in range(self.loads.shape[1]))
 
 
 def worst_margin(robot: Robot, duty: Duty) -> tuple[float, Array]:
@@ -43,7 +45,8 @@ def worst_margin(robot: Robot, duty: Duty) -> tuple[float, Array]:
     balance = np.zeros((N * k, robot.n_dof, m + 1))
     balance[..., :m] = np.repeat(wrench_matrix(robot, duty.poses), k, axis=0)
     count = N * k * m + 1
-    s, tensions = largest_last(_blocks(rows), sides.ravel(), _blocks(balance), -duty.loads.ravel(),
+    s, tensions = largest_last(_blocks(rows), sides.ravel(), _blocks(balance),
+                               -duty.loads.ravel(),
                                [(None, None)] * (count - 1) + [(None, 1.0)])
     return s if np.isfinite(s) else UNREACHABLE, tensions.reshape(N, k, m)
 
@@ -53,8 +56,10 @@ def _limits(robot: Robot, duty: Duty) -> tuple[Array, Array]:
     k, m = duty.loads.shape[1], robot.n_cables
     half = (robot.tension_max - robot.tension_min) / 2
     eye = np.eye(m)
-    rows = [np.broadcast_to(np.column_stack([sign * eye, half]), (len(duty.poses), m, m + 1)) for sign in (-1.0, 1.0)]
-    sides = [np.broadcast_to(side, (len(duty.poses), m)) for side in (-robot.tension_min, robot.tension_max)]
+    rows = [np.broadcast_to(np.column_stack([sign * eye, half]), (len(duty.poses), m, m + 1))
+            for sign in (-1.0, 1.0)]
+    sides = [np.broadcast_to(side, (len(duty.poses), m))
+             for side in (-robot.tension_min, robot.tension_max)]
     for edges in tipping_rows(robot, duty.poses).values() if duty.tipping else ():
         holds = np.abs(edges.offset).mean(axis=-1, keepdims=True)
         rows.append(np.concatenate([edges.matrix, np.broadcast_to(holds, edges.offset.shape)[..., None]], axis=-1))

@@ -1,7 +1,5 @@
 """That no placement at all can serve a pose and wrench: bounds on what cables pull from wherever their bases stand."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import product
 
@@ -23,10 +21,11 @@ _ROUNDING = 1e-6
 def why_impossible(robot: Robot, duty: Duty) -> str:
     """The first pose and wrench that no placement can serve, and what is short there; '' where none is proven.
 
-    For every cable the force f_i = τ_i u_i lies, wherever its base stands, in a convex set: a cable on a base that
-    cannot move keeps u_i; one on a base that drives along E pulls within {α (A_i − B_i) + E β, α ≥ 0}, |f_i| ≤ τ_max.
-    Standing is a linear bound on the f_i too. The largest share λ ≤ 1 of w_e that Σ [f_i; (R b_i) × f_i] = −λ w_e
-    allows is a linear program; below 1, no placement balances w_e.
+    For every cable the force f_i = τ_i u_i lies, wherever its base stands, in a convex set: a
+    cable on a base that cannot move keeps u_i; one on a base that drives along E pulls within
+    {α (A_i − B_i) + E β, α ≥ 0}, |f_i| ≤ τ_max. Standing is a linear bound on the f_i too. The
+    largest share λ ≤ 1 of w_e that Σ [f_i; (R b_i) × f_i] = −λ w_e allows is a linear program;
+    below 1, no placement balances w_e.
     """
     for i, pose in enumerate(duty.poses):
         for load in duty.loads[i]:
@@ -69,7 +68,8 @@ def _lift(robot: Robot, pose: Pose, load: Array) -> str:
     if robot.n_dof < d:
         return ""
     rises = cable_vectors(robot, pose)[:, -1]
-    lifting = np.array([rise > 0 or bool(_ways(robot, k)[:, -1].any()) for rise, k in zip(rises, robot.base_indices)])
+    lifting = np.array([rise > 0 or bool(_ways(robot, k)[:, -1].any())
+                        for rise, k in zip(rises, robot.base_indices)])
     able = float(robot.tension_max[lifting].sum())
     if -load[d - 1] <= able:
         return ""
@@ -80,12 +80,14 @@ def _lift(robot: Robot, pose: Pose, load: Array) -> str:
 def largest_share(robot: Robot, pose: Pose, load: Array, tipping: bool) -> float:
     """An upper bound on the share λ ≤ 1 of ``load`` that any placement can balance; −1 where not even λ = 0."""
     m, d = robot.n_cables, robot.dimension
-    # What cables can pull wherever their bases stand: f = y @ forces, three entries of y a cable.
+    # What cables can pull wherever their bases stand: f = y @ forces, three entries of y a
+    # cable.
     pulls, bounds = np.zeros((m, m, 3, d)), np.full((m, 3, 2), [-np.inf, np.inf])
     for i, (u, k) in enumerate(zip(cable_directions(robot, pose), robot.base_indices)):
         ways = _ways(robot, k)
         pulls[i, i, :1 + len(ways)] = [u, *ways]
-        bounds[i, 0] = (0.0, np.inf) if len(ways) else (robot.tension_min[i], robot.tension_max[i])
+        bounds[i, 0] = (0.0, np.inf) if len(ways) else (robot.tension_min[i],
+                                                        robot.tension_max[i])
     forces = pulls.reshape(m, 3 * m, d)
     moments = cross(anchor_offsets(robot, pose)[:, None], forces)
     exerted = robot.pattern.basis(pose.rotation).T @ np.concatenate([forces, moments], axis=-1).sum(axis=0).T
@@ -99,7 +101,8 @@ def largest_share(robot: Robot, pose: Pose, load: Array, tipping: bool) -> float
             rows.append(np.einsum("eid,ivd->ev", edges, forces))
             sides.append(spare)
     A = np.pad(np.concatenate(rows), ((0, 0), (0, 1)))
-    share, _ = largest_last(A, np.concatenate(sides), np.column_stack([exerted, load]), np.zeros(robot.n_dof),
+    share, _ = largest_last(A, np.concatenate(sides), np.column_stack([exerted, load]),
+                            np.zeros(robot.n_dof),
                             [*bounds.reshape(-1, 2), (0.0, 1.0)])
     if np.isnan(share):   # no answer is no proof
         return 1.0
@@ -123,7 +126,8 @@ def _normals(d: int, load: Array) -> Array:
         angles = np.arange(32) * np.pi / 16
         normals = np.column_stack([np.cos(angles), np.sin(angles)])
     else:
-        normals = np.array([corner for corner in product((-1.0, 0.0, 1.0), repeat=3) if any(corner)])
+        normals = np.array([corner for corner in product((-1.0, 0.0, 1.0), repeat=3)
+                            if any(corner)])
     force = np.zeros(d)
     force[:min(d, load.size)] = -load[:d]
     normals = np.concatenate([normals, [force]]) if force.any() else normals
@@ -133,9 +137,10 @@ def _normals(d: int, load: Array) -> Array:
 def standing_rows(robot: Robot, k: int, rises: Array) -> tuple[Array, Array]:
     """Rows (e, m, d) over the f_i and sides (e,) [N m] that hold while a base with a footprint stands, wherever it is.
 
-    A base that does not turn takes its footing along. One that turns may bring exit points r_i, center of mass G and
-    corners any way round: in every direction e its center of pressure p keeps p·e ≤ R, the farthest corner's, with
-    p·e N = Σ (−z_i f_ie + r_ie f_iz) + G_e m g and N = m g + Σ f_iz, and only the lengths of r_i and G are known.
+    A base that does not turn takes its footing along. One that turns may bring exit points r_i,
+    center of mass G and corners any way round: in every direction e its center of pressure p
+    keeps p·e ≤ R, the farthest corner's, with p·e N = Σ (−z_i f_ie + r_ie f_iz) + G_e m g and N
+    = m g + Σ f_iz, and only the lengths of r_i and G are known.
     """
     base = robot.bases[k]
     if base.speed_max[0] == 0:

@@ -1,7 +1,5 @@
 """What stands in the way at the best placement a search has found."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...arrays import Array
@@ -15,15 +13,18 @@ from .search import overlap
 def why_not_found(robot: Robot, duty: Duty, best: float, demand: float) -> str:
     """The pose and wrench that are worst served there, and the cable or the base that is short."""
     if best <= UNREACHABLE:
-        return ("bases would stand in each other or masts in the platform" if overlap(robot, duty.poses) > 0
+        return ("bases would stand in each other or masts in the platform"
+                if overlap(robot, duty.poses) > 0
                 else "at some pose the cables cannot exert the wrench at all, whatever their tensions")
-    i, j = divmod(int(np.argmin([worst_margin(robot, one)[0] for one in duty.each()])), duty.loads.shape[1])
+    i, j = divmod(int(np.argmin([worst_margin(robot, one)[0] for one in duty.each()])),
+                  duty.loads.shape[1])
     worst = duty.one(i, j)
     alone, tensions = worst_margin(robot, worst._replace(tipping=False))
     if best >= 0:
         short = f"margin {best:.3g} instead of {demand:g}"
     else:
-        short = _tipping(robot, worst) if alone >= 0 else _pulling(robot, tensions[0, 0], best < alone - 1e-6)
+        short = _tipping(robot, worst) if alone >= 0 else _pulling(robot, tensions[0, 0],
+                                                                   best < alone - 1e-6)
     return (f"at the best placement, pose {i + 1} of {len(duty.poses)} (at "
             f"{np.round(worst.poses.position[0], 3).tolist()} m) under the wrench "
             f"{np.round(worst.loads[0, 0], 3).tolist()}: {short}")

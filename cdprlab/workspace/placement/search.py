@@ -1,7 +1,5 @@
 """A pattern search for base poses that serve, and where bases must not stand."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...arrays import Array
@@ -35,12 +33,14 @@ class Search:
 
     def best(self, demand: float) -> tuple[float, Array]:
         """The best placement found, from the most promising start first; ends at one that meets the demand."""
-        starts = [self.here, *(layout[self.free] for layout in _layouts(self.robot, self.duty.poses))]
+        starts = [self.here, *(layout[self.free]
+                               for layout in _layouts(self.robot, self.duty.poses))]
         values = [self.value(start) for start in starts]
         found = (-np.inf, starts[0])
         for i in np.argsort(values)[::-1]:
             if found[0] < demand:
-                found = max(found, self.climb(starts[i], values[i], demand), key=lambda end: end[0])
+                found = max(found, self.climb(starts[i], values[i], demand),
+                            key=lambda end: end[0])
         return found
 
     def climb(self, start: Array, value: float, demand: float) -> tuple[float, Array]:
@@ -50,7 +50,8 @@ class Search:
         while step > _SMALLEST_STEP and best < demand and self.tried < self.evaluations:
             here = best
             for move in step * np.eye(len(x)):
-                x, best = max(((x, best), *((there, self.value(there)) for there in (x + move, x - move))),
+                x, best = max(((x, best),
+                               *((there, self.value(there)) for there in (x + move, x - move))),
                               key=lambda end: end[1])
                 if best >= demand:
                     break
@@ -63,7 +64,8 @@ class Search:
         shifts = np.zeros(self.free.shape)
         shifts[self.free] = x
         return self.robot.with_bases({
-            base.name: (*(base.position + base.rotation[:2, :2] @ shift[1:]), base.heading + shift[0])
+            base.name: (*(base.position + base.rotation[:2, :2] @ shift[1:]),
+                        base.heading + shift[0])
             for base, shift in zip(self.robot.bases, shifts)})
 
 
@@ -80,14 +82,16 @@ def _layouts(robot: Robot, poses: Pose) -> list[Array]:
     layouts += [over + way + 0 * places for way in (*aside, *-aside)]
     for layout in layouts:
         layout[:, floor:] = 0.0
-    return [np.array([[0.0, *(base.rotation[:2, :2].T @ move)] for base, move in zip(robot.bases, layout)])
+    return [np.array([[0.0, *(base.rotation[:2, :2].T @ move)]
+                      for base, move in zip(robot.bases, layout)])
             for layout in layouts]
 
 
 def _span(robot: Robot, poses: Pose) -> float:
     """How far apart things are on the floor [m]."""
     floor = robot.dimension - 1
-    places = np.concatenate([np.array([base.position[:floor] for base in robot.bases]), poses.position[:, :floor]])
+    places = np.concatenate([np.array([base.position[:floor] for base in robot.bases]),
+                             poses.position[:, :floor]])
     return max(float(np.ptp(places, axis=0).max()), 0.5)
 
 
@@ -95,7 +99,8 @@ def overlap(robot: Robot, poses: Pose) -> float:
     """How far bases stand in each other, or masts in the platform, as circles seen from above [m]."""
     floor = robot.dimension - 1
     centers = np.array([base.position[:floor] for base in robot.bases])
-    radii = np.array([np.linalg.norm(base.footprint, axis=1).max(initial=0.05) for base in robot.bases])
+    radii = np.array([np.linalg.norm(base.footprint, axis=1).max(initial=0.05)
+                      for base in robot.bases])
     apart = np.linalg.norm(centers[:, None] - centers, axis=-1) - radii[:, None] - radii
     body = float(np.linalg.norm(robot.platform.size[:floor]) / 2 + np.linalg.norm(robot.platform.center[:floor]))
     carried = [i for i, k in enumerate(robot.base_indices) if k >= 0]
