@@ -90,6 +90,26 @@ def convergence(robot: Robot, poses: Sequence[Pose], truth: Pose) -> Figure:
     return figure
 
 
+def assembly_modes(robot: Robot, poses: Sequence[Pose], titles: Sequence[str]) -> Figure:
+    """Poses side by side, one panel each.
+
+    robot : planar
+    poses, titles : one a panel
+    """
+    with house_style():
+        figure = Figure(figsize=(4.2 * len(poses), 3.9), layout="constrained")
+        panels = np.ravel(figure.subplots(1, len(poses), sharey=True))
+        for panel, pose, title in zip(panels, poses, titles):
+            draw_robot(panel, robot, pose)
+            # A mark on the top edge tells upside down from upright.
+            top = np.mean(outline(robot, pose)[2:4], axis=0)
+            panel.plot(*top, marker="^", markersize=8, color=VERMILION)
+            panel.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
+            panel.set_title(title, fontsize=11)
+        figure.alt_text = "Platform poses: " + "; ".join(titles)
+    return figure
+
+
 def cloud(errors: ArrayLike, covariance: ArrayLike) -> Figure:
     """Pose errors of many noisy measurements, and the ellipse that was predicted to hold 95 % of them.
 
