@@ -120,10 +120,12 @@ class Simulator(ABC):
     def _reachable(self, wanted: list[float], substeps: int) -> list[float]:
         """The wanted lengths as far as the winches' speed limits allow; the same list if they all do."""
         now = self.paid_out
-        if len(wanted) == len(now) and all([
-                wish > 0 and abs(wish - rope) <= most * substeps
-                for wish, rope, most in zip(wanted, now, self._most)]):
-            return wanted
+        if len(wanted) == len(now):
+            for wish, rope, most in zip(wanted, now, self._most):   # quicker than all([…])
+                if not (wish > 0 and abs(wish - rope) <= most * substeps):
+                    break
+            else:
+                return wanted
         if len(wanted) != len(now) or not all(0 < wish < math.inf for wish in wanted):
             raise InvalidInput(f"rope lengths must be {len(now)} positive numbers [m], got {wanted}")
         # A winch exactly at its limit must not fail by rounding.
