@@ -366,15 +366,15 @@ def test_every_group_shows_its_fields_and_every_choice_answers(designer):
 def test_typing_edits_and_a_mistake_is_shown_beside_the_fields(designer):
     picture = designer.picture
     designer.form.entries["exit point A", "x"].value += 0.25
-    assert designer.picture != picture and designer.undo.description == "Undo: cable 1: exit_point[1]"
+    assert designer.picture != picture and designer.undo_button.description == "Undo: cable 1: exit_point[1]"
     x, good = designer.form.entries["tension limits", "min"], designer.world
     x.value = 1e9
     assert 'role="alert"' in designer.message.value and "cable 1: tension" in designer.message.value
     assert designer.world is good
-    designer.undo.click()
+    designer.undo_button.click()
     assert designer.picture == picture and 'role="alert"' not in designer.message.value
     assert designer.form.entries["tension limits", "min"].value == good.robot.tension_min[0]
-    designer.redo.click()
+    designer.redo_button.click()
     assert contents(designer.world) == contents(good)
 
 

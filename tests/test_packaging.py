@@ -133,3 +133,9 @@ def test_the_readme_program_prints_what_it_says():
 def test_the_readme_lists_every_world():
     readme = (CHECKOUT / "README.md").read_text(encoding="utf-8")
     assert [path.stem for path in (CHECKOUT / "worlds").glob("*.yaml") if f"| `{path.stem}` |" not in readme] == []
+
+
+def test_benchmarks_find_what_they_measure():
+    """They run by `make bench` alone: here they are imported, so that no renamed thing is missed there."""
+    done = python("-m", "pytest", "tests/benchmarks", "--collect-only", "-q", cwd=CHECKOUT)
+    assert done.returncode == 0, done.stdout[-3000:]

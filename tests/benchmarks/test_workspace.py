@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
-from cdprlab.workspace import position_grid, random_poses
+from cdprlab.workspace import low_discrepancy_poses, position_grid
 
 POSES = 2000
 
@@ -17,7 +17,7 @@ POSES = 2000
 def caroca():
     """Robot, poses on both sides of the border, and what a loop of solvers needs of them: W and the weight."""
     robot = cl.load_world("caroca").robot
-    poses = random_poses([-3.3, -1.9, 0.2], [3.3, 1.9, 3.4], POSES, seed=0, turn=0.2)
+    poses = low_discrepancy_poses([-3.3, -1.9, 0.2], [3.3, 1.9, 3.4], POSES, seed=0, turn=0.2)
     return robot, poses, cl.wrench_matrix(robot, poses), np.broadcast_to(cl.gravity_wrench(robot, poses), (POSES, 6))
 
 

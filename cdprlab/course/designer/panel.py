@@ -16,6 +16,7 @@ from ..explorers.player import run_player
 from ..shown import Shown, picture_tag
 from .assessment import PLANES
 from .design_picture import SIZE, DesignPicture
+from .edits import Path
 from .fields import GROUPS, rows
 from .forms import Form
 from .report import as_html, report, warnings_html
@@ -69,6 +70,26 @@ class RobotDesigner(Shown):
                 f"<b>{html.escape(self.session.mistake)}</b>\nThe robot is the one before this edit.</div>")
         return worked
 
+    def edit(self, path: Path, value: Any) -> bool:
+        """As typing it: another value at a place of the world file."""
+        return self.do(self.session.edit, path, value)
+
+    def undo(self) -> bool:
+        """Before the last edit."""
+        return self.do(self.session.undo)
+
+    def redo(self) -> bool:
+        """The edit undone last, again."""
+        return self.do(self.session.redo)
+
+    def load(self, name_or_path: str) -> bool:
+        """Another world in place of this one; it can be undone."""
+        return self.do(self.session.load, name_or_path)
+
+    def save(self, path: str) -> bool:
+        """Write the world file."""
+        return self.do(self.session.save, path, said=f"Saved as {path}.")
+
     def simulate(self, **chosen: Any) -> Run | None:
         """The default task in the engine, played below; returns the Run, or None with the reason on the page.
 
@@ -105,8 +126,8 @@ class RobotDesigner(Shown):
         self.text = "\n".join([*judged, *found.warnings, numbers])
         self.brief.value = as_html("\n".join(judged))
         self.warnings.value, self.numbers.value = warnings_html(found), as_html(numbers)
-        for button, word, label in ((self.undo, "Undo", session.history.undo_label),
-                                    (self.redo, "Redo", session.history.redo_label)):
+        for button, word, label in ((self.undo_button, "Undo", session.history.undo_label),
+                                    (self.redo_button, "Redo", session.history.redo_label)):
             button.description, button.disabled = f"{word}: {label}" if label else word, not label
         _show_only([self.planes, self.eye] if world.robot.dimension == 3 else [],
                    [self.planes, self.eye])
@@ -192,13 +213,13 @@ class RobotDesigner(Shown):
 
     def _toolbar(self) -> Any:
         session = self.session
-        self.undo = self._button("Undo", "auto", self.do, session.undo)
-        self.redo = self._button("Redo", "auto", self.do, session.redo)
+        self.undo_button = self._button("Undo", "auto", self.do, session.undo)
+        self.redo_button = self._button("Redo", "auto", self.do, session.redo)
         names = ipywidgets.Dropdown(options=world_names(), value=_START, description="World",
                                     layout={"width": "17em"},
                                     style={"description_width": "3.5em"})
         opens = self._button("Open", "5em", lambda: self.do(session.load, names.value))
-        return ipywidgets.HBox([names, opens, self.undo, self.redo],
+        return ipywidgets.HBox([names, opens, self.undo_button, self.redo_button],
                                layout={"flex_flow": "row wrap"})
 
     def _make_tools(self) -> dict[str, Any]:
@@ -286,7 +307,8 @@ def robot_designer(world: World | str = _START, brief: Brief | None = None) -> R
     >>> designer = robot_designer("planar_rigid")
     >>> designer.do(designer.session.edit, ("cables", 0, "exit_point", 1), 0.5)
     True
-    >>> designer.undo.click()
+    >>> designer.undo()
+    True
     >>> designer.session.history.redo_label
     'cable 1: exit_point[2]'
     """
