@@ -27,7 +27,12 @@ _FIRST_ERROR = re.compile(r"^([\w.]+)\s+Traceback \(most recent call last\)", re
 
 def release_tool() -> ModuleType:
     """lessons/source/release.py, which is a script and no part of the package."""
-    spec = importlib.util.spec_from_file_location("release", SOURCE / "release.py")
+    return source_tool("release")
+
+
+def source_tool(name: str) -> ModuleType:
+    """A script beside the lessons' sources, by its name."""
+    spec = importlib.util.spec_from_file_location(name, SOURCE / f"{name}.py")
     assert spec is not None and spec.loader is not None
     tool = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(tool)

@@ -129,7 +129,8 @@ def test_students_own_checks_notice_wrong_answers(flight: Flight):
 def _failing_line(check: Any) -> int:
     """Where in its cell a check failed, counted from 1."""
     (error,) = notebooks.errors(check)
-    return int(re.findall(r"Cell In\[\d+\], line (\d+)", ANSI.sub("", "\n".join(error.traceback)))[0])
+    told = ANSI.sub("", "\n".join(error.traceback))
+    return int(re.findall(r"(?:Cell In\[\d+\], |\()line (\d+)(?: of the check\))?", told)[0])
 
 
 def _hidden_from(check: Any) -> int:

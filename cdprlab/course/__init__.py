@@ -11,6 +11,8 @@ from importlib import import_module
 from typing import Any
 
 _EXPORTS = {
+    "answers.check": ("answer", "check", "refuses"),
+    "answers.fallback": ("fallback",),
     "explorers.explorer": ("Choice", "Explorer", "Slider"),
     "explorers.posing": ("pose_explorer",),
     "explorers.player": ("run_player",),

@@ -1,0 +1,140 @@
+"""Results to go on with when an exercise stays open: recorded answers, never the function that found them."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import zlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import CdprError
+from ...robot.pose import Pose
+from .library import LIBRARY
+
+RECORDED = Path(__file__).parent / "recorded"
+
+
+class Recorded:
+    """Stands in for a student's function: it knows the calls of the lesson's own cells, and no others.
+
+    name : the function's
+    calls : for each call the fingerprint of its arguments (4,), and what it returned
+    """
+
+    def __init__(self, name: str, calls: Sequence[tuple[Any, Any]]):
+        self.__name__ = name
+        self._fingerprints = np.array([fingerprint for fingerprint, _ in calls]).reshape(-1, 4)
+        self._results = [result for _, result in calls]
+
+    def __call__(self, *arguments: Any) -> Any:
+        wanted = fingerprint(arguments)
+        far = np.abs(self._fingerprints - wanted).max(axis=1, initial=0)
+        # Arguments that come from an engine differ between computers by rounding.
+        if not len(far) or far.min() > 1e-5 * (1 + np.abs(wanted).max()):
+            raise CdprError(f"{self.__name__}: only what this lesson's own cells ask was recorded, not this call; "
+                            "solve the exercise to ask more")
+        return self._results[int(far.argmin())]
+
+    def __repr__(self) -> str:
+        return f"<{len(self._results)} recorded results of {self.__name__}>"
+
+
+def fallback(exercise: str) -> Any:
+    """What the lesson's later cells need of an exercise that stays open.
+
+    exercise : the word before "-answer" in the exercise's grade id, such as "circles"; where lessons share it, with the
+        lesson's number, "09_support"
+    Returns what stands in for its function, or a tuple where it has several, in their order: results recorded once,
+    or the library's own function where later cells ask it freely. The exercise earns nothing by it.
+    Raises CdprError for an exercise that has none.
+    """
+    known = sorted({*LIBRARY, *(file.stem for file in RECORDED.glob("*.npz"))})
+    found = [name for name in known if exercise in (name, name[3:])]
+    if len(found) != 1:
+        raise CdprError(f"no fallback {exercise!r}; there are {', '.join(found or known)}")
+    functions = LIBRARY.get(found[0]) or _read(RECORDED / f"{found[0]}.npz")
+    return functions[0] if len(functions) == 1 else tuple(functions)
+
+
+def record(exercise: str, calls: Mapping[str, Sequence[tuple[Any, Any]]]) -> Path:
+    """Write the results of an exercise's functions: name → (fingerprint, result) of each call."""
+    arrays: dict[str, np.ndarray] = {}
+    table = {name: [[list(fingerprint), _packed(result, arrays)] for fingerprint, result in rows]
+             for name, rows in calls.items()}
+    RECORDED.mkdir(exist_ok=True)
+    path = RECORDED / f"{exercise}.npz"
+    np.savez_compressed(path, allow_pickle=False, table=json.dumps(table), **arrays)
+    return path
+
+
+def fingerprint(arguments: Any) -> np.ndarray:
+    """(4,) numbers that tell calls apart and hardly move where arguments differ by rounding."""
+    numbers = np.fromiter(_numbers(arguments), float)
+    numbers = np.nan_to_num(numbers, nan=1.5e3, posinf=2.5e3, neginf=-2.5e3)
+    weights = np.random.default_rng(0).normal(size=(len(numbers), 4)) / np.sqrt(max(1, len(numbers)))
+    return numbers @ weights
+
+
+def _numbers(thing: Any) -> Iterator[float]:
+    """All numbers in a thing, and a number for each thing that is none."""
+    if isinstance(thing, np.ndarray):
+        yield from np.asarray(thing, float).ravel()
+    elif isinstance(thing, int | float | np.number):
+        yield float(thing)
+    elif isinstance(thing, Pose):
+        yield from np.ravel(thing.position)
+        yield from np.ravel(thing.rotation)
+    elif dataclasses.is_dataclass(thing):
+        for field in dataclasses.fields(thing):
+            yield from _numbers(getattr(thing, field.name))
+    elif isinstance(thing, Mapping):
+        yield from _numbers(list(thing.items()))
+    elif isinstance(thing, list | tuple):
+        yield len(thing)
+        for part in thing:
+            yield from _numbers(part)
+    else:
+        text = thing if isinstance(thing, str) else type(thing).__name__
+        yield zlib.crc32(text.encode()) / 2**32
+
+
+def _packed(thing: Any, arrays: dict[str, np.ndarray]) -> Any:
+    """A result as JSON, its arrays under names of their own."""
+    if isinstance(thing, np.ndarray):
+        name = f"array_{len(arrays)}"
+        arrays[name] = thing
+        return {"array": name}
+    if isinstance(thing, np.generic):
+        return thing.item()
+    if isinstance(thing, Pose):
+        return {"pose": [_packed(thing.position, arrays), _packed(thing.rotation, arrays)]}
+    if isinstance(thing, tuple | list):
+        return {type(thing).__name__: [_packed(part, arrays) for part in thing]}
+    if isinstance(thing, dict):
+        return {"dict": [[_packed(key, arrays), _packed(value, arrays)] for key, value in thing.items()]}
+    return thing
+
+
+def _unpacked(thing: Any, arrays: Mapping[str, np.ndarray]) -> Any:
+    if not isinstance(thing, dict):
+        return thing
+    (kind, content), = thing.items()
+    if kind == "array":
+        return arrays[content]
+    if kind == "dict":
+        return {_unpacked(key, arrays): _unpacked(value, arrays) for key, value in content}
+    parts = [_unpacked(part, arrays) for part in content]
+    if kind == "pose":
+        return Pose(parts[0], matrix=parts[1])
+    return tuple(parts) if kind == "tuple" else parts
+
+
+def _read(path: Path) -> list[Callable[..., Any]]:
+    with np.load(path, allow_pickle=False) as arrays:
+        table = json.loads(str(arrays["table"]))
+        return [Recorded(name, [(seen, _unpacked(result, arrays)) for seen, result in rows])
+                for name, rows in table.items()]

@@ -1,0 +1,93 @@
+"""Record what a lesson's later cells ask of each exercise's functions, for `course.fallback`.
+
+``python lessons/source/record_fallbacks.py [LESSON …]`` runs the sources in this process and writes
+``cdprlab/course/answers/recorded/*.npz``: results only. Exercises that later cells ask freely (a controller, an
+explorer) stand in ``cdprlab/course/answers/library.py`` instead.
+"""
+
+from __future__ import annotations
+
+import ast
+import copy
+import functools
+import inspect
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from contextlib import chdir, redirect_stdout
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import nbformat
+from run_cells import run_cell
+
+from cdprlab.course.answers.fallback import fingerprint, record
+from cdprlab.course.answers.library import LIBRARY
+
+SOURCE = Path(__file__).parent
+
+
+class Recorder:
+    """A lesson's functions, whose results are kept while a cell that is neither answer nor check runs."""
+
+    def __init__(self, lesson: str) -> None:
+        self.lesson = lesson
+        self.calls: dict[str, dict[str, list[tuple[Any, Any]]]] = {}
+        self.listening = False
+
+    def around(self, exercise: str, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        """The function, recorded."""
+        rows = self.calls.setdefault(exercise, {}).setdefault(name, [])
+        signature = inspect.signature(function)
+
+        @functools.wraps(function)
+        def call(*arguments: Any, **named: Any) -> Any:
+            listening, self.listening = self.listening, False  # what the function asks of itself is not recorded
+            given = signature.bind(*arguments, **named).args
+            seen = fingerprint(given)
+            try:
+                returned = function(*given)
+            finally:
+                self.listening = listening
+            if listening and not any((seen == earlier).all() for earlier, _ in rows):
+                rows.append((seen, copy.deepcopy(returned)))
+            return returned
+
+        return call
+
+
+def main(wanted: list[str]) -> int:
+    """Record the lessons whose names contain one of the words, or all."""
+    os.environ["MPLBACKEND"] = "Agg"
+    for path in sorted(SOURCE.glob("[0-9][0-9]_*/*.ipynb")):
+        if wanted and not any(word in path.stem for word in wanted):
+            continue
+        recorder, space = Recorder(path.stem[:2]), {"__name__": "__main__", "display": lambda *shown: None}
+        with tempfile.TemporaryDirectory() as folder, chdir(folder):
+            for cell in nbformat.read(path, as_version=4).cells:
+                if cell.cell_type == "code":
+                    _run(cell, recorder, space)
+        for exercise, calls in recorder.calls.items():
+            if exercise not in LIBRARY:
+                file = record(exercise, calls)
+                seen = ", ".join(f"{len(rows)} of {name}" for name, rows in calls.items())
+                print(f"{exercise}: {seen}, {file.stat().st_size / 1e3:.0f} kB")
+    return 0
+
+
+def _run(cell: Any, recorder: Recorder, space: dict[str, Any]) -> None:
+    role = cell.metadata.get("nbgrader", {})
+    recorder.listening = not role.get("solution") and not role.get("grade")
+    with redirect_stdout(StringIO()):
+        run_cell(cell.source, f"<{cell.id}>", space)
+    if role.get("solution"):
+        exercise = f"{recorder.lesson}_{role['grade_id'].removesuffix('-answer')}"
+        for statement in ast.parse(cell.source).body:
+            if isinstance(statement, ast.FunctionDef):
+                space[statement.name] = recorder.around(exercise, statement.name, space[statement.name])
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
