@@ -14,7 +14,9 @@ Location = tuple[str | int, ...]
 
 
 class CdprError(Exception):
-    """Root of every error that cdprlab raises on purpose."""
+    """Root of every error that cdprlab raises on purpose; ``run`` is what was flown where it cut a run short."""
+
+    run: Any = None
 
 
 class InvalidInput(CdprError, ValueError):

@@ -83,7 +83,8 @@ def write_csv(path: Path, columns: Mapping[str, tuple[Any, str]]) -> None:
     """One row a step; columns of several values get numbers, counted from 1, and their unit."""
     header, blocks = [], []
     for name, (values, unit) in columns.items():
-        block = np.asarray(values, dtype=float).reshape(len(values), -1)
+        block = np.asarray(values, dtype=float)
+        block = block.reshape(len(block), int(np.prod(block.shape[1:])))   # -1 fails where there are no rows
         numbers = [""] if block.shape[1] == 1 else [f"_{i + 1}" for i in range(block.shape[1])]
         header += [f"{name}{number} [{unit}]" if unit else name + number for number in numbers]
         blocks.append(block)

@@ -2,8 +2,9 @@
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from .log import Columns, Log
 
 Progress = Callable[[int, int], Any]
 """``(steps done, steps in all)``, called about a hundred times in a run."""
+
+Record = TypeVar("Record")
 
 
 class Command(ABC):
@@ -73,17 +76,39 @@ class LengthCommand(Command):
         return *wish, self.engine.wind(wish, self.substeps)
 
 
-def fly(engine: Simulator, command: Command, wishes: Iterable[Any], substeps: int = 1,
-        happen: Callable[[int], Any] | None = None) -> tuple[Log, float]:
-    """Command one wish after the other, as long as there are any.
+class Flight(NamedTuple):
+    """What `fly` kept.
+
+    log : one row a control step: position, rotation, twist, lengths and tensions measured as it
+        begins, and what the command asked for in it; one more row for the end, where nothing is
+        asked for
+    elapsed : time the loop took [s]
+    cut_short : '' or what ended it early
+    """
+
+    log: Log
+    elapsed: float
+    cut_short: str = ""
+
+    @property
+    def steps(self) -> int:
+        """Control steps flown to their end."""
+        return len(self.log) - 1
+
+
+def fly(engine: Simulator, command: Command, wishes: Iterable[Any],
+        record: Callable[[Flight], Record], substeps: int = 1,
+        happen: Callable[[int], Any] | None = None) -> Record:
+    """Command one wish after the other, as long as there are any; returns the record of the flight.
+
+    Whatever ends it early, Ctrl-C and errors in a caller's own code included, is raised as it
+    is and carries the record of the steps that were flown to their end, as ``.run``.
 
     engine : reset to where it begins; substeps : its steps in a control step
     wishes : what the command takes; an iterator may decide by what the engine has come to
+    record : what becomes of the flight
     happen : called as each step begins, with its number from 0: what else there is, such as
         cuts and pushes
-    Returns the log and the elapsed time [s]. One row a control step: position, rotation, twist,
-    lengths and tensions measured as it begins, and what the command asked for in it; one more
-    row for the end, where nothing is asked for.
     """
     asked = command.start(engine, substeps)
     robot = engine.world.robot
@@ -93,15 +118,28 @@ def fly(engine: Simulator, command: Command, wishes: Iterable[Any], substeps: in
                "lengths": ((m,), "m"), "measured_tensions": ((m,), "N"), **asked})
     keep, sample, step = log.keep_numbers, engine.sample, command.step
     began = time.perf_counter()
-    for k, wish in enumerate(wishes):
-        seen = sample()
-        if happen is not None:
-            happen(k)
-        keep((*seen, *step(wish)))
-    elapsed = time.perf_counter() - began
-    end = tuple(sample())
-    keep((*end, *[np.nan] * (log.width - len(end))))
-    return log, elapsed
+    k, seen = 0, None
+    try:
+        for k, wish in enumerate(wishes):
+            seen = sample()
+            if happen is not None:
+                happen(k)
+            keep((*seen, *step(wish)))
+            seen = None
+    except BaseException as error:
+        # A step that was not flown to its end is none: the flight ends where it began.
+        end = sample() if seen is None or k < len(log) else seen
+        reason = f"{type(error).__name__}: {error}".removesuffix(": ")
+        flown = record(_flight(log, end, began, reason[:200]))
+        with suppress(AttributeError, TypeError):   # an error may refuse to carry more
+            error.run = flown   # type: ignore[attr-defined]
+        raise
+    return record(_flight(log, sample(), began))
+
+
+def _flight(log: Log, end: Sequence[float], began: float, cut_short: str = "") -> Flight:
+    log.keep_numbers((*end, *[np.nan] * (log.width - len(end))))
+    return Flight(log, time.perf_counter() - began, cut_short)
 
 
 def counted(wishes: Iterable[Any], steps: int, progress: Progress | None) -> Iterable[Any]:

@@ -12,7 +12,8 @@ from ..mechanics.trajectory import Reference
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import World
-from .log import Log, save_record
+from .log import save_record
+from .loop import Flight
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +36,7 @@ class Run:
         are commanded [m]
     base_poses : (N, p, 3) x, y, heading of each mobile base, None where none was driven
         [m, m, rad]
+    cut_short : '' or what ended it early, and carries it as ``.run``
     """
 
     world: World
@@ -56,17 +58,20 @@ class Run:
     settings: dict[str, Any] = field(repr=False)
     commanded_lengths: Array | None = None
     base_poses: Array | None = None
+    cut_short: str = ""
 
     @classmethod
-    def of(cls, log: Log, reference: Reference, *, world: World, at_end: bool = False, **about: Any) -> Self:
+    def of(cls, flight: Flight, reference: Reference, *, world: World, at_end: bool = False, **about: Any) -> Self:
         """A run from what `fly` kept of it.
 
-        reference : of batch (N,)
+        reference : of batch (N,), or of more where the flight was cut short
         at_end : rows tell of each control step's end, not of its begin
         about : the fields that the log does not have
         """
-        steps = len(log) - 1
+        log, steps = flight.log, flight.steps
         rows = slice(1, None) if at_end else slice(steps)
+        reference = Reference(reference.pose[:steps], reference.twist[:steps],
+                              reference.acceleration[:steps])
         poses = Pose.of(log["position"][rows], log["rotation"][rows])
         commanded = (log["commanded_tensions"][:steps] if "commanded_tensions" in log else
                      frozen(np.full((steps, world.robot.n_cables), np.nan)))
@@ -78,7 +83,7 @@ class Run:
                    if "feasible" in log else np.ones(steps, dtype=bool),
                    commanded_lengths=log["commanded_lengths"][:steps]
                    if "commanded_lengths" in log else None,
-                   **about)
+                   cut_short=flight.cut_short, **about)
 
     def robot_at(self, index: int) -> Robot:
         """The robot with its bases where they stood at one control step."""
@@ -97,6 +102,8 @@ class Run:
     def table(self) -> dict[str, str]:
         """The run in eight lines: quantity → value with unit."""
         wound, steps = self.commanded_lengths is not None, self.time.size
+        if not steps:
+            return {"cut short": self.cut_short}
         off, measured = self.position_errors, self.measured_tensions
         shown = measured if wound else self.commanded_tensions
         missed = f"{int((~self.feasible).sum())} of {steps}"
@@ -114,6 +121,7 @@ class Run:
             **kept,
             "simulated time": f"{self.time[-1] + self.control_period:g} s",
             "real-time factor": f"{self.real_time_factor:.1f}",
+            **({"cut short": self.cut_short} if self.cut_short else {}),
         }
 
     def save(self, folder: str | Path, every: int = 1) -> Path:
@@ -123,6 +131,8 @@ class Run:
         """
         settings = {"task": self.task, "method": self.method, "cables": self.cables,
                     **self.settings}
+        if self.cut_short:
+            settings["cut_short"] = self.cut_short
         return save_record(folder, self.columns(), self.world, settings, every)
 
     def columns(self) -> dict[str, tuple[Any, str]]:

@@ -18,7 +18,7 @@ from ..world import World
 from .controllers import ComputedTorque, Controller
 from .distributor import Distributor
 from .drive import Drive
-from .loop import LengthCommand, Progress, TensionCommand, counted, fly
+from .loop import Flight, LengthCommand, Progress, TensionCommand, counted, fly
 from .record import Run
 
 Cuts = Mapping[float, ArrayLike]
@@ -59,7 +59,9 @@ def run(world: World, task: str = "default",
     progress : called as (steps done, steps in all), about a hundred times
     simulator : an open Simulator to use (and leave open) instead of a new one
     engine_options : passed to ``open_simulator``
-    Raises InvalidInput; InfeasibleTensions with infeasible="stop"; SimulationDiverged.
+    Raises InvalidInput; InfeasibleTensions with infeasible="stop"; SimulationDiverged. These,
+    Ctrl-C and errors in a caller's own code carry ``.run``: what was flown until then, whose
+    ``cut_short`` says why.
 
     >>> import cdprlab as cl
     >>> cl.run(cl.load_world("nowhere"))
@@ -81,6 +83,16 @@ def run(world: World, task: str = "default",
     drive = None if base_speeds is None else Drive(base_speeds, period)
     path = job.trajectory()
     reference = path(times)
+    name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
+    name, ruler = ("inverse_kinematics",) * 2 if wound else (name, _describe(law))
+    settings = {"dt": dt, "control_period": period, "controller": ruler,
+                "infeasible": infeasible,
+                "external_wrench": None if external_wrench is None else str(external_wrench),
+                "duration": float(times.size * period), "seed": seed, **engine_options}
+    if base_speeds is not None:
+        settings["base_speeds"] = str(base_speeds)
+    if cut:
+        settings["cut"] = {float(at): np.ravel(indices).tolist() for at, indices in cut.items()}
     engine = simulator or open_simulator(world, cables, dt, **engine_options)
     try:
         engine.reset(job.start)
@@ -103,32 +115,25 @@ def run(world: World, task: str = "default",
             if callable(external_wrench):
                 engine.push(external_wrench(k * period))
 
+        def record(flight: Flight) -> Run:
+            steps = flight.steps
+            run = Run.of(flight, reference, world=world, task=task, method=name, cables=cables,
+                         time=frozen(times[:steps]),
+                         real_time_factor=steps * period / flight.elapsed, dt=dt, control_period=period,
+                         settings=settings,
+                         base_poses=None if drive is None else frozen(np.array(drive.poses[:steps])))
+            if wound:
+                return run
+            W = wrench_matrix(robot, run.poses) if drive is None else np.array(drive.matrices[:steps])
+            wanted = flight.log["wanted_wrench"][:-1]
+            return replace(run, feasible=distributor.feasible(W, -wanted, run.commanded_tensions, cuts))
+
         eventful = cuts or callable(external_wrench) or (drive is not None and not wound)
-        log, elapsed = fly(engine, command, counted(wishes, times.size, progress), substeps,
-                           happen if eventful else None)
+        return fly(engine, command, counted(wishes, times.size, progress), record, substeps,
+                   happen if eventful else None)
     finally:
         if simulator is None:
             engine.close()
-    name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
-    name, ruler = ("inverse_kinematics",) * 2 if wound else (name, _describe(law))
-    settings = {"dt": dt, "control_period": period, "controller": ruler,
-                "infeasible": infeasible,
-                "external_wrench": None if external_wrench is None else str(external_wrench),
-                "duration": float(times.size * period), "seed": seed, **engine_options}
-    if base_speeds is not None:
-        settings["base_speeds"] = str(base_speeds)
-    if cut:
-        settings["cut"] = {float(at): np.ravel(indices).tolist() for at, indices in cut.items()}
-    run = Run.of(log, reference, world=world, task=task, method=name, cables=cables,
-                 time=frozen(times),
-                 real_time_factor=times.size * period / elapsed, dt=dt, control_period=period,
-                 settings=settings,
-                 base_poses=None if drive is None else frozen(np.array(drive.poses)))
-    if wound:
-        return run
-    W = wrench_matrix(robot, run.poses) if drive is None else np.array(drive.matrices)
-    wanted = log["wanted_wrench"][:-1]
-    return replace(run, feasible=distributor.feasible(W, -wanted, run.commanded_tensions, cuts))
 
 
 def control_steps(dt: float, control_period: float | None) -> tuple[int, float]:

@@ -16,7 +16,7 @@ from ..robot import Robot
 from ..robot.pose import Pose
 from ..simulate import open_simulator
 from ..world import World
-from .loop import LengthCommand, fly
+from .loop import Flight, LengthCommand, fly
 from .record import Run
 
 TAUT = 1.0
@@ -60,15 +60,19 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
         engine.reset(Pose(hanging_position(engine.robot, lengths)[0]))
         while not engine.wind(lengths):
             pass
-        log, elapsed = fly(engine, LengthCommand(), (plan.lengths + longer).tolist())
-    dt, settings = engine.dt, {"slack": float(slack), "speed": float(speed),
-                               "reeling": float(reeling)}
-    run = Run.of(log, _motion(plan, dt), at_end=True, world=real, task="sequence",
-                 method="cable_configurations",
-                 cables=cables, time=frozen(plan.time),
-                 real_time_factor=len(plan.time) * dt / elapsed, dt=dt,
-                 control_period=dt, settings=settings)
-    return dataclasses.replace(run, commanded_lengths=frozen(plan.lengths))
+        dt, settings = engine.dt, {"slack": float(slack), "speed": float(speed),
+                                   "reeling": float(reeling)}
+
+        def record(flight: Flight) -> Run:
+            steps = flight.steps
+            run = Run.of(flight, _motion(plan, dt), at_end=True, world=real, task="sequence",
+                         method="cable_configurations",
+                         cables=cables, time=frozen(plan.time[:steps]),
+                         real_time_factor=steps * dt / flight.elapsed, dt=dt,
+                         control_period=dt, settings=settings)
+            return dataclasses.replace(run, commanded_lengths=frozen(plan.lengths[:steps]))
+
+        return fly(engine, LengthCommand(), (plan.lengths + longer).tolist(), record)
 
 
 def taut_cables(run: Run) -> Flags:

@@ -14,7 +14,7 @@ from ...mechanics.dynamics import pose_error
 from ...mechanics.trajectory import Reference, Trajectory, hold, quintic, rest_to_rest
 from ...robot.pose import Pose
 from ...run import Log
-from ...run.loop import Progress, fly
+from ...run.loop import Flight, Progress, fly
 from ...run.start import control_steps
 from ...run.winches import WinchControl, winch_control
 from ...simulate.spatial import SpatialSimulator
@@ -67,10 +67,14 @@ def pick_and_place(world: World, task: str = "pick_and_place",
     with SpatialSimulator(begin, law.cables, dt, bodies=True, solver_iterations=20) as engine:
         engine.boxes.add(BOX, job.box_position, job.box_size, job.box_mass, friction=_ROLLERS)
         work = _Work(engine, job, machine, law, period)
-        log, elapsed = fly(engine, law, work.wishes(progress), substeps)
-    settings = {"dt": dt, "control_period": period, "speed": speed}
-    return work.record(log, elapsed, world=world, task=task, method=law.name, cables=law.cables,
-                       dt=dt, control_period=period, settings=settings)
+        settings = {"dt": dt, "control_period": period, "speed": speed}
+
+        def record(flight: Flight) -> Job:
+            return work.record(flight, world=world, task=task, method=law.name,
+                               cables=law.cables, dt=dt, control_period=period,
+                               settings=settings)
+
+        return fly(engine, law, work.wishes(progress), record, substeps)
 
 
 @dataclass(eq=False)
@@ -201,18 +205,19 @@ class _Work:
         self.overloaded = self.overloaded + self.period if beyond else 0.0
         self.missing = 0.0 if self.law.feasible else self.missing + self.period
 
-    def record(self, flown: Log, elapsed: float, **about: Any) -> Job:
+    def record(self, flight: Flight, **about: Any) -> Job:
         """The job from what `fly` kept of it and what was noted beside."""
+        steps = flight.steps
         poses, twists, accelerations = zip(*self.wished)
         wanted = Pose.of(np.array([pose.position for pose in poses]),
                          np.array([pose.rotation for pose in poses]))
-        kept: dict[str, Any] = {name: self.log[name] for name in self.log.units}
+        kept: dict[str, Any] = {name: self.log[name][:steps] for name in self.log.units}
         boxes = Pose.of(kept.pop("box_positions"), kept.pop("box_rotations"))
-        time = frozen(np.arange(len(poses), dtype=float) * self.period)
-        return Job.of(flown, Reference(wanted, np.array(twists), np.array(accelerations)),
+        time = frozen(np.arange(steps, dtype=float) * self.period)
+        return Job.of(flight, Reference(wanted, np.array(twists), np.array(accelerations)),
                       time=time, events=tuple(self.machine.history),
                       states=kept.pop("states").astype(int),
                       words={phase.name: phase.what for phase in self.machine.phases},
-                      box_poses=boxes, motor_torques=flown["motor_torques"][:-1],
-                      motor_speeds=flown["motor_speeds"][:-1],
-                      real_time_factor=time[-1] / elapsed, **kept, **about)
+                      box_poses=boxes, motor_torques=flight.log["motor_torques"][:-1],
+                      motor_speeds=flight.log["motor_speeds"][:-1],
+                      real_time_factor=steps * self.period / flight.elapsed, **kept, **about)

@@ -67,6 +67,8 @@ class Job(Chronicle, Run):
     def table(self) -> dict[str, str]:
         """The job in a few lines: quantity → value with unit."""
         robot, tensions = self.world.robot, self.measured_tensions
+        if not (self.time >= SETTLING).any():   # too short to judge wheels and tensions by
+            return {"state": self.state, "cut short": self.cut_short}
         winch, low, high = robot.winch, robot.tension_min.min(), robot.tension_max.max()
         assert winch is not None    # or nobody could have controlled it
         torque, speed = np.abs(self.motor_torques).max(), np.abs(self.motor_speeds).max()
@@ -81,6 +83,7 @@ class Job(Chronicle, Run):
             "box off its place": f"{self.box_error * 1e3:.1f} mm",
             "simulated time": f"{self.time[-1]:.1f} s",
             "real-time factor": f"{self.real_time_factor:.1f}",
+            **({"cut short": self.cut_short} if self.cut_short else {}),
         }
 
     def columns(self) -> dict[str, tuple[Any, str]]:
