@@ -25,8 +25,8 @@ ifneq ($(and $(PYTHON),$(wildcard $(BIN)/python)),)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help run test mutants lab designer lessons student-zip docs book bench requirements clean
-run test mutants bench: export OMP_NUM_THREADS = 1
+.PHONY: help run test long mutants lab designer lessons student-zip docs book bench requirements clean
+run test long mutants bench: export OMP_NUM_THREADS = 1
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*##' Makefile | sed -E 's/^([a-z-]+):.*## */  make \1\t/' | expand -t 24
@@ -43,6 +43,10 @@ test: $(VENV)/.tests  ## style, types, tests and doctests
 	  else echo "types: checked on Python 3.11 only"; fi
 	@# A file is one worker's, for what its tests share; the browser's, the longest, come first in the order of collection.
 	$(BIN)/python -m pytest --numprocesses logical --dist loadfile --no-loadscope-reorder
+
+long: $(VENV)/.tests  ## the tests that take more than a minute
+	$(BIN)/python -m cdprlab.compiled
+	$(BIN)/python -m pytest -m long --timeout 3600 --numprocesses logical --dist loadfile --no-loadscope-reorder
 
 mutants: $(VENV)/.tests  ## for authors: mistakes planted by machine in every exercise, and what its check says
 	$(BIN)/python tests/mutants.py

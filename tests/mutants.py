@@ -75,7 +75,7 @@ class Exercise:
     @functools.cached_property
     def functions(self) -> list[str]:
         """The names the answer cell defines, in order."""
-        return [node.name for node in ast.parse(self.solution).body if isinstance(node, ast.FunctionDef)]
+        return defined(self.solution)
 
     def namespace(self, mutant: Mutant | None = None) -> dict[str, Any]:
         """A fresh one in which the answer is right, or a mutant's."""
@@ -261,6 +261,11 @@ def _short(node: ast.AST) -> str:
     return line if len(line) <= 60 else line[:57] + "..."
 
 
+def defined(source: str) -> list[str]:
+    """The functions a cell defines, in order."""
+    return [node.name for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)]
+
+
 # --- changes of what goes in and comes out ----------------------------------------------------------------
 def wrapped(first_calls: Mapping[str, tuple[Any, ...]]) -> Iterator[Mutant]:
     """Every change of one function's arguments or of its result."""
@@ -337,6 +342,21 @@ RESULTS: dict[str, Callable[[Any], Any]] = {
     "one axis too many": _each_array(lambda array: array[None]),
     "returns nothing": lambda returned: None,
 }
+
+
+def as_lists(returned: Any) -> Any:
+    """A right answer, its arrays as lists."""
+    if isinstance(returned, tuple):
+        return tuple(as_lists(part) for part in returned)
+    return returned.tolist() if isinstance(returned, np.ndarray) else returned
+
+
+def as_float32(returned: Any) -> Any:
+    """A right answer, its numbers in single precision."""
+    if isinstance(returned, tuple):
+        return tuple(as_float32(part) for part in returned)
+    floats = isinstance(returned, np.ndarray) and returned.dtype.kind == "f"
+    return returned.astype(np.float32) if floats else returned
 
 
 # --- judging ----------------------------------------------------------------------------------------------

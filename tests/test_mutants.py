@@ -35,21 +35,8 @@ def test_visible_checks_notice_mistakes_planted_by_machine(lesson: str):
     assert found == [], f"`python tests/mutants.py {lesson}` tries all"
 
 
-def as_lists(returned: Any) -> Any:
-    if isinstance(returned, tuple):
-        return tuple(as_lists(part) for part in returned)
-    return returned.tolist() if isinstance(returned, np.ndarray) else returned
-
-
-def as_float32(returned: Any) -> Any:
-    if isinstance(returned, tuple):
-        return tuple(as_float32(part) for part in returned)
-    floats = isinstance(returned, np.ndarray) and returned.dtype.kind == "f"
-    return returned.astype(np.float32) if floats else returned
-
-
 @every_lesson
-@pytest.mark.parametrize("write", [as_lists, as_float32])
+@pytest.mark.parametrize("write", [mutants.as_lists, mutants.as_float32])
 def test_right_answers_earn_their_points_however_they_are_written(lesson: str, write: Callable[[Any], Any]):
     for exercise in mutants.exercises(lesson):
         for name in exercise.functions:

@@ -1,0 +1,50 @@
+"""What follows an exercise runs on: with answers written as lists, and with `course.fallback` in their place."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from pathlib import Path
+from typing import Any
+
+import mutants
+import notebooks
+import pytest
+
+STAND_IN = re.compile(r'^# (.* = course\.fallback\(".*"\))$', re.MULTILINE)
+
+pytestmark = [pytest.mark.long, pytest.mark.parametrize("lesson", mutants.lessons())]
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    monkeypatch.chdir(tmp_path)
+
+
+def test_what_passes_a_check_never_breaks_a_later_cell(lesson: str):
+    def written_as_lists(cell: Any, space: dict[str, Any]) -> None:
+        mutants.cells.run_cell(cell.source, f"<{cell.id}>", space)
+        if notebooks.grader(cell).get("solution"):
+            for name in mutants.defined(cell.source):
+                lists = mutants.around(name, "lists", outward=mutants.as_lists)
+                space.update(lists.wrap({name: space[name]}))
+
+    _run(lesson, written_as_lists)
+
+
+def test_recorded_results_carry_through_the_lesson(lesson: str):
+    def stuck(cell: Any, space: dict[str, Any]) -> None:
+        role = notebooks.grader(cell)
+        if not role.get("solution") and not role.get("grade"):
+            mutants.cells.run_cell(STAND_IN.sub(r"\1", cell.source), f"<{cell.id}>", space)
+
+    _run(lesson, stuck)
+
+
+def _run(lesson: str, run_cell: Any) -> None:
+    space: dict[str, Any] = {"__name__": "__main__", "display": lambda *shown: None}
+    for cell in notebooks.read_source(lesson).cells:
+        if cell.cell_type == "code":
+            with mutants.silence(), contextlib.suppress(SystemExit):
+                run_cell(cell, space)
