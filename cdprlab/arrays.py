@@ -1,15 +1,25 @@
-"""The one gate for numbers from outside: float64, finite, of the right shape, read-only."""
+"""The one gate for what comes from outside: arguments of the right kind; numbers float64, finite, shaped, read-only."""
 
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache, wraps
+from inspect import signature
+from itertools import chain, cycle, repeat
+from types import UnionType
+from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InvalidInput, Location
+from .errors import InvalidInput, Location, quoted
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
+
+LARGEST = 1e30
+"""No length, mass or force of a robot is beyond it, and products of several such numbers are still float64."""
+
+Public = TypeVar("Public", bound=Callable[..., Any])
 
 
 def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: str = "", *,
@@ -28,12 +38,12 @@ def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: st
         if given.dtype.kind not in "iuf":   # text that reads as a number is still text, and True no length
             given = _numbers_only(given)
         array = np.array(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidInput(f"{name} must be {_wanted(shape, unit)}, got {value!r}", location) from None
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidInput(f"{name} must be {_wanted(shape, unit)}, got {quoted(value)}", location) from None
     if not _fits(array.shape, shape, batch):
         raise InvalidInput(f"{name} must be {_wanted(shape, unit)}, got {_shape_text(array)}", location)
-    if not np.isfinite(array).all():
-        raise InvalidInput(f"{name} must be finite, got {value!r}", location)
+    if not (np.abs(array) <= LARGEST).all():   # nor is NaN
+        raise InvalidInput(f"{name} must be finite and at most {LARGEST:g}, got {quoted(value)}", location)
     return frozen(array)
 
 
@@ -74,6 +84,133 @@ def as_number(value: Any, name: str, unit: str = "", *, minimum: float | None = 
     if minimum is not None and number < minimum:
         raise InvalidInput(f"{name} must be at least {minimum:g}{_in(unit)}, got {number:g}", location)
     return number
+
+
+def as_count(value: Any, name: str, minimum: int = 1, maximum: int = 1_000_000) -> int:
+    """A whole number between two others.
+
+    >>> as_count(3, "levels")
+    3
+    """
+    if not _is(value, int) or not minimum <= value <= maximum:
+        raise InvalidInput(f"{name} must be a whole number from {minimum} to {maximum}, got {quoted(value)}")
+    return int(value)
+
+
+def as_seed(value: Any) -> int:
+    """What random numbers start from: a whole number that is not negative.
+
+    >>> as_seed(0)
+    0
+    """
+    return as_count(value, "seed", 0, 2**64)
+
+
+def checked(public: Public) -> Public:
+    """A public function or class that refuses arguments of another kind than its annotations say.
+
+    A number is neither text nor a truth value nor NaN. Arrays are left to `as_array`, ranges to
+    `as_number` and `as_count`, which the function asks itself. Raises InvalidInput.
+
+    >>> @checked
+    ... def half(x: float) -> float:
+    ...     return x / 2
+    >>> half(4)
+    2.0
+    """
+    if isinstance(public, type):
+        public.__init__ = checked(public.__init__)  # type: ignore[misc]
+        return public
+
+    @cache
+    def kinds() -> dict[str, Any]:   # at the first call: annotations may name what stands further down
+        said, names = public.__annotations__, public.__globals__
+        return {name: _evaluated(said.get(name, Any), names) for name in signature(public).parameters}
+
+    @wraps(public)
+    def checking(*arguments: Any, **options: Any) -> Any:
+        wanted = kinds()
+        for name, value in chain(zip(wanted, arguments), options.items()):
+            kind = wanted.get(name, Any)
+            if not _is(value, kind):
+                raise InvalidInput(f"{name} must be {_words(kind)}, got {quoted(value)}")
+        return public(*arguments, **options)
+
+    return checking  # type: ignore[return-value]
+
+
+def _evaluated(annotation: Any, names: dict[str, Any]) -> Any:
+    """What an annotation stands for; where only the type checker imports it, its name."""
+    try:
+        return eval(annotation, names) if isinstance(annotation, str) else annotation
+    except NameError:
+        return annotation
+
+
+def _is(value: Any, kind: Any) -> bool:
+    """Whether a value is of the kind that an annotation says, as far as that can be told."""
+    if type(value) is kind and kind is not float:
+        return True
+    if kind in (bool, int, float):
+        return _is_number(value, kind)
+    if isinstance(kind, str):
+        return kind in {known.__name__ for known in type(value).__mro__}
+    origin, inside = get_origin(kind), get_args(kind)
+    if origin is None:
+        return kind is Any or not isinstance(kind, type) or isinstance(value, kind)
+    if origin in (Union, UnionType):
+        return complex in inside or any(_is(value, one) for one in inside)   # ArrayLike allows complex numbers
+    if origin is Literal:
+        return isinstance(value, str) and value in inside
+    if origin is np.ndarray:
+        return True
+    if issubclass(origin, Mapping):
+        return isinstance(value, Mapping) and all(map(_is, chain(*value.items()), cycle(inside)))
+    if issubclass(origin, Iterable):
+        return _are(value, origin, inside)
+    return isinstance(value, origin)
+
+
+def _are(values: Any, origin: type, inside: tuple[Any, ...]) -> bool:
+    """Whether values are as many, and each of the kind, as the annotation of a tuple, list or the like says."""
+    if isinstance(values, np.ndarray):
+        values = values.tolist()
+    if isinstance(values, str | bytes | Mapping):
+        return False
+    if not isinstance(values, list | tuple):
+        return isinstance(values, origin)
+    exactly = origin is tuple and inside[-1] is not Ellipsis
+    if exactly and len(values) != len(inside):
+        return False
+    return all(map(_is, values, inside if exactly else repeat(inside[0])))
+
+
+def _is_number(value: Any, kind: type) -> bool:
+    if isinstance(value, np.ndarray) and not value.ndim:
+        value = value[()]
+    if isinstance(value, bool | np.bool_):
+        return kind is bool
+    if kind is int:
+        return isinstance(value, int | np.integer)
+    is_real = isinstance(value, int | float | np.integer | np.floating)
+    return kind is float and is_real and (-LARGEST <= value <= LARGEST or value in _UNLIMITED)
+
+
+_UNLIMITED = (-np.inf, np.inf)
+_WORDS: dict[Any, str] = {bool: "True or False", int: "a whole number", float: "a number (at most 1e30)",
+                          str: "text", type(None): "None", Callable: "a function", tuple: "a tuple",
+                          Sequence: "a list", Mapping: "a mapping"}
+
+
+def _words(kind: Any) -> str:
+    """An annotation as messages say it."""
+    origin, inside = get_origin(kind), get_args(kind)
+    if origin in (Union, UnionType):
+        return " or ".join(map(_words, inside))
+    if origin is Literal:
+        return " or ".join(map(repr, inside))
+    kind = origin or kind
+    return _WORDS.get(kind) or f"a {getattr(kind, '__name__', kind)}"
 
 
 def _numbers_only(given: Array) -> Array:

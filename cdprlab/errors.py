@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Iterator
 from contextlib import contextmanager
+from reprlib import Repr
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -13,10 +15,52 @@ Location = tuple[str | int, ...]
 """Where in a world file a value stands, e.g. ``("cables", 2, "anchor_point")``; list indices from 0."""
 
 
+_LONGEST = 200
+"""Characters that a message quotes of what was given."""
+
+_short = Repr()
+_short.maxlist = _short.maxtuple = _short.maxdict = _short.maxset = 20
+_short.maxlevel = 4
+_short.maxlong = _short.maxstring = _short.maxother = _LONGEST
+
+
+def quoted(value: Any) -> str:
+    """What was given as Python writes it, on one line and in at most 200 characters, the middle or the end left out.
+
+    >>> quoted("caroca"), len(quoted("x" * 5000))
+    ("'caroca'", 200)
+    """
+    try:
+        return shortened(_short.repr(value))
+    except Exception:   # a repr of somebody else's, or an integer of more digits than Python prints
+        return f"a {type(value).__name__}"
+
+
+def shortened(text: str) -> str:
+    """A text on one line and in at most 200 characters.
+
+    >>> shortened("one\\n  two")
+    'one two'
+    """
+    words = _one_line(text)
+    return words if len(words) <= _LONGEST else words[:_LONGEST - 1] + "…"
+
+
+def _one_line(text: str) -> str:
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
 class CdprError(Exception):
-    """Root of every error that cdprlab raises on purpose; ``run`` is what was flown where it cut a run short."""
+    """Root of every error that cdprlab raises on purpose, told on one line; ``run`` is what it cut short, if a run."""
 
     run: Any = None
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(_one_line(message))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What an error carries travels between processes, whatever its class asks for."""
+        return copyreg.__newobj__, (type(self), *self.args), self.__dict__  # type: ignore[attr-defined]
 
 
 class InvalidInput(CdprError, ValueError):
@@ -24,7 +68,7 @@ class InvalidInput(CdprError, ValueError):
 
     def __init__(self, message: str, location: Location = ()) -> None:
         super().__init__(message)
-        self.message = message
+        self.message: str = self.args[0]
         self.location = location
 
 
@@ -44,7 +88,7 @@ class WorldError(InvalidInput):
         more = len(problems) - 1
         also = f" (and {more} more {'mistake' if more == 1 else 'mistakes'})" if more else ""
         super().__init__(problems[0] + also)
-        self.problems = tuple(problems)
+        self.problems = tuple(map(_one_line, problems))
 
 
 class NoConvergence(CdprError):

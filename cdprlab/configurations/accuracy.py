@@ -9,9 +9,10 @@ A234 differ by less than half a percent.
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, checked
 
 
+@checked
 def position_sensitivity(exits: Array, position: Array, position_uncertainty: float = 0.0,
                          exit_uncertainty: float = 0.0) -> Array:
     """Largest |Δx|, |Δy| or |Δz| for cable lengths that are each off by one: max_i diam(Δx_i) / diam(Δρ) [m/m].

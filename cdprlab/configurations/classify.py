@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_number
+from ..arrays import Array, as_number, checked
 from ..robot import Robot
 from .configuration import Configuration, as_position, counterclockwise, few_cables, triplets
 from .region import Region, region
@@ -12,6 +12,7 @@ from .sides import side_range
 INSIDE, UNCERTAIN, OUTSIDE = "inside", "uncertain", "outside"
 
 
+@checked
 def classify_configurations(robot: Robot, position: ArrayLike,
                             position_uncertainty: float = 0.05,
                             exit_uncertainty: float = 0.02, *, form: str = "corners") -> dict[Configuration, str]:

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Indices, as_array, as_number
+from ..arrays import Array, Indices, as_array, as_number, checked
 from ..errors import InvalidInput
 from ..robot import Robot
 from .accuracy import position_sensitivity
@@ -63,6 +63,7 @@ def reset_by_marks(readings: ArrayLike, marks: Iterable[tuple[int, float]]) -> A
     return length
 
 
+@checked
 def hanging_position(robot: Robot, lengths: ArrayLike) -> tuple[Array, Configuration]:
     """Where a weight comes to rest on ropes of given lengths, and which of them are then taut.
 

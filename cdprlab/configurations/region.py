@@ -10,7 +10,7 @@ from itertools import product
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, checked
 from .configuration import counterclockwise
 
 
@@ -87,6 +87,7 @@ def _cut(corners: Array, n: Array, c: float) -> Array:
     return np.array(kept).reshape(-1, 2)
 
 
+@checked
 def region(exits: Array, exit_uncertainty: float = 0.0, position_uncertainty: float = 0.0) -> Region:
     """The region of one triplet.
 

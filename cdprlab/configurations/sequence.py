@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array
+from ..arrays import Array, checked
 from ..errors import InvalidInput
 from ..robot import Robot
 from .accuracy import position_sensitivity
@@ -134,6 +134,7 @@ class _Way:
         return float(share) if 0 <= share <= 1 and 0 <= along <= 1 else None
 
 
+@checked
 def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike,
                         method: str = "stability", *,
                         position_uncertainty: float = 0.05, exit_uncertainty: float = 0.02

@@ -10,7 +10,7 @@ from itertools import product
 
 import numpy as np
 
-from ..arrays import Array, Flags
+from ..arrays import Array, Flags, checked
 from ..errors import InvalidInput
 from ..mechanics.intervals import Intervals, exact, stack
 
@@ -18,6 +18,7 @@ Side = Callable[[Intervals, Intervals, Intervals], Intervals]
 """Boxes (…, 2) of A_i, A_j and M in plan → the range of the side."""
 
 
+@checked
 def side_range(start: Array, end: Array, position: Array, exit_uncertainty: float,
                position_uncertainty: float,
                form: str) -> tuple[float, float]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array, Flags, as_number
+from ..arrays import Array, Flags, as_number, checked
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
 from ..mechanics.trajectory import PEAK_SPEED, rest_to_rest
@@ -30,6 +30,7 @@ class Winding:
     taut: Flags
 
 
+@checked
 def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0.2,
                  speed: float = 0.2,
                  reeling: float = 0.05, dt: float = 1e-3) -> Winding:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, checked
 from ..errors import InvalidInput, WorldError
 from ..mechanics.cables import cable_lengths
 from ..mechanics.statics import gravity_wrench, wrench_matrix
@@ -282,6 +282,7 @@ _POINTS: tuple[tuple[str, bool, Callable[[_Case], _Found]], ...] = (
 """Name, whether the points after it build on it, and who looks; the most basic first."""
 
 
+@checked
 def workshop_brief(most_cables: int = 8) -> Brief:
     """The brief of the capstone lesson: engine blocks in a workshop.
 

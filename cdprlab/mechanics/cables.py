@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, checked
 from ..errors import InvalidInput
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -59,6 +59,7 @@ def anchor_offsets(robot: Robot, pose: Pose) -> Array:
     return robot.anchor_points @ np.swapaxes(pose.rotation, -1, -2)
 
 
+@checked
 def cable_vectors(robot: Robot, pose: Pose) -> Array:
     """From anchor point to exit point: A_i − (p + R b_i).
 
@@ -73,6 +74,7 @@ def cable_vectors(robot: Robot, pose: Pose) -> Array:
     return robot.exit_points - (pose.position[..., None, :] + anchor_offsets(robot, pose))
 
 
+@checked
 def cable_lengths(robot: Robot, pose: Pose) -> Array:
     """l_i = ‖A_i − (p + R b_i)‖, inverse kinematics.
 
@@ -86,6 +88,7 @@ def cable_lengths(robot: Robot, pose: Pose) -> Array:
     return _lengths_and_wrenches(robot, pose)[0]
 
 
+@checked
 def cable_directions(robot: Robot, pose: Pose) -> Array:
     """u_i, unit vectors from anchor point to exit point: the way each cable pulls the platform.
 

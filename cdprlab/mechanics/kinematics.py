@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, common_batch
+from ..arrays import Array, as_array, checked, common_batch
 from ..errors import InvalidInput, NoConvergence
 from ..robot import Robot
 from ..robot.pose import Pose, rotation_from_vector, rotation_vector_jacobian
@@ -14,6 +14,7 @@ from .cables import cable_directions, cable_lengths, cables_at, check_dimension
 Pivot = Literal["base", "world"]
 
 
+@checked
 def jacobian(robot: Robot, pose: Pose) -> Array:
     """J with l̇ = J t: row i is −[u_i; (R b_i) × u_i]ᵀ in the motion pattern's rows.
 
@@ -28,6 +29,7 @@ def jacobian(robot: Robot, pose: Pose) -> Array:
     return -np.swapaxes(cables_at(robot, pose).wrench_matrix, -1, -2)
 
 
+@checked
 def base_jacobian(robot: Robot, pose: Pose, pivot: Pivot = "base") -> Array:
     """B_b with l̇ = J t − B_b q̇_b: row i is −uᵢᵀ ∂A_i/∂q_b, q_b = (θ, ρ₁, ρ₂) of each base in file order.
 
@@ -55,6 +57,7 @@ def base_jacobian(robot: Robot, pose: Pose, pivot: Pivot = "base") -> Array:
     return columns
 
 
+@checked
 def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance: float = 1e-9) -> Pose:
     """The pose whose cable lengths fit best: min ‖l(pose) − l‖², from a guess (Levenberg–Marquardt, analytic J).
 

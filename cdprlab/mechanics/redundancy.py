@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, frozen
+from ..arrays import Array, as_array, checked, frozen
 from ..errors import InfeasibleTwist, InvalidInput
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -53,6 +53,7 @@ class TwistResolution:
         raise InfeasibleTwist(share + reasons[0], self)
 
 
+@checked
 def resolve_twist(robot: Robot, pose: Pose, twist: ArrayLike, method: str = "quadratic_program",
                   *,
                   weights: ArrayLike | None = None, pivot: Pivot = "base") -> TwistResolution:

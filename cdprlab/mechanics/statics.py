@@ -5,13 +5,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, common_batch
+from ..arrays import Array, as_array, checked, common_batch
 from ..errors import InvalidInput
 from ..robot import Base, Robot
 from ..robot.pose import Pose, cross_matrix
 from .cables import anchor_offsets, cable_directions, cables_at
 
 
+@checked
 def wrench_matrix(robot: Robot, pose: Pose) -> Array:
     """W = −Jᵀ: column i is [u_i; (R b_i) × u_i], so that equilibrium reads W τ + w_e = 0.
 
@@ -26,6 +27,7 @@ def wrench_matrix(robot: Robot, pose: Pose) -> Array:
     return cables_at(robot, pose).wrench_matrix
 
 
+@checked
 def gravity_wrench(robot: Robot, pose: Pose) -> Array:
     """Wrench of the weight at P: [f; (R c) × f] with f = −m g e_up.
 
@@ -50,6 +52,7 @@ def gravity_wrench(robot: Robot, pose: Pose) -> Array:
     return robot.pattern.project(wrench, pose.rotation)[..., 0]
 
 
+@checked
 def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: ArrayLike) -> Array:
     """K with dw = −K dx for the cables' wrench w = W τ at constant unstrained lengths.
 
@@ -145,6 +148,7 @@ def footings(robot: Robot) -> list[Footing]:
     return found
 
 
+@checked
 def tipping_rows(robot: Robot, pose: Pose) -> dict[str, TippingRows]:
     """For each base with a footprint, the moments about its edges as rows over the tensions.
 
@@ -163,6 +167,7 @@ def tipping_rows(robot: Robot, pose: Pose) -> dict[str, TippingRows]:
             for footing in footings(robot)}
 
 
+@checked
 def tipping_moments(robot: Robot, pose: Pose, tensions: ArrayLike) -> dict[str, Array]:
     """Moment about each edge of each base's footprint: it stands while all are ≤ 0.
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number
+from ..arrays import Array, as_array, as_number, checked
 from ..errors import InvalidInput
 from ..robot.pose import (
     Pose,
@@ -33,6 +33,7 @@ class Reference(NamedTuple):
     acceleration: Array
 
 
+@checked
 @dataclass(frozen=True)
 class Trajectory:
     """A motion ``(t) → Reference`` that takes single times or arrays; before 0 and after ``duration`` it rests.
@@ -64,6 +65,7 @@ class Trajectory:
                          np.concatenate([bend[..., :d], spin_rate], axis=-1))
 
 
+@checked
 def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike | None = None,
             end_twist: ArrayLike | None = None, start_acceleration: ArrayLike | None = None,
             end_acceleration: ArrayLike | None = None) -> Trajectory:
@@ -123,6 +125,7 @@ def rest_to_rest(share: ArrayLike) -> Array:
     return np.asarray(s**3 * (10 - 15 * s + 6 * s**2))
 
 
+@checked
 def hold(pose: Pose, duration: float) -> Trajectory:
     """Rest at one pose.
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, frozen
+from ..arrays import Array, as_array, as_number, checked, frozen
 from ..errors import InvalidInput, Location
 from .pose import turned_to
 
@@ -14,6 +14,7 @@ DECK_HEIGHT = 0.25
 """[m] Up to which a mobile base is drawn and, in the plane, solid."""
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Cable:
     """One cable from its exit point A (frame or base) to its anchor point B (platform).
@@ -44,6 +45,7 @@ class Cable:
             _keep_number(self, "speed_max", "speed", "m/s", positive=True, location=("speed",))
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Platform:
     """The moving platform, a rigid body; its frame's origin is the reference point P.
@@ -72,6 +74,7 @@ class Platform:
             raise InvalidInput(f"size must be positive along every edge [m], got {self.size.tolist()}", ("size",))
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Base:
     """A mobile base: it stands on the floor and carries exit points.

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, frozen
+from ..arrays import Array, as_array, as_number, checked, frozen
 from ..errors import InvalidInput, under
 from .parts import Base, Cable, Elasticity, Platform, Winch
 from .pattern import MotionPattern
@@ -17,6 +17,7 @@ from .pattern import MotionPattern
 STANDARD_GRAVITY = 9.81
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Robot:
     """A cable-driven parallel robot: platform, cables, the bases some of them may stand on.
@@ -110,6 +111,7 @@ class Robot:
         """Platform mass [kg]."""
         return self.platform.mass
 
+    @checked
     def base(self, name: str) -> Base:
         """The base of that name; raises InvalidInput naming those there are."""
         if name not in self._base_of:
@@ -117,6 +119,7 @@ class Robot:
         return self.bases[self._base_of[name]]
 
     # --- changed copies ---------------------------------------------------------------------------
+    @checked
     def with_bases(self, poses: Mapping[str, ArrayLike]) -> Robot:
         """A copy with some bases elsewhere.
 
@@ -130,6 +133,7 @@ class Robot:
                                   heading=float(heading))
         return replace(self, bases=tuple(moved.values()))
 
+    @checked
     def with_payload(self, mass: float, position: ArrayLike) -> Robot:
         """A copy that carries a point mass; mass, center of mass and inertia follow (parallel axes).
 

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..arrays import Array, as_number, frozen
+from ..arrays import Array, as_number, checked, frozen
 from ..errors import InvalidInput
 from ..mechanics.dynamics import inverse_dynamics
 from ..mechanics.statics import wrench_matrix
@@ -74,6 +74,7 @@ class TensionComparison:
                                    for at, (cell, width) in enumerate(zip(line, widths))).rstrip() for line in lines)
 
 
+@checked
 def compare_tensions(world: World, task: str = "default",
                      methods: str | Iterable[str] | None = None, *,
                      time_step: float | None = None,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_number, frozen
+from ..arrays import Array, as_number, checked, frozen
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
 from ..mechanics.statics import wrench_matrix
@@ -25,6 +25,7 @@ Cuts = Mapping[float, ArrayLike]
 """Time [s] → the cables cut then, by index from 0."""
 
 
+@checked
 def run(world: World, task: str = "default",
         method: str | Callable[..., Any] = "quadratic_program",
         cables: str = "tension", controller: Controller | None = None, dt: float = 1e-3,

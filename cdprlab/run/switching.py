@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Flags, as_array, as_number, frozen
+from ..arrays import Flags, as_array, as_number, checked, frozen
 from ..configurations.measured import hanging_position
 from ..configurations.sequence import ConfigurationSequence
 from ..configurations.winding import Winding, winding_plan
@@ -23,6 +23,7 @@ TAUT = 1.0
 """[N] a cable that carries less counts as slack."""
 
 
+@checked
 def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: float = 0.2,
                     speed: float = 0.2,
                     reeling: float = 0.05, length_errors: ArrayLike = 0.0,
@@ -75,6 +76,7 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
         return fly(engine, LengthCommand(), (plan.lengths + longer).tolist(), record)
 
 
+@checked
 def taut_cables(run: Run) -> Flags:
     """(N, m) whether each cable carried more than ``TAUT`` newtons."""
     return run.measured_tensions > TAUT
@@ -93,6 +95,7 @@ class Trial(NamedTuple):
     unplanned: float
 
 
+@checked
 def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *,
                slack: float = 0.2, speed: float = 0.2,
                reeling: float = 0.05, length_error: float = 0.01, exit_error: float = 0.02,

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, checked
 from ..errors import InvalidInput
 from ..mechanics.dynamics import mass_and_bias
 from ..mechanics.statics import footings
@@ -85,6 +85,7 @@ class WinchControl(Command):
         return None if reason else tau
 
 
+@checked
 class TorqueControl(WinchControl):
     """Computed torque, a distribution that keeps the bases standing, and motor torques that make up for friction.
 
@@ -135,6 +136,7 @@ class TorqueControl(WinchControl):
         return self.effort(tau, torques, rates)
 
 
+@checked
 class VelocityControl(WinchControl):
     """Winch speeds l̇ = J t − B_b q̇_b of the wanted motion, and what of the wanted lengths is missing.
 

@@ -15,7 +15,7 @@ from math import comb
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Flags, as_array, frozen
+from ..arrays import Array, Flags, as_array, checked, frozen
 from ..errors import InvalidInput, NotListable
 from .elimination import eliminate
 from .frame import Frame, affine_hull
@@ -178,11 +178,13 @@ class Polytope:
         return -float(low), float(high)
 
     # --- parts of it ------------------------------------------------------------------------------
+    @checked
     def project(self, components: Sequence[int]) -> Polytope:
         """The shadow: the chosen components of every point."""
         chosen = self._chosen(components)
         return type(self)(self.map[chosen], self.rows, self.limits, self.shift[chosen])
 
+    @checked
     def slice(self, components: Sequence[int], origin: ArrayLike = 0.0) -> Polytope:
         """The cut: the chosen components of the points whose others are those of ``origin``.
 

@@ -6,7 +6,7 @@ from math import comb
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array, as_array, checked
 from ..errors import InvalidInput
 from ..mechanics.kinematics import Pivot, base_jacobian, jacobian
 from ..robot import Robot
@@ -15,6 +15,7 @@ from .polytope import Polytope
 from .zonotope import MOST_COMBINATIONS, hyperplane_shifting
 
 
+@checked
 def available_twist_set(robot: Robot, pose: Pose, moving: str | Sequence[str] = "all",
                         pivot: Pivot = "base") -> Polytope:
     """ATS = {t : |J t − B_b q̇_b| ≤ l̇_max for some |q̇_b| ≤ q̇_b,max}, exactly; fixed bases: {t : |J t| ≤ l̇_max}.

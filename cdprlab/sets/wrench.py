@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..arrays import Array, as_number
+from ..arrays import Array, as_number, checked
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_directions
 from ..mechanics.statics import tipping_rows, wrench_matrix
@@ -12,6 +12,7 @@ from .polytope import Polytope
 from .twist import one_pose
 
 
+@checked
 def available_wrench_set(robot: Robot, pose: Pose, tipping: bool = False, friction: float | None = None) -> Polytope:
     """AWS = {W τ : τ_min ≤ τ ≤ τ_max}; with tipping only tensions under which every base keeps all edges down.
 

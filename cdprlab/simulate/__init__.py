@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import checked
 from ..errors import InvalidInput
 from ..world import World
 from .planar import PlanarSimulator
@@ -24,6 +25,7 @@ _ENGINES = {"planar": ("tension", "force", "length"),
             "spatial": ("tension", "force", "length", "elastic")}
 
 
+@checked
 def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **options: Any) -> Simulator:
     """The simulator a world's engine asks for, reset to the world's pose.
 

@@ -1,12 +1,11 @@
 """The one door to all methods."""
 
-from math import isfinite
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import LARGEST, Array, as_array
 from ..errors import InvalidInput
 from .judgement import TensionDistribution, checked_distribution
 from .methods import method_named, solver_for
@@ -61,7 +60,7 @@ def _gate(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: str =
     if type(value) is np.ndarray and value.dtype == np.float64 and value.ndim >= max(1, len(shape)):
         fits = not shape or isinstance(shape[-1], str) or value.shape[-1] == shape[-1]
         flat = value.ravel()
-        if fits and isfinite(flat.dot(flat)):   # else something is not finite, or enormous: looked at closely
+        if fits and flat.dot(flat) <= LARGEST:   # else something is not finite, or enormous: looked at closely
             return value
     return as_array(value, name, shape, unit, batch=True)
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ..arrays import Array
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from . import (
     barycenter,
     closed_form,
@@ -51,8 +51,8 @@ def solver_for(method: str, n: int, tension_min: Array, tension_max: Array, **op
 
 def method_named(name: str, options: dict[str, Any]) -> Method:
     """Raises InvalidInput for an unknown method, or an option that it does not take."""
-    if name not in METHODS:
-        raise InvalidInput(f"unknown tension method {name!r}; there are {', '.join(METHODS)}")
+    if not isinstance(name, str) or name not in METHODS:
+        raise InvalidInput(f"unknown tension method {quoted(name)}; there are {', '.join(METHODS)}")
     if options:
         known = METHODS[name].options()
         unknown = [option for option in options if option not in known]

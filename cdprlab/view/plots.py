@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..arrays import Array
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..run import Run
 from ..workspace.grids import axis_names
 from .style import (
@@ -62,7 +62,10 @@ def plot_tensions(run: Run) -> Figure:
     """Commanded (lines) and measured (dots) tension of every cable, and measured minus commanded below.
 
     run : Run
+    Raises InvalidInput for anything else.
     """
+    if not hasattr(run, "commanded_tensions"):
+        raise InvalidInput(f"plot_tensions takes a Run, got {quoted(run)}")
     with house_style():
         figure = Figure(figsize=(8.0, 6.4), layout="constrained")
         _tension_panels(figure.subplots(2, height_ratios=[2, 1]), run)

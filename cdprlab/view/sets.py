@@ -9,6 +9,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.patches import Polygon
 from numpy.typing import ArrayLike
 
+from ..arrays import checked
 from ..errors import InvalidInput
 from ..robot.pattern import motion_pattern as patterns
 from .style import BLUE, CABLE_DASHES, GREEN, INK, ORANGE, VERMILION
@@ -24,6 +25,7 @@ _LETTERS = {"twist": ("v", "ω"), "wrench": ("f", "m")}
 _UNITS = {"v": "m/s", "ω": "rad/s", "f": "N", "m": "N m"}
 
 
+@checked
 def axis_names(motion_pattern: str, quantity: Quantity) -> tuple[str, ...]:
     """What the components of a twist or wrench are called, in the pattern's order.
 
@@ -48,6 +50,7 @@ def axis_label(name: str) -> str:
     return f"{_math(name)} [{_UNITS[name[0]]}]"
 
 
+@checked
 def draw_polygon(axes: Axes, vertices: ArrayLike, style: int = 0, label: str = "") -> Polygon:
     """A plane set on axes of one's own, ready to be moved by ``set_xy``.
 
@@ -61,6 +64,7 @@ def draw_polygon(axes: Axes, vertices: ArrayLike, style: int = 0, label: str = "
     return patch
 
 
+@checked
 def draw_capability(axes: Axes, bars: Mapping[str, ArrayLike], names: Sequence[str], group: Sequence[int]) -> None:
     """Bars on axes of one's own, every bar with its number.
 

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..arrays import checked
 from ..robot import Robot
 
 # Okabe and Ito 2008, Color Universal Design; without yellow, which vanishes on white.
@@ -45,6 +46,7 @@ class LineStyle(NamedTuple):
 AXIS_STYLES = tuple(map(LineStyle, AXIS_COLORS, AXIS_DASHES))
 
 
+@checked
 def cable_style(index: int) -> LineStyle:
     """How cable ``index`` (from 0) is drawn.
 

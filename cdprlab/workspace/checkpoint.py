@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from ..robot.pose import Pose
 from .criterion import Criterion, Judgement
@@ -18,7 +19,10 @@ class Checkpoint:
 
     def __init__(self, folder: str | Path, robot: Robot, criterion: Criterion, margin: bool, chunk: int) -> None:
         self.folder = Path(folder)
-        self.folder.mkdir(parents=True, exist_ok=True)
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except (OSError, ValueError) as error:
+            raise InvalidInput(f"checkpoint must be a folder, got {quoted(str(folder))}: {error}") from None
         self._question = hashlib.sha256()
         _feed(self._question, (robot, criterion, margin, chunk))
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, frozen
+from ..arrays import Array, as_array, as_number, checked, frozen
 from ..errors import InvalidInput
 from ..robot.pose import Pose
 
@@ -72,6 +72,7 @@ def axis_names(dimension: int) -> str:
     return "xyz"[:dimension]
 
 
+@checked
 def position_grid(lower: ArrayLike, upper: ArrayLike, step: float, *,
                   rpy: ArrayLike | None = None,
                   angle: float | None = None) -> PoseGrid:

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array, as_number
+from ..arrays import Array, as_number, checked
 from ..errors import InvalidInput
 from ..mechanics.cables import anchor_offsets
 from ..robot import Robot
@@ -20,6 +20,7 @@ _SAME = 1e-6
 """Ends this close together are one [m]."""
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class InterferenceFree(Criterion):
     """No cable comes nearer than the clearance to another one, to the platform or to an obstacle.
@@ -46,6 +47,7 @@ class InterferenceFree(Criterion):
     root: float | None = None
     unit = "m"
 
+    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         clearance = as_number(self.clearance, "clearance", "m", minimum=0.0)
         found = [np.full((*poses.batch_shape, 1), np.inf)]

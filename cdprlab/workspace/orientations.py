@@ -6,13 +6,14 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array, as_array, checked
 from ..errors import InvalidInput
 from ..robot import Robot
 from ..robot.pose import Pose
 from .criterion import Criterion, Judgement
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class AllOrientations(Criterion):
     """Total orientation: the criterion holds at every given orientation, poses giving the position alone.
@@ -37,6 +38,7 @@ class AllOrientations(Criterion):
     def unit(self) -> str:  # type: ignore[override]
         return self.criterion.unit
 
+    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         planar = robot.dimension == 2
         given: Array = as_array(self.orientations, "orientations",

@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 
-from ..arrays import Array, Flags
+from ..arrays import Array, Flags, checked
 from ..errors import InvalidInput
 from ..robot import Robot
 from .criterion import Criterion
@@ -52,6 +52,7 @@ class RefinedWorkspace:
         return (self.bounds[1] - self.bounds[0]) / 2
 
 
+@checked
 def refine(robot: Robot, grid: PoseGrid, criterion: Criterion, levels: int = 3, *,
            n_jobs: int | None = None,
            progress: Progress | None = None) -> RefinedWorkspace:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array, as_number
+from ..arrays import Array, as_number, checked
 from ..errors import InvalidInput
 from ..mechanics.statics import gravity_wrench, moment_slope, stiffness, wrench_matrix
 from ..robot import Robot
@@ -13,6 +13,7 @@ from ..tensions import distribute_tensions
 from .criterion import Criterion, Judgement
 
 
+@checked
 @dataclass(frozen=True)
 class StaticallyStable(Criterion):
     """The weight is balanced, and every eigenvalue of the stiffness at these tensions exceeds ``least``.
@@ -36,6 +37,7 @@ class StaticallyStable(Criterion):
     least: float = 0.0
     unit = "N/m"
 
+    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
         found = distribute_tensions(W, np.broadcast_to(weight, W.shape[:-1]), robot.tension_min,

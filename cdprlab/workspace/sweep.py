@@ -2,29 +2,28 @@
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidInput
+from ..arrays import as_count, checked
+from ..errors import InvalidInput, quoted
 from ..mechanics.cables import cable_lengths
 from ..robot import Robot
 from ..robot.pose import Pose
 from .checkpoint import Checkpoint
 from .criterion import Criterion, Judgement
+from .grids import PoseGrid
 
 Progress = Callable[[int, int], None]
 """Called with (poses done, poses in all)."""
 
 
-class Poses(Protocol):
-    """A batch of poses, or a grid that makes them when asked."""
-
-    def __len__(self) -> int: ...
-
-    def __getitem__(self, index: slice, /) -> Pose: ...
+Poses = Pose | PoseGrid
+"""A batch of poses, or a grid that makes them when asked."""
 
 
+@checked
 def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool = True,
               n_jobs: int | None = None,
               chunk: int = 4096, checkpoint: str | Path | None = None, progress: Progress | None = None) -> Judgement:
@@ -49,10 +48,9 @@ def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool 
     >>> workspace(robot, cl.Pose([[0, 0, 1], [0, 0, 3.6]]), cl.WrenchFeasible()).inside
     array([ True, False])
     """
-    if not isinstance(criterion, Criterion):
-        raise InvalidInput(f"criterion must be a Criterion such as WrenchFeasible(), got {criterion!r}")
-    if chunk < 1:
-        raise InvalidInput(f"chunk must be at least 1 pose, got {chunk}")
+    as_count(chunk, "chunk")
+    if n_jobs is not None and not 0 < abs(n_jobs) <= 1000:
+        raise InvalidInput(f"n_jobs must be a number of processes, or −1 for all cores, got {quoted(n_jobs)}")
     shape, flat = _flattened(poses)
     count = len(flat)
     answer = Judgement(np.zeros(count, dtype=bool), np.full(count, np.nan))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array, as_array, checked
 from ..errors import InvalidInput
 from ..mechanics.dynamics import mass_matrix
 from ..mechanics.statics import gravity_wrench, tipping_rows, wrench_matrix
@@ -35,6 +35,7 @@ class WrenchClosure(Criterion):
 
     unit = ""
 
+    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         W = wrench_matrix(robot, poses)
         n, m = W.shape[-2:]
@@ -43,6 +44,7 @@ class WrenchClosure(Criterion):
         return Judgement(s > ROUNDING, s)
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class WrenchFeasible(Criterion):
     """Tensions within the limits balance the weight and every one of the given external wrenches.
@@ -65,6 +67,7 @@ class WrenchFeasible(Criterion):
     by: str | None = None
     unit = "N"
 
+    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
         low, high = robot.tension_min, robot.tension_max
@@ -92,12 +95,14 @@ class StaticEquilibrium(Criterion):
 
     unit = "N"
 
+    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
         most = np.full(robot.n_cables, 100 * robot.mass * max(robot.gravity, 1.0))
         return _kept(tension_margins(W, weight, np.zeros(robot.n_cables), most, at_high=False), most)
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class DynamicEquilibrium(Criterion):
     """Tensions within the limits give the platform, at rest, every acceleration of a box.
@@ -110,6 +115,7 @@ class DynamicEquilibrium(Criterion):
     accelerations: ArrayLike
     unit = "N"
 
+    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         half = as_array(self.accelerations, "accelerations", (robot.n_dof,), "m/s², rad/s²")
         W, weight, M = wrench_matrix(robot, poses), gravity_wrench(robot, poses), mass_matrix(robot, poses)
@@ -130,6 +136,7 @@ class TippingSafe(Criterion):
 
     unit = "N m"
 
+    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         rows = tipping_rows(robot, poses)
         if not rows:

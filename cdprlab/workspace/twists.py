@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array, as_array, checked
 from ..errors import InvalidInput
 from ..mechanics.kinematics import Pivot, base_jacobian, jacobian
 from ..mechanics.optimization import largest_last
@@ -17,6 +17,7 @@ from .capacity import ROUNDING, box_half_widths, box_loads
 from .criterion import Criterion, Judgement
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class TwistFeasible(Criterion):
     """Every wanted twist keeps the speed limits: |J t − B_b q̇_b| ≤ l̇_max for some |q̇_b| ≤ q̇_b,max.
@@ -36,6 +37,7 @@ class TwistFeasible(Criterion):
     pivot: Pivot = "base"
     unit = "m/s"
 
+    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         if (self.twists is None) == (self.half_widths is None):
             raise InvalidInput("TwistFeasible takes twists or half_widths, one of the two")

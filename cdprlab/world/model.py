@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ..arrays import Array
+from ..arrays import Array, checked
 from ..errors import InvalidInput
 from ..mechanics.trajectory import Trajectory, quintic
 from ..robot.pose import Pose, turned_to
@@ -39,6 +39,7 @@ class Scene:
     boxes: tuple[Box, ...]
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Task:
     """What to do: "quintic" from ``start`` to ``end`` in ``duration`` [s] and ``hold`` [s] there, or "hold"."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..arrays import checked
 from ..errors import InvalidInput, WorldError
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -17,6 +18,7 @@ from .model import Scene, Task
 # of `import cdprlab`.
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class World:
     """A robot, where it starts, what is around it and what it shall do.
@@ -36,6 +38,7 @@ class World:
     document: Any = field(repr=False)
 
     @classmethod
+    @checked
     def from_dict(cls, document: Mapping[str, Any], *, path: str = "world") -> World:
         """A world from the mapping a world file holds (see docs/world_file.md).
 
@@ -46,6 +49,7 @@ class World:
         return cls(**read(document, path))
 
     @classmethod
+    @checked
     def from_yaml(cls, text: str, *, path: str = "world") -> World:
         """A world from the text of a world file.
 
@@ -64,12 +68,14 @@ class World:
         """"planar" (pymunk) or "spatial" (PyBullet)."""
         return self.robot.pattern.engine
 
+    @checked
     def task(self, name: str = "default") -> Task:
         """The task of that name; raises InvalidInput naming those there are."""
         if name not in self.tasks:
             raise InvalidInput(f"world {self.name!r} has no task {name!r}; there are {', '.join(self.tasks)}")
         return self.tasks[name]
 
+    @checked
     def save(self, path: str | Path) -> Path:
         """Write the world file as the world is now: a changed robot or pose too, comments of its file kept.
 
@@ -111,6 +117,7 @@ def world_names() -> list[str]:
     return sorted(path.stem for path in _worlds_folder().glob("*.yaml"))
 
 
+@checked
 def load_world(name_or_path: str | Path) -> World:
     """A shipped world by name, or any world file by path (ending in .yaml or .yml).
 

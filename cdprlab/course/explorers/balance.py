@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from ...arrays import checked
 from ...robot.pose import Pose
 from ..pictures.equilibrium import draw_panels, panels
 from ..props.letting_go import Motion, let_go
@@ -14,6 +15,7 @@ from ..text_table import in_brackets
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
 
 
+@checked
 class EquilibriumExplorer(Explorer):
     """Sliders for load, push and tensions; robot, force polygon and tensions, W τ + w_e = 0 in pictures; and a last
     slider that lets the load go in the engine, tensions held.

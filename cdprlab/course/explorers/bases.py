@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...errors import InvalidInput
 from ...mechanics.cables import cable_lengths
 from ...mechanics.kinematics import base_jacobian, jacobian
@@ -64,6 +64,7 @@ class BaseMotion(NamedTuple):
         return ("; ".join(said) + ".").capitalize() if said else "All winches stand still."
 
 
+@checked
 class BaseExplorer(Explorer):
     """Sliders for bases and platform; the picture, the cable lengths and l̇ = J t − B_b q̇_b answer.
 

@@ -6,7 +6,7 @@ import ipywidgets
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...configurations.classify import classify_configurations
 from ...configurations.configuration import triplets
 from ...configurations.sequence import METHODS, ConfigurationSequence, plan_configurations
@@ -29,6 +29,7 @@ REELING = 0.1
 """Speed at which slack is taken up and let out [m/s]."""
 
 
+@checked
 class ConfigurationExplorer(Explorer):
     """Sliders for S and G; triangles inside, uncertain or outside; sequences with scores; the chosen one in the engine.
 

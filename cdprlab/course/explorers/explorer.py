@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...arrays import as_number
+from ...arrays import as_number, checked
 from ...errors import CdprError, InvalidInput
 from ...view.picture import Picture
 from ...view.style import house_style
@@ -100,6 +100,7 @@ class Slider:
             layout={"width": "auto"})
 
 
+@checked
 @dataclass(frozen=True)
 class Choice:
     """One of several options, such as a method or a cable.
@@ -144,6 +145,7 @@ def movable(axes: Axes, *fmt: str, **look: Any) -> Line2D:
     return line
 
 
+@checked
 class Explorer(Shown):
     """Sliders, a picture and numbers; in a notebook it shows itself.
 
@@ -243,6 +245,7 @@ class Explorer(Shown):
             self._quiet = False
         self._answer()
 
+    @checked
     def on_move(self, callback: Callable[[Values], Any]) -> Callable[[], None]:
         """Call ``callback(values)`` after every answer; returns what ends that."""
         self._callbacks.append(callback)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...errors import InvalidInput, NoConvergence
 from ...mechanics.cables import anchor_offsets, cable_lengths
 from ...mechanics.kinematics import forward_kinematics
@@ -32,6 +32,7 @@ _SHOWN = 6
 _HELD, _HUNG = "no", "yes, in pymunk"
 
 
+@checked
 class ForwardKinematicsExplorer(Explorer):
     """Where Gauss–Newton ends for lengths of a true pose, one of them in error, from a guess.
 

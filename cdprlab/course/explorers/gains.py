@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import ArrayLike
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...view.style import BLUE, GREY, INK, VERMILION
 from .explorer import Explorer, Slider, Values, movable
 
@@ -78,6 +78,7 @@ def sampled_error(kp: float, kd: float, dt: float, count: int) -> Array:
     return error
 
 
+@checked
 def error_decay(kp: float, kd: float, times: ArrayLike) -> Array:
     """e(t) of ë + K_d ė + K_p e = 0 with e(0) = 1, ė(0) = 0: what an infinitely fast clock would give.
 
@@ -107,6 +108,7 @@ def damping_ratio(kp: float, kd: float) -> float:
     return kd / (2 * kp**0.5) if kp > 0 else float("inf")
 
 
+@checked
 class GainExplorer(Explorer):
     """An error of 10 mm under K_p and K_d: sampled and continuous, poles in the unit circle, verdict in words.
 

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from ...arrays import checked
 from ...errors import InvalidInput
 from ...mechanics.statics import gravity_wrench, wrench_matrix
 from ...robot.pose import Pose
@@ -17,6 +18,7 @@ from .cable_bars import CableBars
 from .explorer import Explorer, Slider, Values, once_a_move, rounded_up
 
 
+@checked
 class HangingExplorer(Explorer):
     """Sliders for the platform's place; robot and tensions at rest, W τ + w_e = 0 with w_e the weight.
 

@@ -7,7 +7,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...errors import InvalidInput
 from ...fastkit import Hall, OccupancyGrid, Plan, Vehicle, carried, inflated_width, plan_path
 from ...fastkit.navigation.planner import between
@@ -22,6 +22,7 @@ _START = np.array([1.6, 2.8, np.pi / 2])
 _NEVER, _TURNED = "#B9BFC8", "#E4E7EB"
 
 
+@checked
 class PlanningExplorer(Explorer):
     """Sliders for a gap, the margin and the goal; the inflated map and the pair's way answer.
 

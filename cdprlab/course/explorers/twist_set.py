@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...errors import InvalidInput
 from ...mechanics.kinematics import jacobian
 from ...mechanics.redundancy import TwistResolution, resolve_twist
@@ -59,6 +59,7 @@ class Reach(NamedTuple):
         return f"{where}, scale at most {scale:.3f}" if np.isfinite(scale) else f"{where}, any scale"
 
 
+@checked
 class TwistSetExplorer(Explorer):
     """Sliders for a twist and the speed limits; {t : |J t − B_b q̇_b| ≤ l̇_max}, bases fixed and driving, answers.
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from ...arrays import Array, as_array
+from ...arrays import Array, as_array, checked
 from ...robot.pose import Pose
 from ...view.outlines import hanging
 from ...view.style import INK, SKY, cable_style
@@ -35,6 +35,7 @@ Formula = Callable[[Array, Array, float, float], Any]
 """(A1, A2, l1, l2) → (2,) the place of the point; raises ValueError where there is none."""
 
 
+@checked
 class TwoCirclesExplorer(Explorer):
     """Sliders for two cable lengths: two circles, the point a formula finds, and where a load hangs in the engine.
 

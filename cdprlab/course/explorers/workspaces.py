@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
-from ...arrays import Array, Flags
+from ...arrays import Array, Flags, checked
 from ...errors import InvalidInput
 from ...mechanics.statics import gravity_wrench, wrench_matrix
 from ...robot import Robot
@@ -81,6 +81,7 @@ class WorkspaceState(NamedTuple):
         return float(self.margin[self.inside].max(initial=0.0))
 
 
+@checked
 class WorkspaceExplorer(Explorer):
     """A menu of criteria, sliders for limits, push, acceleration and pose; the map of the workspace answers.
 

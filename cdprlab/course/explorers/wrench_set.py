@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...mechanics.statics import gravity_wrench, tipping_rows, wrench_matrix
 from ...robot import Base, Robot
 from ...robot.pose import Pose
@@ -79,6 +79,7 @@ class Capability(NamedTuple):
                 "No facet comes from tipping: the limits alone decide.")
 
 
+@checked
 class WrenchSetExplorer(Explorer):
     """Sliders for τ_max, τ_min, the bases' mass and the platform; {W τ : limits}, and the part where no base tips.
 

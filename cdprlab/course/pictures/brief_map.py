@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
+from ...arrays import checked
 from ...errors import InvalidInput
 from ...robot.pose import Pose
 from ...view.drawing import RobotDrawing
@@ -21,6 +22,7 @@ _ACROSS, _LIMIT = 5, 300.0
 """Places along the longest edge of the box; margin of the strongest color [N]."""
 
 
+@checked
 def plot_design(brief: Brief, world: World, title: str = "") -> Figure:
     """The robot with the brief's box, and the smallest margin at places of the box, bottom, middle and top.
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...arrays import checked
 from ...errors import InvalidInput
 from ...view.style import CABLE_DASHES, INK, cable_style, house_style
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@checked
 def plot_comparison(x: ArrayLike, pairs: Mapping[str, tuple[ArrayLike, ArrayLike]], xlabel: str,
                     ylabel: str,
                     title: str = "", names: tuple[str, str] = ("engine", "formula")) -> Figure:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array
+from ...arrays import Array, as_array, checked
 from ...configurations.classify import INSIDE, OUTSIDE, UNCERTAIN, classify_configurations
 from ...configurations.configuration import Configuration, triplets
 from ...configurations.region import region
@@ -25,6 +25,7 @@ _MARGIN, WIDE_MARGIN = 0.22, 0.44
 """Of the plan around the exit points, in a large panel and in a small one [m]."""
 
 
+@checked
 def plot_triplets(robot: Robot, position: ArrayLike, classes: Mapping[Any, str] | None = None,
                   position_uncertainty: float = 0.0, exit_uncertainty: float = 0.0) -> Figure:
     """One small plan a triplet: its triangle, the load, and its class.
@@ -52,6 +53,7 @@ def plot_triplets(robot: Robot, position: ArrayLike, classes: Mapping[Any, str] 
     return figure
 
 
+@checked
 def plot_sequences(robot: Robot, sequences: Sequence[ConfigurationSequence], titles: Sequence[str] = ()) -> Figure:
     """Ways from S to G side by side, each with the triangles of its configurations.
 

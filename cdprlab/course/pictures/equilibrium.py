@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 from numpy.typing import ArrayLike
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...robot import Robot
 from ...view.plots import Figure
 from ...view.style import GREY, INK, ORANGE, SKY, cable_style, house_style
@@ -35,6 +35,7 @@ _GHOSTS = 0.1
 """Between two outlines of a load on its way [s]."""
 
 
+@checked
 def draw_equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 0.0),
                      internal: float = 0.0,
                      tensions: ArrayLike | None = None) -> Figure:

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...tensions import distribute_tensions
 from ...view.plots import Figure
 from ...view.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, cable_style, house_style
@@ -39,6 +39,7 @@ MARKS = {
 OWN = (Mark("D", INK, 13), Mark("o", INK, 20))
 """Points of no method, a student's own or the one that walks along the border: hollow, so that nothing hides."""
 
+@checked
 def plot_tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike,
                      tension_max: ArrayLike,
                      methods: Sequence[str] = (), own: Mapping[str, ArrayLike] | None = None,

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.lines import Line2D
 
+from ...arrays import checked
 from ...errors import InvalidInput
 from ...view.plots import Figure
 from ...view.style import CABLE_DASHES, INK, cable_style, house_style
@@ -14,6 +15,7 @@ _MARKERS = 12
 """Measured values shown per cable."""
 
 
+@checked
 def plot_tension_runs(runs: Sequence[Any]) -> Figure:
     """Tensions of each run above; below, what cables carried beyond the command, and how far the platform was off.
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
+from ...arrays import checked
 from ...robot import Robot
 
 
@@ -18,6 +19,7 @@ def every_cable(robot: Robot, **changes: Any) -> Robot:
     return replace(robot, cables=tuple(replace(cable, **changes) for cable in robot.cables))
 
 
+@checked
 def without_cable(robot: Robot, index: int) -> Robot:
     """The same robot with one cable less.
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array, as_number
+from ...arrays import Array, as_array, as_number, checked
 from ...errors import InvalidInput
 from ...mechanics.optimization import largest_last
 from ...mechanics.statics import gravity_wrench, wrench_matrix
@@ -78,6 +78,7 @@ class Equilibrium(NamedTuple):
         return text + f"The polygon closes on paper only: {pushes}, and cables only pull (slack!)."
 
 
+@checked
 def point_load(n_cables: int) -> Robot:
     """A 10 kg load in a vertical plane, hung on two, three or four cables.
 

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...arrays import Array, as_array
+from ...arrays import Array, as_array, checked
 from ...errors import InvalidInput
 from ...mechanics.cables import cable_lengths
 from ...mechanics.kinematics import jacobian
@@ -38,6 +38,7 @@ class Path(NamedTuple):
     converged: bool
 
 
+@checked
 def six_cables(count: int = 6) -> Robot:
     """A planar platform of 0.8 m × 0.5 m in a frame of 4 m × 3 m, held by the first ``count`` of six cables.
 

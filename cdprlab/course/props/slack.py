@@ -5,12 +5,14 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...arrays import checked
 from ...configurations import Configuration, compatible_configurations
 from ...configurations.configuration import as_position, triplets
 from ...errors import InvalidInput
 from ...robot import Robot
 
 
+@checked
 def slack_length(robot: Robot, position: ArrayLike, configuration: Iterable[int],
                  length_error: float = 0.01, *,
                  exit_uncertainty: float = 0.0) -> float:

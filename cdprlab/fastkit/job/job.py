@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import Array, frozen
+from ...arrays import Array, checked, frozen
 from ...errors import InvalidInput
 from ...mechanics.dynamics import pose_error
 from ...mechanics.trajectory import Reference, Trajectory, hold, quintic, rest_to_rest
@@ -31,6 +31,7 @@ _AFTERMATH = 1.5       # s that a stopped job is watched: bases brake within 1 s
 _SLACK = 0.5           # N: how far off its limits a cable may be before it counts, about what friction leaves
 
 
+@checked
 def pick_and_place(world: World, task: str = "pick_and_place",
                    control: str | WinchControl = "torque", *, speed: float = 0.5,
                    dt: float = 2e-3, control_period: float = 4e-3,

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...robot.pose import Pose
 from ..events import DONE, STOPPED, Event
 
@@ -62,6 +62,7 @@ def _nothing(_: Any) -> None:
     pass
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Phase:
     """One step of a job.
@@ -86,6 +87,7 @@ class Phase:
     guard: Guard = settled
 
 
+@checked
 class Machine:
     """Runs phases one after the other; a fault, or a guard that stays shut, leads to ``STOPPED``.
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...errors import InvalidInput
 from ...robot.pose import Pose
 from ...run.log import Log
@@ -25,6 +25,7 @@ _AT_ONCE = 5      # of its steps in one call
 _TALL = 1.75      # m: a person
 
 
+@checked
 class EnginePair(Pair):
     """Two coupled bases in the engine, the platform fixed to the active one, all cables at their least tension.
 
@@ -49,6 +50,7 @@ class EnginePair(Pair):
                         "wheels": (self._wheels().shape, "N"),
                         "tilts": ((), "rad")})
 
+    @checked
     def move(self, twist: Array, period: float) -> None:
         engine = self.engine
         engine.drive([*self.vehicle.base_speeds(twist), 0, 0, 0])
@@ -64,6 +66,7 @@ class EnginePair(Pair):
             b.resetBasePositionAndOrientation(body, [*walker.place, _TALL / 2], STRAIGHT)
         return step
 
+    @checked
     def rays(self, scanner: Scanner) -> Array:
         """Beams are ray tests against everything solid, people included."""
         origin, directions = scanner.beams_from(self.pose)
@@ -89,6 +92,7 @@ class EnginePair(Pair):
         self.engine.close()
 
 
+@checked
 def pair_pose(world: World, active: str = "active") -> tuple[Array, float]:
     """(3,) pose of the pair as a world's bases stand, the active one behind, and how far apart they are.
 

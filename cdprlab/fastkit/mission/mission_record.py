@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...arrays import checked
 from ...run.log import Log
 from ...world import World
 from ..events import Chronicle, Event
@@ -47,6 +48,7 @@ class Mission(Chronicle):
         """Simulated time so far [s]."""
         return sum(float(part.time[-1]) for part in self.parts.values())
 
+    @checked
     def when(self, begins: str) -> float:
         """When the job first was in that state of its own; now, if it never was, or there is no job [s]."""
         if self.job is None or self.journey is None:

@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import as_array
+from ...arrays import as_array, checked
 from ...world import World
 from ..navigation.hall import walls
 
 _WALLS, _PALLET = ("north wall", "south wall", "west wall", "east wall"), "pallet"
 
 
+@checked
 def in_hall(world: World, bounds: ArrayLike, pallets: ArrayLike = (),
             height: float = 1.2) -> World:
     """A world with walls around the floor and pallets on it.

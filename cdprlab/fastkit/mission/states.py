@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from numpy.typing import ArrayLike
 
-from ...arrays import as_array
+from ...arrays import as_array, checked
 from ...errors import InvalidInput
 from ...world import World
 from ...world.model import PickAndPlace
@@ -43,6 +43,7 @@ class Stage(NamedTuple):
     begins: str = ""
 
 
+@checked
 def run_mission(world: World, bounds: ArrayLike, start: ArrayLike, task: str = "pick_and_place",
                 *, station: ArrayLike = (0.2, -0.4, 0.0), walkers: tuple[Walker, ...] = (),
                 seed: int = 0, beams: int = 271, work: Work | None = None,
@@ -88,6 +89,7 @@ def run_mission(world: World, bounds: ArrayLike, start: ArrayLike, task: str = "
     return mission
 
 
+@checked
 def walk_through(mission: Mission, states: tuple[Stage, ...]) -> Iterator[Event]:
     """The whole machine: enter a state, act, ask its guard, go on or stop."""
     for state in states:
@@ -100,6 +102,7 @@ def walk_through(mission: Mission, states: tuple[Stage, ...]) -> Iterator[Event]
     yield Event(mission.now, DONE)
 
 
+@checked
 def mission_states(trip: Trip, work: Work | None = None) -> tuple[Stage, ...]:
     """The states of Fig. 3 and what is between them, in order; ``work`` is one act that three of them watch."""
     return (

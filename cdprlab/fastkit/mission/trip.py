@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...run.log import Log
 from ...world import World
 from ...world.model import PickAndPlace
@@ -33,6 +33,7 @@ def watch(_: Mission) -> None:
     """Nothing is done: the pair stands, or the job that an earlier state began goes on by itself."""
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Trip:
     """Where from, where to, and who is on the way; see `run_mission`."""
@@ -62,12 +63,14 @@ class Trip:
         """(3,) where the straight way into the berth, and out of it, begins [m, m, rad]."""
         return np.asarray(placed(self.berth, [self.station])[0])
 
+    @checked
     def drive_there(self, mission: Mission) -> None:
         """Navigate to the berth in the engine, the true start a little off the one told."""
         truly = self.start + np.random.default_rng(mission.seed).uniform(-1, 1, 3) * [0.08, 0.08, 0.04]
         mission.journey, mission.drive = self._navigate(mission, truly, self.start, self.gate,
                                                         berth=self.berth, seed=mission.seed)
 
+    @checked
     def drive_home(self, mission: Mission) -> None:
         """Navigate back from where the bases have come together; what the pair believed there, it believes still."""
         assert mission.journey is not None and mission.job is not None
@@ -97,6 +100,7 @@ class Trip:
         tell, before = self.progress, mission.now
         return None if tell is None else lambda part: tell(mission.state, before + part)
 
+    @checked
     def arrived(self, mission: Mission) -> World:
         """The world with its bases as the pair truly stands, and deploys from there straight on.
 
@@ -112,6 +116,7 @@ class Trip:
         return replace(self.world, robot=self.world.robot.with_bases(deployed),
                        tasks={mission.task: replace(self.task, coupled=coupled)})
 
+    @checked
     def work_there(self, mission: Mission, work: Work | None = None) -> None:
         """Do the work where the pair stands; None: `pick_and_place`, and fold."""
         there, tell = self.arrived(mission), self.told(mission)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array
+from ...arrays import Array, as_array, checked
 from ..plane import checked_pose, moved, off_rectangles, point_distance, rectangle_distance, step_between, turn
 from .hall import Hall
 from .laser import Scanner, cast
@@ -14,6 +14,7 @@ from .localization import Odometry
 from .vehicle import Vehicle
 
 
+@checked
 @dataclass
 class Walker:
     """A person who walks to and fro, and stops before walking into a machine.
@@ -36,6 +37,7 @@ class Walker:
         self.place, self.onward = np.array(self.way[0]), 1
         self.waited, self.turned = 0.0, 0
 
+    @checked
     def walk(self, period: float, pose: ArrayLike, size: ArrayLike) -> None:
         """Walk on for a period [s], minding a machine at pose (3,), (2,) along and across [m]."""
         left = self.way[self.onward] - self.place
@@ -118,9 +120,11 @@ class Pair(ABC):
 class KinematicPair(Pair):
     """A pair that drives exactly as told, and whose beams end where geometry says."""
 
+    @checked
     def move(self, twist: Array, period: float) -> None:
         self.pose = moved(self.pose, self.vehicle.within_limits(twist), period)
 
+    @checked
     def rays(self, scanner: Scanner) -> Array:
         return cast(*scanner.beams_from(self.pose), self.hall.segments, self.people)
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ..plane import carried, difference, moved, relative
 from .planner import between
 from .vehicle import Vehicle
@@ -24,6 +24,7 @@ ARRIVED = np.array([0.005, 0.005, 0.0035])
 """How near to its goal the pair believes to be when it stops [m, m, rad]."""
 
 
+@checked
 class Follower:
     """Drives along a plan: aims a little ahead of where the vehicle is, as fast as limits and neighbors allow.
 
@@ -46,6 +47,7 @@ class Follower:
         there = (np.abs(difference(self.way[-1], pose)) <= ARRIVED).all()
         return bool(there and np.abs(self.twist).max() < 0.02)
 
+    @checked
     def command(self, pose: ArrayLike, unexpected: Array, period: float) -> Array:
         """(3,) v_x, v_y, ω of the next period, in the vehicle's frame [m/s, rad/s].
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, Flags, as_array, frozen
+from ...arrays import Array, Flags, as_array, checked, frozen
 from ...world import World
 from ..plane import edges, point_distance, rectangle
 
@@ -43,6 +43,7 @@ class Hall:
                    np.broadcast_to(np.asarray(seen), len(rows)))
 
     @classmethod
+    @checked
     def of_world(cls, world: World, bounds: ArrayLike, height: float = 0.2,
                  tallest: float = 2.4) -> Hall:
         """The plan of a world's scene: all that stands between the floor and the tops of the bases.

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array, as_number, frozen
+from ...arrays import Array, as_array, as_number, checked, frozen
 from ...run.log import Log
 from ..events import STOPPED
 from ..plane import carried, checked_pose, difference
@@ -84,6 +84,7 @@ class Journey:
         }
 
 
+@checked
 def navigate(pair: Pair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
              berth: ArrayLike | None = None, leaving: ArrayLike | None = None,
              uncertainty: ArrayLike = (0.1, 0.1, 0.05), margin: float = MARGIN,

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ..plane import carried, cross, turn
 
 
+@checked
 @dataclass(frozen=True)
 class Scanner:
     """A scanner on a moving frame; the defaults are FASTKIT's S300 (range and angle published, the others chosen).
@@ -38,6 +39,7 @@ class Scanner:
         angles = np.asarray(pose)[2] + self.directions
         return carried(pose, [[self.x, self.y]])[0], turn(angles)[..., 0]
 
+    @checked
     def measured(self, distances: Array, random: np.random.Generator) -> Array:
         """(beams,) what the scanner says of true distances: with noise, inf beyond its range [m]."""
         noisy = distances + self.noise * random.standard_normal(distances.shape)

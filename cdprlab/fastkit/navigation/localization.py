@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ..plane import carried, cross, difference, moved, off_segments, turn
 from .hall import Hall
 
@@ -17,6 +17,7 @@ UNEXPECTED = 0.2
 """A point farther than this from all edges is something that is not on the map [m]."""
 
 
+@checked
 @dataclass(frozen=True)
 class Odometry:
     """What wheels say of a short motion, and how wrong they are.
@@ -36,11 +37,13 @@ class Odometry:
         across, about = self.scale * way + 1e-5, self.per_turn * abs(spin) + self.per_meter * way + 1e-5
         return np.diag([across, across, about]) ** 2
 
+    @checked
     def measured(self, step: ArrayLike, random: np.random.Generator) -> Array:
         """(3,) what the wheels say of a true step."""
         return np.asarray(step) + np.sqrt(np.diag(self.covariance(step))) * random.standard_normal(3)
 
 
+@checked
 class Localization:
     """Where the vehicle believes to be.
 

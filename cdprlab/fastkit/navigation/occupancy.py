@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.ndimage import distance_transform_edt
 
-from ...arrays import Array, Flags, as_number, frozen
+from ...arrays import Array, Flags, as_number, checked, frozen
 from ..plane import carried, point_distance
 from .hall import Hall
 from .vehicle import Vehicle
@@ -71,10 +71,12 @@ class OccupancyGrid:
         """(…) clearance at points (…, 2); 0 off the floor [m]."""
         return self._at(*np.moveaxis(np.asarray(points, dtype=float), -1, 0))
 
+    @checked
     def room(self, vehicle: Vehicle, poses: ArrayLike) -> Array:
         """(…) what is surely left between a vehicle at poses (…, 3) and all that stands there [m]."""
         return self.clearance_at(carried(poses, vehicle.discs)).min(axis=-1) - vehicle.radius
 
+    @checked
     def room_on(self, vehicle: Vehicle, xs: Array, ys: Array, heading: float) -> Array:
         """(nx, ny) the same for one heading at all places (x, y): cells are looked up row by column."""
         x, y = carried([0, 0, heading], vehicle.discs).T[:, :, None]

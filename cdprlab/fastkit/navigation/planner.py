@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from ...arrays import Array, Indices, frozen
+from ...arrays import Array, Indices, checked, frozen
 from ..plane import checked_pose, difference
 from .occupancy import OccupancyGrid
 from .vehicle import Vehicle
@@ -24,6 +24,7 @@ _WIDE = 0.4          # m of room beyond which a place costs nothing extra
 _JOIN = 0.45         # m around start and goal where the lattice is joined
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Plan:
     """A way, or why there is none.
@@ -36,6 +37,7 @@ class Plan:
     reason: str = ""
 
     @classmethod
+    @checked
     def none(cls, reason: str) -> Plan:
         """No way, and why."""
         return cls(np.zeros((0, 3)), reason)
@@ -51,11 +53,13 @@ class Plan:
         return float(np.linalg.norm(np.diff(self.poses[:, :2], axis=0), axis=1).sum())
 
 
+@checked
 def inflated_width(grid: OccupancyGrid, vehicle: Vehicle, margin: float = MARGIN) -> float:
     """A straight gap this wide is certainly found: the discs, the margin, and what cells hide [m]."""
     return 2 * (float(vehicle.discs[:, 1].max()) + vehicle.radius + margin + grid.slack)
 
 
+@checked
 def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: ArrayLike,
               margin: float = MARGIN) -> Plan:
     """The quickest way from start to goal: min Σ time × (2 − room left, up to where room is plenty).

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ..plane import rectangle_distance
 from .driving import Walker
 from .hall import Hall, walls
@@ -23,6 +23,7 @@ class Practice(NamedTuple):
     walkers: tuple[Walker, ...]
 
 
+@checked
 def practice_hall(vehicle: Vehicle, seed: int, size: tuple[float, float] = (10.0, 8.0),
                   pallets: int = 9, gap: float = 0.25) -> Practice:
     """A hall with a shelf along its upper wall; the goal is before the shelf, ``gap`` [m] from it.

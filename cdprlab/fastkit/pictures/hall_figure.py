@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Circle, Polygon
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...view.plots import Figure
 from ...view.style import BLUE, GREEN, GREY, INK, ORANGE, SKY, VERMILION, house_style
 from ..navigation.hall import Hall
@@ -17,6 +17,7 @@ from ..plane import carried
 _SHADE = "#E4E7EB"
 
 
+@checked
 def plot_journey(journey: Journey) -> Figure:
     """The map with plan and way, beside it what the scanners see at the end and how wrong the belief was.
 
@@ -46,6 +47,7 @@ def plot_journey(journey: Journey) -> Figure:
     return figure
 
 
+@checked
 def draw_hall(axes: Axes, hall: Hall, vehicle: Vehicle | None = None) -> None:
     """What stands there, and, with a vehicle, how far inflation reaches: the pair's middle line stays out of it."""
     low, high = hall.bounds
@@ -66,6 +68,7 @@ def draw_hall(axes: Axes, hall: Hall, vehicle: Vehicle | None = None) -> None:
     axes.grid(False)
 
 
+@checked
 def draw_way(axes: Axes, journey: Journey, until: float = np.inf) -> None:
     """Plans dashed, the way driven solid, the pair every ten seconds or so, people's ways dotted.
 

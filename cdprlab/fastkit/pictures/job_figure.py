@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...robot.pose import Pose
 from ...view.film import Frame, RunScreen, save_gif
 from ...view.plots import Figure, draw_lines, label_ends, mark_level, spread_apart
@@ -22,6 +22,7 @@ TIPS = "0: a base begins to tip"
 _STILL = 0.02    # m: a base that moves less across the floor stands as far as a picture can tell
 
 
+@checked
 def plot_job(job: Job) -> Figure:
     """Platform, tracking error, tensions, bases and wheel loads over time, phases named above [m, mm, N].
 
@@ -50,6 +51,7 @@ def plot_job(job: Job) -> Figure:
         return figure
 
 
+@checked
 def save_job_film(job: Job, path: str | Path, seconds: float = 16.0, fps: int = 8,
                   width: int = 640) -> Path:
     """An animated GIF of a job, below 3 MB, each picture with what is being done in words.
@@ -88,6 +90,7 @@ class JobScreen(RunScreen):
         return f"{state}: {what}" if what else state
 
 
+@checked
 def frame_at(job: Job, t: float, width: int = 640, scene: Scene | None = None) -> Frame:
     """(height, width, 3) one picture of the film.
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array
+from ...arrays import Array, as_array, as_count, checked
 from ...errors import InvalidInput, NoPlacement
 from ...robot import Robot
 from ...robot.pose import Pose
@@ -13,6 +13,7 @@ from .reason import why_not_found
 from .search import Search
 
 
+@checked
 def place_bases(robot: Robot, poses: Pose, wrenches: ArrayLike, *, tipping: bool = True,
                 margin: float = 0.0,
                 evaluations: int = 300) -> Robot:
@@ -55,8 +56,7 @@ def place_bases(robot: Robot, poses: Pose, wrenches: ArrayLike, *, tipping: bool
     """
     if not 0 <= margin <= 1:
         raise InvalidInput(f"margin must be between 0 and 1, got {margin!r}")
-    if isinstance(evaluations, bool) or not isinstance(evaluations, int) or evaluations < 1:
-        raise InvalidInput(f"evaluations must be a whole number of at least 1, got {evaluations!r}")
+    as_count(evaluations, "evaluations")
     duty = _checked(robot, poses, wrenches, tipping)
     search = Search(robot, duty, evaluations)
     value, x = search.value(search.here), search.here
