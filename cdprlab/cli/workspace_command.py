@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..run.log import write_csv
 from ..view import save_figure
 from ..workspace import (
@@ -120,7 +120,7 @@ def _criterion(world: World, options: argparse.Namespace) -> Criterion:
     names = options.criterion.split(",")
     for name in names:
         if name not in CRITERIA:
-            raise InvalidInput(f"unknown criterion {name!r}; there are {', '.join(CRITERIA)}")
+            raise InvalidInput(f"unknown criterion {quoted(name)}; there are {', '.join(CRITERIA)}")
     return reduce(and_, [CRITERIA[name](world, options) for name in names])
 
 
@@ -141,7 +141,7 @@ def _grid(world: World, options: argparse.Namespace) -> PoseGrid:
     if d == 3 and not options.volume:
         plane = "".join(sorted(options.plane or "xz"))
         if plane not in _HELD:
-            raise InvalidInput(f"plane must be {', '.join(_HELD)}, got {options.plane!r}")
+            raise InvalidInput(f"plane must be {', '.join(_HELD)}, got {quoted(options.plane)}")
         held = _HELD[plane]
         low[held] = high[held] = (low[held] + high[held]) / 2 if options.at is None else options.at
     elif options.plane or (d == 2 and options.at is not None):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, checked
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from .accuracy import position_sensitivity
 from .configuration import Configuration, as_position, triplets
@@ -162,7 +162,7 @@ def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike,
     A134 → A234: score 4, safe
     """
     if method not in METHODS:
-        raise InvalidInput(f"method must be one of {', '.join(METHODS)}, got {method!r}")
+        raise InvalidInput(f"method must be one of {', '.join(METHODS)}, got {quoted(method)}")
     way = _Way(robot, as_position(start), as_position(goal), position_uncertainty,
                exit_uncertainty,
                method)

@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 
 from ..arrays import Array, Flags, checked
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..mechanics.intervals import Intervals, exact, stack
 
 Side = Callable[[Intervals, Intervals, Intervals], Intervals]
@@ -33,7 +33,7 @@ def side_range(start: Array, end: Array, position: Array, exit_uncertainty: floa
     ['0.911', '0.888', '0.828']
     """
     if form not in FORMS:
-        raise InvalidInput(f"interval form must be one of {', '.join(FORMS)}, got {form!r}")
+        raise InvalidInput(f"interval form must be one of {', '.join(FORMS)}, got {quoted(form)}")
     a, b, m = (exact(center) + Intervals(-radius, radius) for center, radius in (
         (start, exit_uncertainty), (end, exit_uncertainty), (position, position_uncertainty)))
     found = FORMS[form](a, b, m)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, checked, common_batch
-from ..errors import InvalidInput, NoConvergence
+from ..errors import InvalidInput, NoConvergence, quoted
 from ..robot import Robot
 from ..robot.pose import Pose, rotation_from_vector, rotation_vector_jacobian
 from .cables import cable_directions, cable_lengths, cables_at, check_dimension
@@ -45,7 +45,7 @@ def base_jacobian(robot: Robot, pose: Pose, pivot: Pivot = "base") -> Array:
     (8, 0)
     """
     if pivot not in ("base", "world"):
-        raise InvalidInput(f"pivot must be 'base' or 'world', got {pivot!r}")
+        raise InvalidInput(f"pivot must be 'base' or 'world', got {quoted(pivot)}")
     directions = cable_directions(robot, pose)
     columns = np.zeros((*directions.shape[:-1], 3 * len(robot.bases)))
     for k, base in enumerate(robot.bases):
@@ -81,7 +81,7 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance:
     if (measured <= 0).any():
         raise InvalidInput(f"cable lengths must be positive [m], got {float(measured.min()):g}")
     if not tolerance > 0:
-        raise InvalidInput(f"tolerance must be positive [m], got {tolerance!r}")
+        raise InvalidInput(f"tolerance must be positive [m], got {quoted(tolerance)}")
     check_dimension(robot, guess)
     batch = common_batch("lengths", measured.shape[:-1], "a guess", guess.batch_shape)
     position = np.array(np.broadcast_to(guess.position, (*batch, robot.dimension)))

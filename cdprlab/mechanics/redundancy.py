@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, checked, frozen
-from ..errors import InfeasibleTwist, InvalidInput
+from ..errors import InfeasibleTwist, InvalidInput, quoted
 from ..robot import Robot
 from ..robot.pose import Pose
 from .kinematics import Pivot, base_jacobian, jacobian
@@ -76,7 +76,7 @@ def resolve_twist(robot: Robot, pose: Pose, twist: ArrayLike, method: str = "qua
     (True, 1.2195)
     """
     if method not in RESOLUTION_METHODS:
-        raise InvalidInput(f"unknown method {method!r}; there are {', '.join(RESOLUTION_METHODS)}")
+        raise InvalidInput(f"unknown method {quoted(method)}; there are {', '.join(RESOLUTION_METHODS)}")
     wanted = as_array(twist, "twist", (robot.n_dof,), "m/s, rad/s", batch=True)
     rates = (jacobian(robot, pose) @ wanted[..., None])[..., 0]
     batch, p = rates.shape[:-1], 3 * len(robot.bases)

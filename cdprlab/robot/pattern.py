@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, frozen
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 
 
 class MotionPattern(NamedTuple):
@@ -87,6 +87,6 @@ def motion_pattern(name: str) -> MotionPattern:
     5
     """
     if name not in MOTION_PATTERNS:
-        raise InvalidInput(f"unknown motion pattern {name!r}; there are {', '.join(MOTION_PATTERNS)}",
+        raise InvalidInput(f"unknown motion pattern {quoted(name)}; there are {', '.join(MOTION_PATTERNS)}",
                            ("motion_pattern",))
     return MOTION_PATTERNS[name]

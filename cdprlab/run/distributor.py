@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, as_array
-from ..errors import InfeasibleTensions, InvalidInput
+from ..errors import InfeasibleTensions, InvalidInput, quoted
 from ..robot import Robot
 from ..tensions import TensionDistribution, checked_distribution, solver_for
 
@@ -24,7 +24,7 @@ class Distributor:
 
     def __init__(self, robot: Robot, method: Any, infeasible: str) -> None:
         if infeasible not in INFEASIBLE:
-            raise InvalidInput(f"infeasible must be one of {', '.join(INFEASIBLE)}, got {infeasible!r}")
+            raise InvalidInput(f"infeasible must be one of {', '.join(INFEASIBLE)}, got {quoted(infeasible)}")
         self.robot, self.method, self.infeasible = robot, method, infeasible
         self.whole: Array | None = None
         self.last: Array | None = None

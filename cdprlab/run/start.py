@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_number, checked, frozen
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..mechanics.cables import cable_lengths
 from ..mechanics.statics import wrench_matrix
 from ..mechanics.trajectory import Reference
@@ -77,7 +77,7 @@ def run(world: World, task: str = "default",
                                                                         "s", positive=True)
     times: Array = np.arange(max(1, round(length / period)), dtype=float) * period
     if wound and controller is not None:
-        raise InvalidInput(f"cables={cables!r} winds by inverse kinematics and takes no controller")
+        raise InvalidInput(f"cables={quoted(cables)} winds by inverse kinematics and takes no controller")
     law = ComputedTorque() if controller is None else controller
     command = LengthCommand() if wound else TensionCommand(law, distributor)
     cuts = _cut_steps(cut or {}, robot.n_cables, times.size, period)

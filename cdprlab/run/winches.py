@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..arrays import Array, checked
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..mechanics.dynamics import mass_and_bias
 from ..mechanics.statics import footings
 from ..mechanics.trajectory import Reference
@@ -193,7 +193,7 @@ def winch_control(control: str | WinchControl) -> WinchControl:
         return control
     known = {"torque": TorqueControl, "velocity": VelocityControl}
     if control not in known:
-        raise InvalidInput(f"control must be {' or '.join(map(repr, known))}, or a WinchControl, got {control!r}")
+        raise InvalidInput(f"control must be {' or '.join(map(repr, known))}, or a WinchControl, got {quoted(control)}")
     return known[control]()
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, Flags, as_array, checked, frozen
-from ..errors import InvalidInput, NotListable
+from ..errors import InvalidInput, NotListable, quoted
 from .elimination import eliminate
 from .frame import Frame, affine_hull
 from .listing import Planes, asked_hull, candidates, hull, meetings, tips, without_superfluous
@@ -328,7 +328,7 @@ class Polytope:
         chosen = np.asarray(components)
         if chosen.ndim != 1 or not chosen.size or len(set(chosen.tolist())) != chosen.size \
                 or chosen.dtype.kind not in "iu" or chosen.min() < 0 or chosen.max() >= self.n:
-            raise InvalidInput(f"components must be different numbers from 0 to {self.n - 1}, got {components!r}")
+            raise InvalidInput(f"components must be different numbers from 0 to {self.n - 1}, got {quoted(components)}")
         return chosen
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, checked
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..mechanics.kinematics import Pivot, base_jacobian, jacobian
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -77,7 +77,7 @@ def moving_columns(robot: Robot, moving: str | Sequence[str]) -> list[int]:
     chosen = {"all": names, "none": []}.get(moving, [moving]) if isinstance(moving, str) else list(moving)
     for name in chosen:
         if name not in names:
-            raise InvalidInput(f"moving must be 'all', 'none' or names of bases, got {name!r}; "
+            raise InvalidInput(f"moving must be 'all', 'none' or names of bases, got {quoted(name)}; "
                                f"{'there are ' + ', '.join(names) if names else 'this robot has no bases'}")
     return [3 * k + i for k, name in enumerate(names) if name in chosen for i in range(3)]
 

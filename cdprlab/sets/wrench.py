@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..arrays import Array, as_number, checked
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..mechanics.cables import cable_directions
 from ..mechanics.statics import tipping_rows, wrench_matrix
 from ..robot import Robot
@@ -64,7 +64,7 @@ def sliding_rows(robot: Robot, pose: Pose, friction: float, sides: int = 8) -> t
     """
     mu = as_number(friction, "friction", minimum=0.0)
     if not isinstance(sides, int) or sides < 3:
-        raise InvalidInput(f"sides must be a whole number of at least 3, got {sides!r}")
+        raise InvalidInput(f"sides must be a whole number of at least 3, got {quoted(sides)}")
     pulls = -cable_directions(robot, one_pose(pose))      # on the bases
     angles = 2 * np.pi * np.arange(sides) / sides
     ways, share = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1), float(np.cos(np.pi / sides))

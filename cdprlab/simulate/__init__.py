@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import checked
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..world import World
 from .planar import PlanarSimulator
 from .simulator import WOUND, Simulator
@@ -39,9 +39,9 @@ def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **op
     installed.
     """
     if cables not in _ENGINES[world.engine]:
-        raise InvalidInput(f"cable model {cables!r} is not available in the {world.engine} engine; "
+        raise InvalidInput(f"cable model {quoted(cables)} is not available in the {world.engine} engine; "
                            f"there are {', '.join(_ENGINES[world.engine])}")
     if not (np.isfinite(dt) and dt > 0):
-        raise InvalidInput(f"dt must be a positive time step [s], got {dt!r}")
+        raise InvalidInput(f"dt must be a positive time step [s], got {quoted(dt)}")
     return (PlanarSimulator if world.engine == "planar" else SpatialSimulator)(world, cables,
                                                                                dt, **options)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..robot.pose import Pose
 from .bullet import Bullet
 
@@ -31,7 +31,7 @@ class Boxes:
         friction : the box's factor of the coefficient of friction; boards and floor have 0.5
         """
         if name in self._boxes:
-            raise InvalidInput(f"there is a box {name!r} already")
+            raise InvalidInput(f"there is a box {quoted(name)} already")
         extent = as_array(size, "size", (3,), "m")
         body = self._bullet.add_box(extent,
                                     as_array(position, "position", (3,), "m"), 0.0, mass)
@@ -63,7 +63,7 @@ class Boxes:
         stroke : (3,) in platform axes, a little more every step or the box is torn away [m]
         """
         if name not in self._grips:
-            raise InvalidInput(f"box {name!r} is not gripped; gripped are {', '.join(self._grips) or 'none'}")
+            raise InvalidInput(f"box {quoted(name)} is not gripped; gripped are {', '.join(self._grips) or 'none'}")
         grip, seen = self._grips[name]
         pivot = seen.T @ -as_array(stroke, "stroke", (3,), "m")
         self._bullet.changeConstraint(grip, jointChildPivot=pivot.tolist())
@@ -80,5 +80,5 @@ class Boxes:
 
     def _body(self, name: str) -> int:
         if name not in self._boxes:
-            raise InvalidInput(f"there is no box {name!r}; there are {', '.join(self._boxes) or 'none'}")
+            raise InvalidInput(f"there is no box {quoted(name)}; there are {', '.join(self._boxes) or 'none'}")
         return self._boxes[name][0]

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..compiled import CENTROID, HIGHEST, LOWEST
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from .feasible_polygon import polygon_points
 from .method import Answers, BatchSolver, vectorized
 
@@ -19,7 +19,7 @@ def batch(*, choice: str = "middle") -> BatchSolver:
     Source: Okoli 2016, eq. (6.33); (6.34)–(6.35) ignore both limits.
     """
     if choice not in CHOICES:
-        raise InvalidInput(f"choice must be one of {', '.join(CHOICES)}, got {choice!r}")
+        raise InvalidInput(f"choice must be one of {', '.join(CHOICES)}, got {quoted(choice)}")
 
     def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
         tensions, reasons, spare = polygon_points(W, w_e, low, high, CHOICES[choice])

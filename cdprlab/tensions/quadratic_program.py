@@ -5,7 +5,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..mechanics.optimization import least_quadratic
 from .feasible_polygon import least_norm_points
 from .method import (
@@ -131,7 +131,7 @@ def _other_solver(low: Array, high: Array, solver: str) -> Solver:
     import qpsolvers
 
     if solver not in qpsolvers.available_solvers:
-        raise InvalidInput(f"QP solver {solver!r} is not installed; there are "
+        raise InvalidInput(f"QP solver {quoted(solver)} is not installed; there are "
                            f"{', '.join(qpsolvers.available_solvers)}")
     m = low.shape[0]
 

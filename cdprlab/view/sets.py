@@ -10,7 +10,7 @@ from matplotlib.patches import Polygon
 from numpy.typing import ArrayLike
 
 from ..arrays import checked
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..robot.pattern import motion_pattern as patterns
 from .style import BLUE, CABLE_DASHES, GREEN, INK, ORANGE, VERMILION
 
@@ -33,7 +33,7 @@ def axis_names(motion_pattern: str, quantity: Quantity) -> tuple[str, ...]:
     ('v_x', 'v_y', 'ω')
     """
     if quantity not in _LETTERS:
-        raise InvalidInput(f"no axes for {quantity!r}: quantities are twist and wrench")
+        raise InvalidInput(f"no axes for {quoted(quantity)}: quantities are twist and wrench")
     pattern, (along, about) = patterns(motion_pattern), _LETTERS[quantity]
     if pattern.dimension == 2:  # all turns are about the same axis
         return tuple(about if row == "rz" else f"{along}_{row}" for row in pattern.rows)

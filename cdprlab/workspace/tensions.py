@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, checked
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..mechanics.dynamics import mass_matrix
 from ..mechanics.statics import gravity_wrench, tipping_rows, wrench_matrix
 from ..robot import Robot
@@ -80,7 +80,7 @@ class WrenchFeasible(Criterion):
 
     def _by_facets(self) -> bool:
         if self.by not in (None, "tensions", "facets"):
-            raise InvalidInput(f"by must be 'tensions' or 'facets', got {self.by!r}")
+            raise InvalidInput(f"by must be 'tensions' or 'facets', got {quoted(self.by)}")
         return self.by == "facets" or (self.by is None and self.half_widths is not None)
 
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, quoted
 from ...robot import MOTION_PATTERNS
 from ...world import World
 from ...world.blocks import keys_at
@@ -96,7 +96,7 @@ def rows(world: World, group: str, place: Place) -> list[Row]:
     ['exit point A', 'anchor point B', 'tension limits', 'speed limit']
     """
     if group not in GROUPS:
-        raise InvalidInput(f"there is no group {group!r}; there are {', '.join(GROUPS)}")
+        raise InvalidInput(f"there is no group {quoted(group)}; there are {', '.join(GROUPS)}")
     index = {"{cable}": place.cable, "{base}": place.base}
     paths = [tuple(index.get(part, part) for part in words.split("."))
              for words in GROUPS[group]]

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ...arrays import as_number, checked
-from ...errors import CdprError, InvalidInput
+from ...errors import CdprError, InvalidInput, quoted
 from ...view.picture import Picture
 from ...view.style import house_style
 from ..shown import Shown, picture_tag
@@ -85,7 +85,7 @@ class Slider:
         if not (isinstance(value, int | float) or hasattr(value, "__float__")) \
                 or not self.low - slack <= float(value) <= self.high + slack:
             raise InvalidInput(f"{self.name} must be between {self.low:g} and {self.high:g} {self.unit}".rstrip()
-                               + f", got {value!r}")
+                               + f", got {quoted(value)}")
         return min(max(float(value), self.low), self.high)
 
     def widget(self) -> Any:
@@ -123,7 +123,7 @@ class Choice:
     def check(self, value: Any) -> Any:
         """The value; raises InvalidInput naming the options if it is none of them."""
         if value not in self.options:
-            raise InvalidInput(f"{self.name} must be one of {', '.join(map(str, self.options))}, got {value!r}")
+            raise InvalidInput(f"{self.name} must be one of {', '.join(map(str, self.options))}, got {quoted(value)}")
         return value
 
     def widget(self) -> Any:
@@ -235,7 +235,7 @@ class Explorer(Shown):
         """
         for name in values:
             if name not in self.controls:
-                raise InvalidInput(f"there is no control {name!r}; there are {', '.join(self.controls)}")
+                raise InvalidInput(f"there is no control {quoted(name)}; there are {', '.join(self.controls)}")
         checked = {name: self.controls[name].check(value) for name, value in values.items()}
         self._quiet = True
         try:

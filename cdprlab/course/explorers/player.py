@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...arrays import Array
-from ...errors import InvalidInput
+from ...errors import InvalidInput, quoted
 from ...robot import Robot
 from ...robot.pose import Pose
 from ...run import Run
@@ -150,7 +150,7 @@ def _checked_view(run: Any, view: str) -> str:
     if not hasattr(run, "measured_tensions"):
         raise InvalidInput(f"run_player takes a Run, as cdprlab.run returns, got {type(run).__name__}")
     if view not in VIEWS:
-        raise InvalidInput(f"view must be one of {', '.join(VIEWS)}, got {view!r}")
+        raise InvalidInput(f"view must be one of {', '.join(VIEWS)}, got {quoted(view)}")
     if view == "scene" and run.world.robot.dimension == 2:
         raise InvalidInput(f"world {run.world.name!r} is planar, view=\"scene\" shows spatial robots; "
                            "use view=\"picture\"")

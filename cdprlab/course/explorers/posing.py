@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...arrays import Array
-from ...errors import InvalidInput
+from ...errors import InvalidInput, quoted
 from ...mechanics.cables import cable_lengths
 from ...mechanics.statics import wrench_matrix
 from ...robot import Robot
@@ -62,7 +62,7 @@ class Posing:
             raise InvalidInput(f"a {explorer} explorer takes a World or a Robot, got {type(subject).__name__}")
         if not isinstance(start, Pose) or start.batch_shape or start.dimension != self.robot.dimension:
             raise InvalidInput(f"start must be a single {'planar' if self.robot.dimension == 2 else 'spatial'} Pose, "
-                               f"got {start!r}")
+                               f"got {quoted(start)}")
         self.start = start
         floor = floor_height(self.robot, self.scene) if floor is None else floor
         self.places = _position_sliders(self.robot, floor, start)

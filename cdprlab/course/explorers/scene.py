@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from PIL import ImageColor
 
 from ...arrays import Array
-from ...errors import InvalidInput
+from ...errors import InvalidInput, quoted
 from ...mechanics.cables import anchor_offsets
 from ...robot.pose import Pose
 from ...view.outlines import box_faces, floor_height, floor_tiles, landmarks, platform_solids, surroundings
@@ -68,7 +68,7 @@ class RobotScene:
         tensions : (m,) [N]; cables without positive tension (or NaN) are grey
         """
         if pose.dimension != 3 or pose.batch_shape:
-            raise InvalidInput(f"a scene takes a single spatial Pose, got {pose!r}")
+            raise InvalidInput(f"a scene takes a single spatial Pose, got {quoted(pose)}")
         tau = np.broadcast_to(np.asarray(tensions, dtype=float), (self.robot.n_cables,))
         colors = tension_colors(tau, self.limits)
         anchors = pose.position + anchor_offsets(self.robot, pose)

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...arrays import Array, checked
-from ...errors import InvalidInput
+from ...errors import InvalidInput, quoted
 from ...mechanics.kinematics import jacobian
 from ...mechanics.redundancy import TwistResolution, resolve_twist
 from ...robot import Robot
@@ -202,7 +202,7 @@ def _components(robot: Robot, chosen: Sequence[int]) -> list[int]:
     if len(picked) != 2 or len(set(picked)) != 2 or not set(picked) <= set(range(robot.n_dof)) \
             or names[picked[0]][0] != names[picked[1]][0]:
         raise InvalidInput(f"components must be two different numbers from 0 to {robot.n_dof - 1} of one unit "
-                           f"({', '.join(names)}), got {chosen!r}")
+                           f"({', '.join(names)}), got {quoted(chosen)}")
     return picked
 
 

@@ -1,6 +1,6 @@
 """A planar robot alone: no frame, no box, and no floor within reach."""
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, quoted
 from ...robot import Robot
 from ...robot.pose import Pose
 from ...world import World
@@ -20,6 +20,6 @@ def bare_world(robot: Robot, pose: Pose) -> World:
     ()
     """
     if robot.dimension != 2:
-        raise InvalidInput(f"this experiment is for planar robots, got {robot!r}")
+        raise InvalidInput(f"this experiment is for planar robots, got {quoted(robot)}")
     return World("bare", "", "", robot, pose,
                  Scene(frame=None, floor_height=_DEEP, boxes=()), {}, None)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array, as_number, checked
-from ...errors import InvalidInput
+from ...errors import InvalidInput, quoted
 from ...mechanics.optimization import largest_last
 from ...mechanics.statics import gravity_wrench, wrench_matrix
 from ...robot import MOTION_PATTERNS, Cable, Platform, Robot
@@ -89,7 +89,7 @@ def point_load(n_cables: int) -> Robot:
     Robot(2T, 3 cables, 10 kg)
     """
     if n_cables not in EXIT_POINTS:
-        raise InvalidInput(f"the point load hangs on 2, 3 or 4 cables, got {n_cables!r}")
+        raise InvalidInput(f"the point load hangs on 2, 3 or 4 cables, got {quoted(n_cables)}")
     here = np.zeros(2)
     cables = tuple(Cable(np.array(exit_point), here, 0.0, 1e4)
                    for exit_point in EXIT_POINTS[n_cables])

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arrays import Array, as_array, checked
-from ...errors import InvalidInput
+from ...errors import InvalidInput, quoted
 from ...mechanics.cables import cable_lengths
 from ...mechanics.kinematics import jacobian
 from ...robot import MOTION_PATTERNS, Cable, Platform, Robot
@@ -49,7 +49,7 @@ def six_cables(count: int = 6) -> Robot:
     Robot(1R2T, 4 cables, 10 kg)
     """
     if count not in (3, 4, 5, 6):
-        raise InvalidInput(f"this robot has 3, 4, 5 or 6 cables, got {count!r}")
+        raise InvalidInput(f"this robot has 3, 4, 5 or 6 cables, got {quoted(count)}")
     cables = tuple(Cable(np.array(a), np.array(b), 10.0, 1000.0)
                    for a, b in zip(EXIT_POINTS, ANCHOR_POINTS))
     platform = Platform(10.0, np.array(0.75), np.zeros(2), np.array([0.8, 0.5]), np.zeros(2))

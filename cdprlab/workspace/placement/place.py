@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array, as_count, checked
-from ...errors import InvalidInput, NoPlacement
+from ...errors import InvalidInput, NoPlacement, quoted
 from ...robot import Robot
 from ...robot.pose import Pose
 from .program import Duty
@@ -55,7 +55,7 @@ def place_bases(robot: Robot, poses: Pose, wrenches: ArrayLike, *, tipping: bool
     True
     """
     if not 0 <= margin <= 1:
-        raise InvalidInput(f"margin must be between 0 and 1, got {margin!r}")
+        raise InvalidInput(f"margin must be between 0 and 1, got {quoted(margin)}")
     as_count(evaluations, "evaluations")
     duty = _checked(robot, poses, wrenches, tipping)
     search = Search(robot, duty, evaluations)
