@@ -11,7 +11,7 @@ import cdprlab as cl
 from cdprlab.errors import InvalidInput
 from cdprlab.mechanics.dynamics import mass_matrix
 from cdprlab.workspace import AllOrientations, AnyOrientation, position_grid
-from cdprlab.workspace.capacity import tension_margins
+from cdprlab.workspace.margins import tension_margins
 from robots import case, random_poses, robot_1r2t, robot_3r3t, two_bases
 
 WORLDS = ("caroca", "planar_rigid", "ipanema3", "planar_point", "kntu_planar", "cogiro", "robocrane")

@@ -10,7 +10,6 @@ from . import CENTROID, __path__, jit
 from .closest import closest
 from .facets import capacity
 from .least_norm import least_norms
-from .margins import margins
 from .polygon import polygons
 
 
@@ -27,7 +26,6 @@ def compile_all() -> None:
     polygons(W, w_e, low, high, CENTROID)
     least_norms(W, w_e, low, high)
     closest(W, w_e, low, high, 0.5, 1)
-    margins(W, w_e, low[0], high[0], 1.0, 1.0)
     capacity(plain(np.concatenate([W, np.ones((1, 1, 1))], axis=2)), w_e, w_e, w_e[0], low[0],
              high[0], True)
 

@@ -11,29 +11,10 @@ from ..errors import InvalidInput
 from ..mechanics.optimization import largest_last
 from ..robot import Robot
 from ..sets.zonotope import hyperplane_shifting
+from .margins import margin_by_program, tension_margins
 
 ROUNDING = 1e-9
 """Of the largest limit: margins this far below zero are rounding."""
-
-
-def tension_margins(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> Array:
-    """Largest s with W τ + w_e = 0 and τ_min + s ≤ τ ≤ τ_max − s, for each pose; −inf where nothing balances w_e.
-
-    W : (N, n, m); w_e : (N, n) [N, N m]; low, high : (m,) [N]
-    at_high : whether s is kept from the upper limits too
-    Returns (N,) [N], negative where the limits must be broken by −s.
-
-    >>> W = np.array([[[1.0, -1.0]]])
-    >>> tension_margins(W, np.zeros((1, 1)), np.array([1.0, 1.0]), np.array([5.0, 9.0]))
-    array([2.])
-    """
-    from ..compiled.margins import margins
-
-    s, found = margins(*map(plain, (W, w_e, low, high)), 1.0, float(at_high))
-    s[found == OUT_OF_RANGE] = -np.inf
-    for k in np.flatnonzero(found == TOO_REDUNDANT):
-        s[k] = _best_by_program(W[k], w_e[k], low, high, at_high)[0]
-    return np.asarray(s)
 
 
 def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> tuple[Array, Array]:
@@ -44,16 +25,8 @@ def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: boo
     kept = s[:, None]
     tau, found, _ = polygons(*map(plain, (W, w_e, low + kept, high - kept if at_high else high + 0 * kept)), CENTROID)
     for k in np.flatnonzero(found == TOO_REDUNDANT):
-        tau[k] = _best_by_program(W[k], w_e[k], low, high, at_high)[1]
+        tau[k] = margin_by_program(W[k], w_e[k], low, high, at_high)[1]
     return s, tau
-
-
-def _best_by_program(W: Array, w_e: Array, low: Array, high: Array, at_high: bool) -> tuple[float, Array]:
-    m = low.size
-    rows = np.block([[-np.eye(m), np.ones((m, 1))],
-                     [np.eye(m), np.full((m, 1), float(at_high))]])
-    return largest_last(rows, np.append(-low, high),
-                        np.column_stack([W, np.zeros(len(W))]), -w_e)
 
 
 def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:

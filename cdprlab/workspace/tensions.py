@@ -19,9 +19,9 @@ from .capacity import (
     external_wrenches,
     feasible,
     standing_margin,
-    tension_margins,
 )
 from .criterion import Criterion, Judgement, unknown
+from .margins import tension_margins
 
 
 @dataclass(frozen=True)
