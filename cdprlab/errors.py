@@ -91,6 +91,10 @@ class WorldError(InvalidInput):
         self.problems = tuple(map(_one_line, problems))
 
 
+class CannotWrite(CdprError, OSError):
+    """A file or folder that cannot be written; what was there before is whole."""
+
+
 class NoConvergence(CdprError):
     """No pose fits the cable lengths; ``residuals`` holds what is left of each length [m]."""
 

@@ -1,7 +1,6 @@
 """The command line: ``python -m cdprlab worlds | run WORLD | workspace WORLD``."""
 
 import argparse
-import csv
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -12,6 +11,7 @@ from ..errors import CdprError, InvalidInput
 from ..run import INFEASIBLE, WOUND, run
 from ..run.compare import compare_tensions
 from ..run.controllers import ComputedTorque
+from ..run.log import write_rows
 from ..simulate import CABLE_MODELS
 from ..tensions import tension_methods
 from ..view import plot, plot_tensions, plot_tracking, save_figure, save_film
@@ -125,13 +125,10 @@ def _compare(options: argparse.Namespace, world: World) -> None:
     print(table)
 
     def save(folder: Path) -> None:
-        with (folder / "methods.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(f"{name} [{unit}]" if unit else name
-                            for name, unit in table.COLUMNS.items())
-            writer.writerows([f"{value:.9g}" if isinstance(value, float) else str(value)
-                              for value in row.values()]
-                             for row in table.rows())
+        header = [f"{name} [{unit}]" if unit else name for name, unit in table.COLUMNS.items()]
+        write_rows(folder / "methods.csv", [header, *(
+            [f"{value:.9g}" if isinstance(value, float) else str(value)
+             for value in row.values()] for row in table.rows())])
 
     _write(options, world, save, {"methods.png": lambda path: save_figure(plot(table), path)})
 

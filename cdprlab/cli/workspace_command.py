@@ -1,7 +1,6 @@
 """``python -m cdprlab workspace WORLD``: a workspace as figure, table and data."""
 
 import argparse
-import csv
 from collections.abc import Callable
 from functools import reduce
 from operator import and_
@@ -12,7 +11,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InvalidInput, quoted
-from ..run.log import write_csv
+from ..run.log import write_csv, write_rows
 from ..view import save_figure
 from ..workspace import (
     Criterion,
@@ -32,6 +31,7 @@ from ..workspace import (
 )
 from ..workspace.grids import axis_names
 from ..world import World, load_world
+from ..world.files import replaced
 from .output import Bar, add_output_options, print_table, write
 
 CRITERIA: dict[str, Callable[[World, argparse.Namespace], Criterion]] = {
@@ -171,12 +171,11 @@ def _table(world: World, grid: PoseGrid, criterion: Criterion, found: Judgement,
 def _save(folder: Path, grid: PoseGrid, found: Judgement, table: dict[str, str]) -> None:
     poses = grid.poses
     axes: dict[str, Any] = {f"axis_{name}": places for name, places in grid.axes.items()}
-    np.savez(folder / "workspace.npz", **axes, position=poses.position,
-             rotation=grid.origin.rotation,
-             inside=found.inside, margin=found.margin)
+    with replaced(folder / "workspace.npz") as file:
+        np.savez(file, **axes, position=poses.position, rotation=grid.origin.rotation,
+                 inside=found.inside, margin=found.margin)
     columns = {name: (places, "m")
                for name, places in zip(axis_names(poses.dimension), poses.position.T)}
     write_csv(folder / "workspace.csv",
               {**columns, "inside": (found.inside, ""), "margin": (found.margin, "")})
-    with (folder / "table.csv").open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows(table.items())
+    write_rows(folder / "table.csv", table.items())

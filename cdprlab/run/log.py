@@ -2,7 +2,9 @@
 
 import csv
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from io import TextIOWrapper
+from itertools import chain
 from pathlib import Path
 from struct import Struct
 from typing import Any
@@ -12,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, frozen
 from ..world import World
+from ..world.files import made_folder, replaced, write_text
 
 Columns = Mapping[str, tuple[tuple[int, ...], str]]
 """Name → shape of what one row has of it, and its unit."""
@@ -66,16 +69,15 @@ def save_record(folder: str | Path, columns: Mapping[str, tuple[Any, str]], worl
     folder : made if missing; columns : name → (N, …) array and its unit
     every : of how many rows log.csv keeps one; log.npz has them all
     """
-    target = Path(folder)
-    target.mkdir(parents=True, exist_ok=True)
+    target = made_folder(folder)
     units = json.dumps({name: unit for name, (_, unit) in columns.items()})
     arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}
-    np.savez_compressed(target / "log.npz", units=np.array(units), **arrays)
+    with replaced(target / "log.npz") as file:
+        np.savez_compressed(file, units=np.array(units), **arrays)
     write_csv(target / "log.csv",
               {name: (values[::every], unit) for name, (values, unit) in columns.items()})
     world.save(target / "world.yaml")
-    (target / "settings.json").write_text(json.dumps(settings, indent=1) + "\n",
-                                          encoding="utf-8")
+    write_text(target / "settings.json", json.dumps(settings, indent=1) + "\n")
     return target
 
 
@@ -88,8 +90,11 @@ def write_csv(path: Path, columns: Mapping[str, tuple[Any, str]]) -> None:
         numbers = [""] if block.shape[1] == 1 else [f"_{i + 1}" for i in range(block.shape[1])]
         header += [f"{name}{number} [{unit}]" if unit else name + number for number in numbers]
         blocks.append(block)
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(header)
-        writer.writerows([f"{value:.9g}" for value in row]
-                         for row in np.hstack(blocks).tolist())
+    write_rows(path, chain([header], ([f"{value:.9g}" for value in row]
+                                      for row in np.hstack(blocks).tolist())))
+
+
+def write_rows(path: Path, rows: Iterable[Sequence[str]]) -> None:
+    """A CSV file of these rows, the first of them its header."""
+    with replaced(path) as file, TextIOWrapper(file, encoding="utf-8", newline="") as text:
+        csv.writer(text).writerows(rows)

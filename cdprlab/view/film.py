@@ -1,6 +1,7 @@
 """Stills and films: of an engine's state, of a run, and of whatever gives frames."""
 
 from collections.abc import Iterable, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,11 @@ from ..arrays import Array
 from ..errors import InvalidInput
 from ..robot.pose import Pose
 from ..simulate.state import State
+from ..world.files import checked_path, replaced
 from ..world.model import Scene
 from .drawing import RobotDrawing
 from .outlines import landmarks
 from .picture import Picture
-from .plots import checked_path
 from .screen import RobotScreen, robot_axes, sized_figure
 from .style import AXIS_COLORS, INK, SLACK_COLOR, TRAIL, house_style, tension_colors
 
@@ -27,6 +28,9 @@ LARGEST_FILE = 3_000_000
 """Bytes: what mail, chat and slides take without complaint."""
 
 _LONGEST = 12.0
+_PAUSE = 1000
+"""[ms] The last picture stays for a moment before the film starts again."""
+
 _ECONOMIES = ((1, 128), (1, 80), (2, 80), (3, 64), (4, 64), (8, 48), (16, 48))
 """(every how many frames, colors), tried in turn until the film is small enough."""
 
@@ -146,25 +150,29 @@ def save_gif(frames: Iterable[Frame], path: str | Path, period: float, descripti
 
     frames : (height, width, 3) each
     path : ends in .gif
-    period : from one picture to the next [s]
+    period : from one picture to the next [s]; the film lasts that long a picture but the last,
+        whatever number of pictures is left out
     description : goes into the file
     Raises InvalidInput for a bad path, before the first frame is drawn.
     """
     target = checked_path(path, ".gif")
     pictures = [Image.fromarray(frame) for frame in frames]
+    length = round(100 * period * (len(pictures) - 1))
     for every, colors in _ECONOMIES:
-        chosen = pictures[::every]
+        # GIF counts time in 10 ms, and players slow down what is shorter than two of them.
+        parts = min((len(pictures) - 1) // every, length // 2)
+        ticks = np.diff(np.linspace(0, length, parts + 1).round().astype(int))
+        chosen = [pictures[i] for i in np.linspace(0, len(pictures) - 1, parts + 1).round().astype(int)]
         palette = _palette(chosen, colors)
         flat = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in chosen]
-        # GIF counts time in 10 ms; the last picture stays for a moment before the film starts
-        # again.
-        tick = max(20, 10 * round(100 * period * every))
-        flat[0].save(target, save_all=True, append_images=flat[1:], loop=0, optimize=False,
-                     disposal=1,
-                     duration=[tick] * (len(flat) - 1) + [max(tick, 1000)],
+        film = BytesIO()
+        flat[0].save(film, "gif", save_all=True, append_images=flat[1:], loop=0, optimize=False,
+                     disposal=1, duration=[*(10 * ticks).tolist(), _PAUSE],
                      comment=description.encode("ascii", "replace"))
-        if target.stat().st_size < LARGEST_FILE:
+        if film.tell() < LARGEST_FILE:
             break
+    with replaced(target) as file:
+        file.write(film.getbuffer())
     return target
 
 
@@ -172,7 +180,8 @@ def save_png(picture: Frame, path: str | Path, description: str) -> Path:
     """A PNG with its description inside; the path ends in .png."""
     target, text = checked_path(path, ".png"), PngInfo()
     text.add_itxt("Description", description)
-    Image.fromarray(picture).save(target, pnginfo=text, optimize=True)
+    with replaced(target) as file:
+        Image.fromarray(picture).save(file, "png", pnginfo=text, optimize=True)
     return target
 
 

@@ -14,6 +14,7 @@ from ..arrays import Array
 from ..errors import InvalidInput, quoted
 from ..run import Run
 from ..workspace.grids import axis_names
+from ..world.files import checked_path, replaced
 from .style import (
     AXIS_COLORS,
     AXIS_DASHES,
@@ -88,23 +89,16 @@ def save_figure(figure: matplotlib.figure.Figure, path: str | Path) -> Path:
     """Save a figure; its description goes into the file (PNG and SVG: Description, PDF: Subject).
 
     path : the ending chooses the format
-    Raises InvalidInput if its folder does not exist.
+    Raises InvalidInput if its folder does not exist or the ending is none.
     """
-    target = checked_path(path)
+    target, formats = checked_path(path), figure.canvas.get_supported_filetypes()
+    if target.suffix[1:].lower() not in formats:
+        raise InvalidInput(f"the path must end in one of .{', .'.join(formats)}, got {target}")
     key = {".png": "Description", ".svg": "Description", ".pdf": "Subject"}.get(target.suffix.lower())
     text = getattr(figure, "alt_text", "")
-    with house_style():
-        figure.savefig(target, metadata={key: text} if key and text else None)
-    return target
-
-
-def checked_path(path: str | Path, ending: str = "") -> Path:
-    """The path of a file that can be written; raises InvalidInput for another ending or a missing folder."""
-    target = Path(path)
-    if not target.name.lower().endswith(ending):
-        raise InvalidInput(f"the path must end in {ending}, got {target}")
-    if not target.parent.is_dir():
-        raise InvalidInput(f"cannot save {target}: there is no folder {target.parent}")
+    with house_style(), replaced(target) as file:
+        figure.savefig(file, format=target.suffix[1:],
+                       metadata={key: text} if key and text else None)
     return target
 
 

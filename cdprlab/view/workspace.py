@@ -16,12 +16,13 @@ from ..workspace import Judgement, PoseGrid
 from ..workspace.grids import axis_names
 from ..workspace.surface import border_triangles
 from ..world import World
+from ..world.files import checked_path
 from .depth import Blocks, lightness
 from .drawing import RobotDrawing
 from .film import save_png
 from .outlines import box_corners, surroundings
 from .picture import Picture
-from .plots import Figure, checked_path, fitted_title
+from .plots import Figure, fitted_title
 from .screen import robot_axes, sized_figure
 from .style import INK, WARNING, house_style
 

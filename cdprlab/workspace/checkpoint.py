@@ -1,16 +1,19 @@
 """Finished chunks of a sweep on disk, each under a name that only the very same question has."""
 
 import hashlib
-import os
+import pickle
+import warnings
+from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidInput, quoted
+from ..errors import CannotWrite, InvalidInput
 from ..robot import Robot
 from ..robot.pose import Pose
+from ..world.files import made_folder, replaced
 from .criterion import Criterion, Judgement
 
 
@@ -18,29 +21,33 @@ class Checkpoint:
     """A folder of ``KEY.npz``, KEY a hash of robot, criterion and the chunk's poses: anything else is judged anew."""
 
     def __init__(self, folder: str | Path, robot: Robot, criterion: Criterion, margin: bool, chunk: int) -> None:
-        self.folder = Path(folder)
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-        except (OSError, ValueError) as error:
-            raise InvalidInput(f"checkpoint must be a folder, got {quoted(str(folder))}: {error}") from None
+        self.folder = made_folder(folder)
         self._question = hashlib.sha256()
         _feed(self._question, (robot, criterion, margin, chunk))
 
     def load(self, poses: Pose) -> Judgement | None:
         """The chunk's judgement, if it is there and whole."""
-        path = self._path(poses)
-        if not path.exists():
+        try:
+            with self._path(poses).open("rb") as file, np.load(file) as stored:
+                found = Judgement(stored["inside"], stored["margin"])
+        except Exception:   # what numpy says of a damaged file depends on the damage
             return None
-        with np.load(path) as stored:
-            return Judgement(stored["inside"], stored["margin"])
+        kinds = found.inside.dtype.kind + found.margin.dtype.kind
+        whole = kinds == "bf" and found.inside.shape == found.margin.shape == (len(poses),)
+        return found if whole else None
 
     def save(self, poses: Pose, judgement: Judgement) -> None:
-        """Written beside and moved into place: an interrupted write leaves nothing that looks finished."""
+        """Keep the chunk; warns where that fails, and the sweep goes on."""
         path = self._path(poses)
-        part = path.with_name(f"{path.stem}.{os.getpid()}.part")
-        with part.open("wb") as file:
-            np.savez(file, inside=judgement.inside, margin=judgement.margin)
-        part.replace(path)
+        try:
+            with replaced(path) as file:
+                np.savez(file, inside=judgement.inside, margin=judgement.margin)
+        except CannotWrite as error:
+            if self.load(poses) is None:    # or somebody who shares the folder was quicker
+                warnings.warn(f"part of a workspace is judged but not kept: {error}", stacklevel=2)
+        for left in self.folder.glob(f"*{path.stem}*.part"):    # of who was killed while writing it
+            with suppress(OSError):
+                left.unlink()
 
     def _path(self, poses: Pose) -> Path:
         key = self._question.copy()
@@ -64,4 +71,8 @@ def _feed(key: Any, value: Any) -> None:
         for item in value:
             _feed(key, item)
     else:
-        key.update(repr(value).encode())
+        try:
+            key.update(pickle.dumps(value))   # its repr may be an address, which another object gets next
+        except Exception:
+            raise InvalidInput("a checkpoint needs a criterion that can be pickled, "
+                               f"got {type(value).__qualname__}") from None

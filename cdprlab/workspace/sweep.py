@@ -83,8 +83,9 @@ def _judged(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_jo
             yield start, found
         else:
             waiting.append(start)
-    for start, part in zip(waiting,
-                           _answers(robot, poses, criterion, margin, n_jobs, chunk, waiting)):
+    # The answers first: a generator of joblib's that is not asked to its end complains.
+    for part, start in zip(_answers(robot, poses, criterion, margin, n_jobs, chunk, waiting),
+                           waiting):
         if kept:
             kept.save(poses[start:start + chunk], part)
         yield start, part

@@ -12,6 +12,7 @@ from ..arrays import checked
 from ..errors import InvalidInput, WorldError
 from ..robot import Robot
 from ..robot.pose import Pose
+from .files import checked_path, write_text
 from .model import Scene, Task
 
 # Blocks and documents (pydantic, ruamel) are imported when needed: they would double the time
@@ -82,13 +83,11 @@ class World:
         Scene and tasks stay as they were read; a task that names no start begins at the saved
         pose.
 
-        path : where to; raises InvalidInput if its folder does not exist
+        path : where to
+        Raises InvalidInput if its folder does not exist, CannotWrite where the file cannot be
+        written.
         """
-        target = Path(path)
-        if not target.parent.is_dir():
-            raise InvalidInput(f"cannot save {target}: there is no folder {target.parent}")
-        target.write_text(self.to_yaml(), encoding="utf-8")
-        return target
+        return write_text(checked_path(path), self.to_yaml())
 
     def to_yaml(self) -> str:
         """The text that `save` writes."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...errors import CdprError
 from ...robot.pose import Pose
+from ...world.files import replaced
 from .library import LIBRARY
 
 RECORDED = Path(__file__).parent / "recorded"
@@ -67,7 +68,8 @@ def record(exercise: str, calls: Mapping[str, Sequence[tuple[Any, Any]]]) -> Pat
              for name, rows in calls.items()}
     RECORDED.mkdir(exist_ok=True)
     path = RECORDED / f"{exercise}.npz"
-    np.savez_compressed(path, allow_pickle=False, table=json.dumps(table), **arrays)
+    with replaced(path) as file:
+        np.savez_compressed(file, allow_pickle=False, table=json.dumps(table), **arrays)
     return path
 
 

@@ -171,10 +171,7 @@ class DesignSession:
         target = FilePath(path.strip()).expanduser()
         if target.suffix not in (".yaml", ".yml"):
             raise InvalidInput(f"a world file ends in .yaml, got {path.strip() or 'nothing'!r}")
-        try:
-            self.world.save(target)
-        except OSError as error:
-            raise InvalidInput(f"cannot write {path}: {error.strerror}") from None
+        self.world.save(target)
 
     @verb
     def simulate(self, method: str = "quadratic_program", kp: float = 100.0, kd: float = 100.0) -> None:

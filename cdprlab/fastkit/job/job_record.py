@@ -9,6 +9,7 @@ import numpy as np
 from ...arrays import Array
 from ...robot.pose import Pose
 from ...run import Run
+from ...run.log import write_rows
 from ...world.model import PickAndPlace
 from ..events import Chronicle, Event
 from .machine import SETTLING
@@ -99,9 +100,9 @@ class Job(Chronicle, Run):
         folder : made if missing; every : of how many rows log.csv keeps one
         """
         target = super().save(folder, every)
-        lines = ["time [s],state,why",
-                 *(f"{event.time:.3f},{event.state},\"{event.why}\"" for event in self.events)]
-        (target / "events.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        write_rows(target / "events.csv", [
+            ("time [s]", "state", "why"),
+            *((f"{event.time:.3f}", event.state, event.why) for event in self.events)])
         return target
 
 

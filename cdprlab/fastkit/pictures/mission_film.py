@@ -32,7 +32,7 @@ def save_mission_film(mission: Mission, path: str | Path, seconds: float = 24.0,
     seconds : length of the film [s]; fps : pictures per second; width : [pixels]
     progress : called as (pictures drawn, in all)
     """
-    times = np.linspace(0.0, mission.now, round(seconds * fps))
+    times = np.linspace(0.0, mission.now, round(seconds * fps) + 1)
     shown = counted(times.tolist(), len(times), progress)
     return save_gif(map(MissionFilm(mission, width).frame_at, shown), path, 1 / fps, (
         f"{mission.world.title}: the mission, {mission.state} after {mission.now:.0f} s. From above two coupled bases "

@@ -1,0 +1,98 @@
+"""Files written whole or not at all: beside what they replace, then moved into its place."""
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO
+
+from ..errors import CannotWrite, InvalidInput, quoted
+
+_ROOM = 65_536
+"""Bytes that must be free where something is going to be written."""
+
+
+@contextmanager
+def replaced(path: str | Path) -> Iterator[IO[bytes]]:
+    """An open file whose content takes the place of ``path`` once it is complete; until then the old one stays.
+
+    Links are followed and permissions kept. What is no plain file (a pipe, /dev/null) is
+    written to as it is.
+
+    Raises CannotWrite. After any error the old file is as it was, and nothing lies beside it.
+
+    >>> with replaced("/no/such/folder/log.csv") as file:
+    ...     pass
+    Traceback (most recent call last):
+    ...
+    cdprlab.errors.CannotWrite: cannot write /no/such/folder/log.csv: No such file or directory
+    """
+    target = Path(os.path.realpath(path))
+    old = target.is_file()
+    beside = old or not target.exists()
+    short = target.name[:40]     # with what is added, no longer than a file's name may be
+    part = target.with_name(f".{short}.{os.urandom(4).hex()}.part") if beside else target
+    try:
+        if old and not os.access(target, os.W_OK):
+            raise PermissionError("it is write-protected")
+        with part.open("wb") as file:
+            yield file
+        if old:
+            shutil.copymode(target, part)
+        if beside:
+            part.replace(target)
+    except BaseException as error:
+        if beside:
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise CannotWrite(f"cannot write {path}: {error.strerror or error}") from error
+        raise
+
+
+def write_text(path: str | Path, text: str) -> Path:
+    """A text file in UTF-8; raises CannotWrite."""
+    with replaced(path) as file:
+        file.write(text.encode())
+    return Path(path)
+
+
+def checked_path(path: str | Path, ending: str = "") -> Path:
+    """The path of a file that is to be written.
+
+    Raises InvalidInput for what is no path, another ending or a missing folder.
+    """
+    target = _path(path)
+    if not target.name.lower().endswith(ending):
+        raise InvalidInput(f"the path must end in {ending}, got {target}")
+    if not target.parent.is_dir():
+        raise InvalidInput(f"cannot save {target}: there is no folder {target.parent}")
+    return target
+
+
+def made_folder(path: str | Path) -> Path:
+    """The folder, made if it is missing; raises CannotWrite where nothing could be written into it.
+
+    >>> made_folder("/dev/null")
+    Traceback (most recent call last):
+    ...
+    cdprlab.errors.CannotWrite: cannot write to the folder /dev/null: something else has that name
+    """
+    folder = _path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as probe:
+            probe.write(bytes(_ROOM))
+    except OSError as error:
+        taken = isinstance(error, FileExistsError)
+        reason = "something else has that name" if taken else error.strerror
+        raise CannotWrite(f"cannot write to the folder {path}: {reason}") from error
+    return folder
+
+
+def _path(path: str | Path) -> Path:
+    if not isinstance(path, str | Path) or not str(path) or "\0" in str(path):
+        raise InvalidInput(f"a path must be text that can name a file, got {quoted(path)}")
+    return Path(path)
