@@ -14,6 +14,7 @@ import cdprlab as cl
 from cdprlab import course
 from cdprlab.course import Choice, Explorer, Slider, pose_explorer, run_player
 from cdprlab.course.explorers.posing import ROW_NAMES
+from cdprlab.course.explorers.since_start import with_changes
 from cdprlab.course.text_table import text_table
 from cdprlab.errors import InvalidInput
 from cdprlab.view.drawing import RobotDrawing
@@ -261,9 +262,54 @@ def test_an_unfinished_explorer_says_what_is_missing():
 
 
 def test_sliders_answer_while_moving_and_show_unit_and_number():
-    slider = Spring().sliders["x"]
-    assert slider.continuous_update and slider.readout and slider.description == "extension [m]"
-    assert slider.step == pytest.approx(0.02) and slider.readout_format == ".2f"
+    spring = Spring()
+    slider, entry = spring.sliders["x"], spring.entries["x"]
+    assert slider.continuous_update and slider.description == entry.tooltip == "extension [m]"
+    assert slider.step == entry.step == pytest.approx(0.02) and entry.value == 0.5
+    slider.set_state({"value": 0.1 + 0.2})
+    assert entry.value == spring.values["x"] == 0.3   # no 0.30000000000000004
+
+
+def test_what_is_typed_is_taken_as_typed():
+    spring = Spring()
+    spring.entries["x"].set_state({"value": 0.0512})
+    assert spring.values["x"] == 0.0512 and "5.1" in spring.text
+    assert spring.sliders["x"].value == pytest.approx(0.06)   # the mark beside it
+    spring.set(x=1 / 3)
+    assert spring.values["x"] == 1 / 3
+
+
+def test_a_typed_value_out_of_range_is_put_back_with_the_reason():
+    spring = Spring()
+    picture = spring.picture
+    spring.entries["x"].set_state({"value": 7.0})
+    assert spring.values["x"] == spring.entries["x"].value == 0.5 and spring.picture == picture
+    assert "between -1 and 1 m, got 7" in spring.mistake.value
+    spring.entries["x"].set_state({"value": 0.7})
+    assert spring.mistake.value == "" and spring.values["x"] == 0.7
+
+
+def test_reset_goes_back_to_what_was_first_shown():
+    spring = Spring()
+    spring.set(x=0.25)
+    spring._repr_mimebundle_()   # shown
+    picture = spring.picture
+    spring.set(x=-0.75, kind="rubber")
+    assert "(-100.0)" in spring._numbers.value
+    spring.reset()
+    assert spring.values == {"x": 0.25, "kind": "steel"} and spring.picture == picture
+    assert "<i>" not in spring._numbers.value
+
+
+def test_changes_stand_beside_or_below_their_numbers():
+    start = "length [m]  1.00  2.00  3.00\nmass  4\n1: A12 → A34: score 4\nnorm  2.0e-14\nAt 5 N it holds 3 %."
+    now = "length [m]  1.25  2.00  2.50\nmass  4\n1: A12 → A34: score 6\nnorm  1.0e-14\nAt 7 N it holds 3 %."
+    assert with_changes(now, start).splitlines() == [
+        "length [m]  1.25  2.00  2.50", "<i>           +0.25       -0.50</i>", "mass  4",
+        "1: A12 → A34: score 6", "<i>                   +2</i>", "norm  1.0e-14<i>  (-1.0e-14)</i>",
+        "At 7 N it holds 3 %."]
+    assert with_changes(start, start) == start
+    assert "<i>" not in with_changes("slack  none", "slack  cable 2")
 
 
 def test_closing_leaves_nothing_behind():

@@ -2,7 +2,16 @@
 
 import html
 from base64 import b64encode
+from functools import cache
+from pathlib import Path
 from typing import Any
+
+
+@cache
+def style() -> str:
+    """The one look of all widgets of the course, as HTML."""
+    css = Path(__file__).with_name("widgets.css").read_text(encoding="utf-8")
+    return f"<style>{css}</style>"
 
 
 class Shown:
@@ -41,13 +50,10 @@ def dismiss(widget: Any) -> None:
             model.close()
 
 
-def picture_tag(png: bytes, size: tuple[float, float], alt_text: str) -> str:
-    """HTML of a picture: ipywidgets' Image knows no alternative text.
-
-    size : [inch at 100 pixels]
-    """
-    width, height = (round(100 * side) for side in size)
+def picture_tag(png: bytes, alt_text: str) -> str:
+    """HTML of a picture: ipywidgets' Image knows no alternative text."""
+    width, height = (int.from_bytes(png[at:at + 4], "big") for at in (16, 20))
     # Decoded before the page is painted again, and its place kept: no flicker while a slider
     # moves.
-    return (f'<img decoding="sync" width="{width}" height="{height}" style="max-width: 100%; height: auto" '
+    return (f'<img decoding="sync" width="{width}" height="{height}" '
             f'alt="{html.escape(alt_text)}" src="data:image/png;base64,{b64encode(png).decode("ascii")}">')

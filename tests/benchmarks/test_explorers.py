@@ -5,16 +5,10 @@ import time
 
 import numpy as np
 import pytest
+from every_explorer import EVERY_EXPLORER
 
 import cdprlab as cl
-from cdprlab.course import (
-    Slider,
-    equilibrium_explorer,
-    forward_kinematics_explorer,
-    pose_explorer,
-    run_player,
-    two_circles_explorer,
-)
+from cdprlab.course import Slider, run_player
 
 PROMISED, WITH_ENGINE = 50.0, 100.0
 """Milliseconds of computation: what a hand on a slider does not feel as waiting; and where pymunk runs in between."""
@@ -24,20 +18,7 @@ def flight():
     return cl.run(cl.load_world("caroca"), duration=1.0)
 
 
-EXPLORERS = {
-    "pose explorer, CAROCA": lambda: pose_explorer(cl.load_world("caroca")),
-    "pose explorer, IPAnema 3": lambda: pose_explorer(cl.load_world("ipanema3")),
-    "run player, picture": lambda: run_player(flight()),
-    "run player, k3d scene": lambda: run_player(flight(), "scene"),
-    "force polygon, load let go in pymunk": lambda: equilibrium_explorer(3),
-    "two circles, load hung in pymunk": lambda: hung(two_circles_explorer()),
-    "Gauss–Newton, six cables, platform hung in pymunk": lambda: hung(forward_kinematics_explorer(6)),
-}
-
-
-def hung(explorer):
-    explorer.set(hang="yes, in pymunk")
-    return explorer
+EXPLORERS = {**EVERY_EXPLORER, "run player": lambda: run_player(flight())}
 
 
 def moves(explorer, count):

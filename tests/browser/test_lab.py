@@ -111,7 +111,7 @@ def _wait_for(address: str, server: subprocess.Popen[bytes], log: Path) -> None:
 def lesson(request: pytest.FixtureRequest, browser: Any, lab: str) -> Iterator[Any]:
     """A page with a lesson after Run > Run All Cells."""
     name = request.param
-    page = browser.new_page(viewport={"width": 1280, "height": 1000})
+    page = browser.new_page(viewport={"width": 1280, "height": 800})   # a common laptop, file browser open
     page.set_default_timeout(60_000)
     try:
         _run_all(page, f"{lab}/lab/tree/{name}.ipynb?token={TOKEN}&reset")
@@ -176,6 +176,36 @@ def test_sliders_move_picture_and_numbers(lesson: Any):
         assert explorer.get_by_role("alert").count() == 0
 
 
+ROOM = {"width": 848, "height": 640}
+"""Pixels that JupyterLab with its file browser leaves of 1280 x 800, toolbar and cell number taken off."""
+
+CUT = """widget => [...widget.querySelectorAll('*')].filter(part => {
+    const box = part.getBoundingClientRect(), all = widget.getBoundingClientRect();
+    if (!box.width || !box.height || part.closest('.noUi-target, svg, .cdprlab-scene')) return false;
+    const outside = box.right > all.right + 1 || box.bottom > all.bottom + 1 || box.left < all.left - 1;
+    const hidden = part.scrollWidth > part.clientWidth + 1 && part.clientWidth
+                   && getComputedStyle(part).overflowX != 'visible' && part.tagName != 'INPUT';
+    return outside || hidden;
+}).map(part => part.tagName + ' ' + part.className + ': ' + part.textContent.slice(0, 60))"""
+"""Parts of a widget that stand out of it or hide some of their own words."""
+
+
+@every_lesson
+def test_every_explorer_is_seen_at_once_and_whole(lesson: Any):
+    """Picture, controls and numbers together; in 600 pixels stacked, and still nothing is cut."""
+    for widget in lesson.locator(".cdprlab").all():
+        widget.scroll_into_view_if_needed()
+        box = widget.bounding_box()
+        assert box["width"] <= ROOM["width"] and box["height"] <= ROOM["height"], box
+        assert widget.evaluate(CUT) == []
+        picture, beside = (widget.locator(f".cdprlab-{part}").first for part in ("picture", "beside"))
+        assert picture.bounding_box()["x"] < beside.bounding_box()["x"]
+        widget.evaluate("widget => { widget.style.width = '600px'; }")
+        assert picture.bounding_box()["x"] == beside.bounding_box()["x"]
+        assert widget.evaluate(CUT) == []
+        widget.evaluate("widget => { widget.style.width = null; }")
+
+
 def _drag(page: Any, handle: Any) -> None:
     """A sixth of the slider's way to the left, or right where there is no room."""
     knob = handle.bounding_box()
@@ -189,7 +219,7 @@ def _drag(page: Any, handle: Any) -> None:
 
 
 def _shown(explorer: Any) -> tuple[str, str]:
-    """Where the picture's bytes are, and the numbers."""
+    """The picture's bytes, and the numbers."""
     return explorer.locator("img").first.get_attribute("src"), "\n".join(explorer.locator("pre").all_inner_texts())
 
 

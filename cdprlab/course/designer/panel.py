@@ -139,7 +139,7 @@ class RobotDesigner(Shown):
         world, cable = self.world, self.session.place.cable
         self.picture = self._drawn(world).png(self.eye.value, cable)
         self.alt_text = f"{world.title or world.name}: the robot at its start, cable {cable + 1} marked."
-        self.image.value = picture_tag(self.picture, SIZE, self.alt_text)
+        self.image.value = picture_tag(self.picture, self.alt_text)
 
     def _show_group(self) -> None:
         group, world, place = self.groups.value, self.world, self.session.place

@@ -49,6 +49,6 @@ class SlicePicture:
         self._start.set_data([place.pop(across)], [place.pop(up)])
         self._axes.set(xlabel=f"{across} [m]", ylabel=f"{up} [m]")
         with house_style():
-            picture = picture_tag(self._picture.png(), _SIZE, in_words(found))
+            picture = picture_tag(self._picture.png(), in_words(found))
         level = "".join(f" at {name} = {value:.2f} m" for name, value in place.items())
         return f"<b>Held at rest: {found.plane}{level}</b>{picture}{_LEGEND}"

@@ -46,7 +46,7 @@ class EquilibriumExplorer(Explorer):
                                    200.0, 0.0, 5.0))
         controls += [Slider("extra", "cable 1 pulls extra", "N", -100.0, 100.0, 0.0, 5.0),
                      Slider("time", "let go for", "s", 0.0, 0.6, 0.0, 0.02)]
-        super().__init__(controls, title="Forces on a point load", size=(7.8, 5.2))
+        super().__init__(controls, title="Forces on a point load")
 
     @once_a_move
     def state(self, values: Values) -> Equilibrium:
@@ -83,8 +83,13 @@ class EquilibriumExplorer(Explorer):
             "‖W τ + w_e‖ [N]": f"{np.linalg.norm(state.residual):.1e}",
             "cable       τ [N]       h": "\n".join(rows),
             "Let go: M a = W max(τ, 0) + w_e": _told(state, motion),
-            "In words": "\n".join(textwrap.wrap(state.words(), 56)),
+            "In words": "\n".join(textwrap.wrap(state.words(), 54)),
         }
+
+    def idle(self, values: Values) -> dict[str, str]:
+        if values["cables"] > 2 or "internal" not in values:
+            return {}
+        return {"internal": "two cables hold a point in one way only, r = 0"}
 
     def describe(self, values: Values) -> str:
         motion = self.motion(values)
@@ -105,7 +110,7 @@ def _load(values: Values) -> tuple[list[float], list[float]]:
 def _told(state: Equilibrium, motion: Motion | None) -> str:
     """Acceleration and way, by the formula and by the engine."""
     if motion is None:
-        return "held: which way will it go? Then move the last slider"
+        return "held: which way will it go?\nThen move the last slider"
     a, t = state.left_over / MASS, motion.time[-1]
     return (f"left over  {in_brackets(state.left_over, 1)} N, ropes only pull\n"
             f"formula    a = {in_brackets(a, 3)} m/s², ½ a t² = {500 * np.linalg.norm(a) * t**2:.1f} mm\n"

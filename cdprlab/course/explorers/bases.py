@@ -103,7 +103,7 @@ class BaseExplorer(Explorer):
                         for axis in world.robot.pattern.rows if axis in "xy"]
         else:
             sliders.append(EYE)
-        super().__init__(sliders, f"Mobile bases: {world.title}", size=(5.4, 5.6))
+        super().__init__(sliders, f"Mobile bases: {world.title}")
 
     @once_a_move
     def motion(self, values: Values) -> BaseMotion:
@@ -148,6 +148,10 @@ class BaseExplorer(Explorer):
             rows |= {name: [fixed(rate, 3) for rate in rates] for name, rates in parts.items()}
         rows["limit [m/s]"] = [f"{limit:g}" for limit in motion.robot.speed_max]
         return f"{cable_table(rows)}\n\nrate l̇ = J t (platform) − B_b q̇_b (bases)\n{motion.words()}"
+
+    def idle(self, values: Values) -> dict[str, str]:
+        moves = any(values.get(f"speed_{direction}") for direction, *_ in _DIRECTIONS)
+        return {} if moves or "drives" not in values else {"drives": "the base speed is 0"}
 
     def describe(self, values: Values) -> str:
         motion = self.motion(values)

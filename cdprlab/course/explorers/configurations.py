@@ -45,6 +45,8 @@ class ConfigurationExplorer(Explorer):
     >>> explorer.close()
     """
 
+    below = 1
+
     def __init__(self, world: World, uncertain: bool = True) -> None:
         checked_world(world, "configuration")
         self.world, self.robot = world, world.robot
@@ -53,7 +55,7 @@ class ConfigurationExplorer(Explorer):
         self._player: RunPlayer | None = None
         super().__init__(_controls(world, uncertain),
                          f"{world.title}: configurations from S to G",
-                         size=(8.4, 4.0 if len(self.names) <= 4 else 5.4))
+                         size=(6.2, 3.4))
         self._add_fly_button()
 
     # --- the plan ---------------------------------------------------------------------------------------
@@ -149,6 +151,14 @@ class ConfigurationExplorer(Explorer):
             f"{chosen}: {verdict}" for chosen, verdict in self.classes(values).items())
         return found
 
+    def idle(self, values: Values) -> dict[str, str]:
+        idle = {}
+        if len(self.planned(values)[0]) < 2:
+            idle["pick"] = "there is nothing to choose from"
+        if "form" in values and not any(_boxes(values)):
+            idle["form"] = "both uncertainties are 0"
+        return idle
+
     def describe(self, values: Values) -> str:
         chosen = self.chosen(values)
         return (f"Plan of the room with exit points, S and G; {chosen if chosen is not None else 'no sequence'}; "
@@ -161,6 +171,8 @@ class ConfigurationExplorer(Explorer):
 
     # --- inside -------------------------------------------------------------------------------------------
     def _add_fly_button(self) -> None:
+        self.plan_box = ipywidgets.VBox(self.stage.children)
+        self.stage.children = (self.plan_box,)
         self.button = ipywidgets.Button(description="Play in the engine", icon="play",
                                         layout={"width": "auto"})
         self.button.on_click(lambda _: self._clicked())
@@ -180,7 +192,8 @@ class ConfigurationExplorer(Explorer):
         if self._player is not None:
             self._player.close()
         self._player = player
-        self.stage.children = (self.image,) if player is None else (self.image, player.widget)
+        self.plan_box.layout.display = None if player is None else "none"
+        self.stage.children = (self.plan_box,) if player is None else (self.plan_box, player.widget)
 
 
 configuration_explorer = ConfigurationExplorer

@@ -21,9 +21,11 @@ from ...arrays import as_number, checked
 from ...errors import CdprError, InvalidInput, quoted
 from ...view.picture import Picture
 from ...view.style import house_style
-from ..shown import Shown, picture_tag
+from ..shown import Shown, picture_tag, style
+from .since_start import with_changes
 
-_NUMBERS_STYLE = "line-height: 1.35; margin: 0.5em 0 0 0.5em; font-size: 12px; white-space: pre; overflow-x: auto"
+_DOTS_PER_INCH = 126
+"""A picture 6.2 inch wide fills its column of 488 pixels at the least, and stays sharp in one of 780."""
 
 Values = dict[str, Any]
 """Control name → its value, in the control's unit."""
@@ -88,16 +90,27 @@ class Slider:
                                + f", got {quoted(value)}")
         return min(max(float(value), self.low), self.high)
 
+    @property
+    def stride(self) -> float:
+        """Of an arrow key, and of the slider's marks."""
+        return (self.high - self.low) / 100 if self.step is None else self.step
+
     def widget(self) -> Any:
-        """The ipywidget; arrow keys and Page Up and Down move it, its number can be typed over."""
-        step = (self.high - self.low) / 100 if self.step is None else self.step
-        # The readout shows a step's digits and no more.
-        digits = next((n for n in range(7) if abs(step - round(step, n)) < 1e-9 * step), 3)
+        """The ipywidget; arrow keys and Page Up and Down move it."""
         return ipywidgets.FloatSlider(
-            value=self.start, min=self.low, max=self.high, step=step, description=self.caption,
-            readout_format=f".{digits}f", continuous_update=True,
-            style={"description_width": "13em"},
-            layout={"width": "auto"})
+            # On a mark: the browser would move it there, and that would count as a move.
+            value=self.nearest(self.start), min=self.low, max=self.high, step=self.stride,
+            description=self.caption, readout=False, continuous_update=True)
+
+    def entry(self) -> Any:
+        """Where its number stands, and can be typed over: it is taken as typed, between the marks too."""
+        return ipywidgets.FloatText(value=self.start, step=self.stride, continuous_update=False,
+                                    tooltip=self.caption)
+
+    def nearest(self, value: float) -> float:
+        """The slider's mark next to a value: where it stands without moving the value."""
+        place = self.low + round((value - self.low) / self.stride) * self.stride
+        return min(place, self.high)
 
 
 @checked
@@ -131,9 +144,7 @@ class Choice:
         start = self.options[0] if self.start is None else self.check(self.start)
         return ipywidgets.Dropdown(options=[(str(option).replace("_", " "), option)
                                             for option in self.options],
-                                   value=start, description=self.label,
-                                   style={"description_width": "13em"},
-                                   layout={"width": "auto"})
+                                   value=start, description=self.label)
 
 
 def movable(axes: Axes, *fmt: str, **look: Any) -> Line2D:
@@ -151,12 +162,14 @@ class Explorer(Shown):
 
     controls : Slider and Choice, in the order shown
     title : above the picture
-    size : of the picture [inch at 100 pixels]
-    Further widgets go below the sliders (``panel.children += (…,)``) or below the picture
-    (``stage``).
+    size : of the picture [inch]; 6.2 fill the width
+    ``below`` says how many of the last blocks of numbers (blank lines part them) stand below
+    the picture; all others stand below the controls. Further widgets go below the controls
+    (``panel.children += (…,)``) or below the picture (``stage``).
 
     A move calls ``numbers`` and then ``draw``. A mistake in either is shown in red where the
-    numbers are and raised again; the next move works as if nothing had happened.
+    numbers are and raised again; the next move works as if nothing had happened. The start,
+    to which ``reset`` goes back and from which changes are told, is what is first shown.
 
     >>> class Spring(Explorer):
     ...     def build(self, figure):
@@ -173,8 +186,10 @@ class Explorer(Shown):
     'force [N]  25.0'
     """
 
+    below = 0
+
     def __init__(self, controls: Sequence[Slider | Choice], title: str = "",
-                 size: tuple[float, float] = (6.4, 4.4)) -> None:
+                 size: tuple[float, float] = (6.2, 5.2)) -> None:
         self.controls = {control.name: control for control in controls}
         if len(self.controls) < len(controls):
             raise InvalidInput("two controls have the same name: " + ", ".join(control.name for control in controls))
@@ -183,10 +198,12 @@ class Explorer(Shown):
         self._callbacks: list[Callable[[Values], Any]] = []
         self._quiet = False
         self._make_widgets()
-        figure = Figure(figsize=size, dpi=100, layout="constrained")
+        figure = Figure(figsize=size, dpi=_DOTS_PER_INCH, layout="constrained")
         with house_style():
             self.build(figure)
         self._picture = Picture(figure)
+        self._start_values, self._start_text = self.values, ""
+        self._seen = False
         self._answer()
 
     # --- what a subclass says -------------------------------------------------------------------------
@@ -202,6 +219,10 @@ class Explorer(Shown):
         """Move the artists that ``build`` made, or add others: they are gone before the next move."""
         raise NotImplementedError(f"{type(self).__name__} must move its picture: draw(values)")
 
+    def idle(self, values: Values) -> Mapping[str, str]:
+        """Controls that change nothing now, and why: they are grey, and the reason stands below them."""
+        return {}
+
     def describe(self, values: Values) -> str:
         """One sentence for those who do not see the picture."""
         shown = ", ".join(f"{self.controls[name].caption} {value:.4g}"
@@ -214,7 +235,7 @@ class Explorer(Shown):
     @property
     def values(self) -> Values:
         """Control name → value now."""
-        return {name: slider.value for name, slider in self.sliders.items()}
+        return {name: self.entries.get(name, slider).value for name, slider in self.sliders.items()}
 
     @property
     def picture(self) -> bytes:
@@ -237,13 +258,12 @@ class Explorer(Shown):
             if name not in self.controls:
                 raise InvalidInput(f"there is no control {quoted(name)}; there are {', '.join(self.controls)}")
         checked = {name: self.controls[name].check(value) for name, value in values.items()}
-        self._quiet = True
-        try:
-            for name, value in checked.items():
-                self.sliders[name].value = value
-        finally:
-            self._quiet = False
+        self._put(checked)
         self._answer()
+
+    def reset(self) -> None:
+        """Back to the start."""
+        self.set(**self._start_values)
 
     @checked
     def on_move(self, callback: Callable[[Values], Any]) -> Callable[[], None]:
@@ -264,22 +284,84 @@ class Explorer(Shown):
     # --- inside ---------------------------------------------------------------------------------------
     def _make_widgets(self) -> None:
         self.sliders = {name: control.widget() for name, control in self.controls.items()}
-        self.image, self._numbers, self.mistake = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
-        title = ipywidgets.HTML(f"<b>{html.escape(self.title)}</b>")
-        self.panel = ipywidgets.VBox(list(self.sliders.values()),
-                                     layout={"width": "34em", "max_width": "100%"})
-        self.stage = ipywidgets.VBox([self.image])
-        beside = ipywidgets.VBox([self.panel, self.mistake, self._numbers],
-                                 layout={"flex": "1 1 25em", "min_width": "0"})
-        wrapping = {"flex_flow": "row wrap", "align_items": "flex-start"}
-        self.widget = ipywidgets.VBox([title,
-                                       ipywidgets.HBox([self.stage, beside], layout=wrapping)])
+        self.entries = {name: control.entry() for name, control in self.controls.items()
+                        if isinstance(control, Slider)}
+        self.image, self._numbers, self._under, self._why, self.mistake = (ipywidgets.HTML() for _ in range(5))
+        title = ipywidgets.HTML(f"{style()}<b>{html.escape(self.title)}</b>")
+        back = ipywidgets.Button(description="Reset", tooltip="all controls as they were at the start")
+        back.on_click(lambda _: self.reset())
+        rows = [part for name, slider in self.sliders.items()
+                for part in (slider, self.entries.get(name)) if part is not None]
+        width = f"{0.5 * max(map(len, (control.caption for control in self.controls.values())), default=0) + 1:g}em"
         for slider in self.sliders.values():
-            slider.observe(self._moved, names="value")
+            slider.style.description_width = width
+        self.panel = boxed(rows, "controls")
+        self.stage = boxed([self.image, self._under], "picture")
+        beside = boxed([self.panel, self._why, self.mistake, self._numbers], "beside")
+        self.widget = boxed([boxed([title, back], "head"),
+                             boxed([self.stage, beside], "columns")])
+        for name, slider in self.sliders.items():
+            slider.observe(lambda change, name=name: self._moved(name, change["new"]), names="value")
+        for name, entry in self.entries.items():
+            entry.observe(lambda change, name=name: self._typed(name, change), names="value")
 
-    def _moved(self, _: Any) -> None:
-        if not self._quiet:
-            self._answer()
+    def _put(self, values: Values) -> None:
+        """Controls to checked values; nothing is answered."""
+        self._quiet = True
+        try:
+            for name, value in values.items():
+                control = self.controls[name]
+                if isinstance(control, Slider):
+                    self.entries[name].value = value
+                    value = control.nearest(value)
+                self.sliders[name].value = value
+        finally:
+            self._quiet = False
+
+    def _moved(self, name: str, value: Any) -> None:
+        if self._quiet:
+            return
+        if name in self.entries:
+            self._quiet = True
+            self.entries[name].value = float(f"{value:.10g}")   # 0.3, not 0.30000000000000004
+            self._quiet = False
+        self._answer()
+
+    def _typed(self, name: str, change: Any) -> None:
+        if self._quiet:
+            return
+        try:
+            value = self.controls[name].check(change["new"])
+        except InvalidInput as error:
+            self._put({name: change["old"]})
+            self._tell(str(error))
+            return
+        self._put({name: value})
+        self._answer()
+
+    def _repr_mimebundle_(self, **options: Any) -> Any:
+        if not self._seen:
+            self._seen, self._start_values, self._start_text = True, self.values, self.text
+            self._show_numbers()
+        return super()._repr_mimebundle_(**options)
+
+    def _show_numbers(self) -> None:
+        """Text in two places, with changes since the start."""
+        told = with_changes(self.text, self._start_text or self.text).split("\n\n")
+        cut = len(told) - self.below
+        for place, blocks in ((self._numbers, told[:cut]), (self._under, told[cut:])):
+            text = "\n\n".join(blocks)
+            place.value = f"<pre>{text}</pre>" if text else ""
+
+    def _show_idle(self, values: Values) -> None:
+        reasons = self.idle(values)
+        for name, slider in self.sliders.items():
+            for part in (slider, self.entries.get(name)):
+                if part is not None and part.disabled != (name in reasons):
+                    part.disabled = name in reasons
+        told = "<br>".join(f"{html.escape(self.controls[name].label)}: {html.escape(why)}"
+                           for name, why in reasons.items())
+        self._why.value = f'<div class="cdprlab-why">Grey: {told}</div>' if told else ""
 
     def _answer(self) -> None:
         values = self.values
@@ -292,10 +374,10 @@ class Explorer(Shown):
         except Exception as error:
             self.show_mistake(error)
         self.text = text
-        self._numbers.value = f'<pre style="{_NUMBERS_STYLE}">{html.escape(text)}</pre>'
+        self._show_numbers()
+        self._show_idle(values)
         self._png, self.alt_text = picture, alt_text
-        self.image.value = picture_tag(picture,
-                                       tuple(self._picture.figure.get_size_inches()), alt_text)
+        self.image.value = picture_tag(picture, alt_text)
         self.mistake.value = ""
         for callback in tuple(self._callbacks):
             try:
@@ -307,11 +389,18 @@ class Explorer(Shown):
         """Readable in the widget, where a notebook would hide it in its log, and raised again for whoever called."""
         kind = "" if isinstance(error, CdprError) else f"{type(error).__name__}: "
         self.text = f"{kind}{error}"
-        self.mistake.value = (f'<div role="alert" style="color: #A32A00; font-weight: bold; white-space: pre-wrap">'
-                               f"{html.escape(self.text)}\n"
-                               '<span style="font-weight: normal">The picture is the one before this move; '
-                               "mend the function it calls, or move on.</span></div>")
+        self._tell(f"{self.text}\nThe picture is the one before this move; mend the function it calls, or move on.")
         raise error
+
+    def _tell(self, mistake: str) -> None:
+        self.mistake.value = f'<div role="alert">{html.escape(mistake)}</div>'
+
+
+def boxed(parts: Sequence[Any], name: str = "") -> Any:
+    """A box of widgets as widgets.css lays it out: "head", "columns", "picture", "beside", "controls", or the whole."""
+    box = ipywidgets.VBox(list(parts))
+    box.add_class(f"cdprlab-{name}" if name else "cdprlab")
+    return box
 
 
 def rounded_up(value: float, digits: int) -> float:

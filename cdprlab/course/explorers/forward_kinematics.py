@@ -23,7 +23,7 @@ from ..pictures.pose_estimates import outline
 from ..props.changed_cables import without_cable
 from ..props.pose_search import gauss_newton_path, six_cables
 from ..props.settling import Settled, hang
-from ..text_table import fixed
+from ..text_table import cable_table, fixed
 from .explorer import Choice, Explorer, Slider, Values
 
 _SHOWN = 6
@@ -59,7 +59,7 @@ class ForwardKinematicsExplorer(Explorer):
             Slider("guess_angle", "guess φ", "°", -180.0, 180.0, -30.0, 1.0),
             Choice("hang", "hang it on these ropes", (_HELD, _HUNG), _HELD)]
         super().__init__(controls, title="Forward kinematics of a planar robot",
-                         size=(7.2, 5.6))
+                         size=(6.2, 5.2))
 
     def build(self, figure: Figure) -> None:
         """Frame and exit points stand still, all else moves."""
@@ -86,14 +86,17 @@ class ForwardKinematicsExplorer(Explorer):
                 "off the truth by": _apart_text(end, self._truth),
                 "largest residual": f"{1e3 * np.abs(path.residuals).max():.1f} mm",
                 "verdict": self._verdict(),
-                "residuals, measured − fitted [mm]": _per_cable(1e3 * path.residuals)}
-        if self._robot.n_cables > 4:
-            text["largest residual without cable … [mm]"] = _per_cable(1e3 * self._left_out())
+                "residuals, measured − fitted [mm]": self._residuals()}
         if self._settled is not None:
             text["hung on ropes of these lengths (pymunk)"] = self._hung_text(self._settled)
         if values["cable"] > values["cables"] and values["error"]:
             text["note"] = f"cable {values['cable']} is not measured: its error does nothing"
         return text
+
+    def idle(self, values: Values) -> dict[str, str]:
+        if not values["error"]:
+            return {"cable": "its length error is 0"}
+        return {"error": "that cable is not measured"} if values["cable"] > values["cables"] else {}
 
     def draw(self, values: Values) -> None:
         """Circles at the angle found: where they miss each other, no pose has these lengths."""
@@ -183,6 +186,13 @@ class ForwardKinematicsExplorer(Explorer):
             return "no pose has these lengths: the nearest one is shown"
         return "this pose has exactly these lengths"
 
+    def _residuals(self) -> str:
+        """Cable by cable; with cables to spare also the largest one without each."""
+        rows = {"of the fit": 1e3 * self._path.residuals}
+        if self._robot.n_cables > 4:
+            rows["largest without it"] = 1e3 * self._left_out()
+        return cable_table({name: [fixed(value, 1) for value in row] for name, row in rows.items()})
+
     def _left_out(self) -> Array:
         """(m,) largest residual of the fit without each cable, nan where there is none [m]."""
         left = np.full(self._robot.n_cables, np.nan)
@@ -209,6 +219,3 @@ def _apart_text(pose: Pose, other: Pose) -> str:
     turn = np.rad2deg(rotation_vector(other.rotation.T @ pose.rotation)[0])
     return f"{1e3 * np.linalg.norm(pose.position - other.position):.1f} mm, {fixed(turn, 1)}°"
 
-
-def _per_cable(values: Array) -> str:
-    return "\n".join(f"  {i + 1}: {fixed(value, 1):>7}" for i, value in enumerate(values))

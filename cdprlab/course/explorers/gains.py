@@ -129,11 +129,11 @@ class GainExplorer(Explorer):
             Slider("kd", "K_d", "1/s", 0.0, 2000.0, kd, 10.0),
             Slider("dt", "Δt", "ms", 0.2, 20.0, dt, 0.2),
             Slider("span", "time shown", "s", 0.05, 6.0, span, 0.05)],
-                         title="Gains and the clock", size=(8.4, 4.4))
+                         title="Gains and the clock", size=(6.2, 4.0))
 
     def build(self, figure: Figure) -> None:
         """Left the error over time, right the unit circle."""
-        self._time, circle = figure.subplots(1, 2, width_ratios=[1.6, 1])
+        self._time, circle = figure.subplots(1, 2, width_ratios=[1.3, 1])
         self._time.set(ylim=(-1.3 * START, 1.3 * START), xlabel="time [s]",
                        ylabel="error e [mm]",
                        title="A first error of 10 mm")
@@ -147,7 +147,7 @@ class GainExplorer(Explorer):
         circle.axhline(0, color=GREY, linewidth=0.6)
         circle.axvline(0, color=GREY, linewidth=0.6)
         circle.set(xlim=(-2, 2), ylim=(-2, 2), aspect="equal", xlabel="real part of z [–]",
-                   ylabel="imaginary part of z [–]", title="Poles and the unit circle")
+                   ylabel="imaginary part of z [–]", title="Poles in the circle")
         self._inside = movable(circle, "x", color=BLUE, markersize=11, markeredgewidth=2.6)
         self._outside = movable(circle, "D", color=VERMILION, markersize=10)
         self._far = circle.text(0, -1.85, "", ha="center", fontsize=9, color=VERMILION,

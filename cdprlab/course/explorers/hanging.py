@@ -36,7 +36,7 @@ class HangingExplorer(Explorer):
         if not isinstance(world, World) or world.robot.dimension != 3:
             raise InvalidInput(f"a hanging explorer takes a spatial World, got {world!r}")
         self.world, self.robot = world, world.robot
-        super().__init__(_sliders(world), f"{world.title}, at rest", size=(8.6, 4.4))
+        super().__init__(_sliders(world), f"{world.title}, at rest", size=(6.2, 5.0))
 
     def pose(self, values: Values) -> Pose:
         """Level, where the sliders say."""
@@ -51,7 +51,7 @@ class HangingExplorer(Explorer):
                                    robot.tension_max)
 
     def build(self, figure: Figure) -> None:
-        left, right = figure.subplots(1, 2, width_ratios=(3, 2))
+        left, right = figure.subplots(2, 1, height_ratios=(1.6, 1))
         ends = [[getattr(slider, end) for slider in _sliders(self.world)]
                 for end in ("low", "start", "high")]
         self._drawing = RobotDrawing(left, self.robot, self.world.scene, Pose(np.array(ends)))

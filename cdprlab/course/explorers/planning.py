@@ -32,8 +32,8 @@ class PlanningExplorer(Explorer):
     >>> import cdprlab as cl
     >>> explorer = planning_explorer(Vehicle.of(cl.load_world("fastkit_suspended").robot, 1.6))
     >>> explorer.set(gap=1.0)
-    >>> print(explorer.text.splitlines()[4])
-    goes through                             the upper gap
+    >>> print(explorer.text.splitlines()[5])
+    goes through                          the upper gap
     """
 
     def __init__(self, vehicle: Vehicle) -> None:
@@ -45,7 +45,7 @@ class PlanningExplorer(Explorer):
                           Slider("x", "goal x", "m", 5.6, 7.8, 6.8, 0.1),
                           Slider("y", "goal y", "m", 0.6, 5.0, 2.8, 0.1),
                           Slider("heading", "goal heading", "deg", -180.0, 180.0, 90.0, 5.0)],
-                         "A way for the pair", size=(6.4, 5.1))
+                         "A way for the pair", size=(6.2, 5.0))
 
     @staticmethod
     def hall(values: Values) -> Hall:
@@ -89,9 +89,10 @@ class PlanningExplorer(Explorer):
         """How long, how near, and what a gap must have at least."""
         grid, plan, pair, margin = self.grid(values), self.plan(values), self.vehicle, values["margin"]
         found = {"the pair [m]": f"{pair.length:.2f} x {pair.width:.2f}",
-                 "it turns on the spot in a circle of [m]": f"{np.hypot(pair.length, pair.width):.2f}",
+                 "turning on the spot takes [m]": f"{np.hypot(pair.length, pair.width):.2f}",
+                 "lower gap, wider than the pair by [m]": f"{values['gap'] - pair.width:.2f}",
                  "a gap needs [m]": f"{pair.width + 2 * margin:.2f}",
-                 "is surely found if it has [m]": f"{inflated_width(grid, pair, margin):.2f}"}
+                 "a gap is surely found with [m]": f"{inflated_width(grid, pair, margin):.2f}"}
         if not plan.found:
             return {**found, "way": f"none: {plan.reason}"}
         poses = plan.poses
@@ -100,7 +101,7 @@ class PlanningExplorer(Explorer):
         return {**found, "goes through": f"the {_gap(plan)} gap",
                 "way of its middle [m]": f"{plan.length:.2f}",
                 "time at the bases' speed limits [s]": f"{seconds:.0f}",
-                "least room beside it, as cells tell [m]": f"{grid.room(pair, every).min():.2f}"}
+                "least room beside it, by cells [m]": f"{grid.room(pair, every).min():.2f}"}
 
     def draw(self, values: Values) -> None:
         axes, pair, plan = self._axes, self.vehicle, self.plan(values)

@@ -123,7 +123,7 @@ class PoseExplorer(Explorer):
         self.robot = self.posing.robot
         eye = [EYE] if self.robot.dimension == 3 else []
         super().__init__([*self.posing.places, *self.posing.turns, *eye], self.posing.title,
-                         size=(5.2, 4.4))
+                         size=(6.2, 5.2))
 
     @property
     def pose(self) -> Pose:

@@ -17,6 +17,7 @@ from ...world import World
 from ..pictures.tension_panels import MARKS, OWN, draw_bars, draw_set
 from ..pictures.tension_polygon import TensionSet, set_in_words, tension_set
 from ..props.point_load import decimal
+from ..text_table import cable_table
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
 from .posing import Posing
 
@@ -55,6 +56,8 @@ class TensionExplorer(Explorer):
     feasible set  r = 2: a polygon of 4 corners.
     """
 
+    below = 1
+
     def __init__(self, world_or_robot: World | Robot, start: Pose | None = None) -> None:
         self._posing = Posing(world_or_robot, start, "tension")
         robot = self._posing.robot
@@ -68,7 +71,7 @@ class TensionExplorer(Explorer):
         walk = Slider("walk", "walk the border", "%", 0.0, 100.0, 0.0, 1.0)
         limits = _limit_sliders(robot, self._posing.start)
         super().__init__([menu, *limits, *self._posing.places, *self._posing.turns, walk],
-                         f"Tensions of {self._posing.title}", size=(7.8, 6.6))
+                         f"Tensions of {self._posing.title}", size=(6.2, 4.5))
 
     @once_a_move
     def state(self, values: Values) -> TensionState:
@@ -100,9 +103,9 @@ class TensionExplorer(Explorer):
                               markersize=0.6 * OWN[0].size,
                               color=OWN[0].color, markerfacecolor="none",
                               label="walk along the border"))
-        figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=9,
-                      columnspacing=1.2,
-                      title="filled: inside the limits; hollow: outside; ring: the bars' tensions", title_fontsize=9)
+        figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=8.5, handletextpad=0.3,
+                      columnspacing=0.9,
+                      title="filled: inside the limits; hollow: outside; ring: the bars' tensions", title_fontsize=8.5)
 
     def draw(self, values: Values) -> None:
         """All three panels."""
@@ -122,16 +125,20 @@ class TensionExplorer(Explorer):
     def numbers(self, values: Values) -> dict[str, Any]:
         """Every method in a row; the chosen one's tensions, and its reason where it has none."""
         state = self.state(values)
+        top = np.nanmax(state.shown, initial=0.0)
+        shown = [_number(tau) if top < 1000 else f"{tau:.0f}" for tau in state.shown]
         rows = [f"{name.replace('_', ' '):<21}{_row(answer)}"
                 for name, answer in state.found.items()]
-        shown = "\n".join(f"  {i + 1}: {_number(tau):>9}" for i, tau in enumerate(state.shown))
         return {
             "limits": f"{values['tension_min']:.4g} to {values['tension_max']:.4g} N",
             "feasible set": set_in_words(state.free),
+            "in words": "\n".join(textwrap.wrap(self.words(values), 54)),
+            f"{values['method'].replace('_', ' ')}": cable_table({"τ [N]": shown}, gap=1),
             "method                found?     Σ τ     ‖τ‖  margin [N]": "\n".join([*rows, _STAR]),
-            f"{values['method'].replace('_', ' ')}, tensions [N]": shown,
-            "in words": "\n".join(textwrap.wrap(self.words(values), 56)),
         }
+
+    def idle(self, values: Values) -> dict[str, str]:
+        return {} if values["method"] == BORDER else {"walk": f"choose the method “{BORDER.replace('_', ' ')}”"}
 
     def words(self, values: Values) -> str:
         """What the chosen method found, or why not."""

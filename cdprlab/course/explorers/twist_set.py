@@ -90,7 +90,7 @@ class TwistSetExplorer(Explorer):
                           0.0, 0.025)
                    for name, reach in zip(self._names, self._reach.tolist())]
         super().__init__([*sliders, *_limit_sliders(self._robot), *self._posing.places],
-                         f"Available twist set: {world.title}", size=(8.0, 4.6))
+                         f"Available twist set: {world.title}", size=(6.2, 4.6))
 
     @once_a_move
     def reach(self, values: Values) -> Reach:
@@ -115,8 +115,7 @@ class TwistSetExplorer(Explorer):
         self._patches = set_patches(panel, labels, self._names, np.outer(self._reach, [-1, 1]))
         for shadow in self._patches[2:]:
             shadow.set_facecolor("none")
-        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2 if flat else 1,
-                     fontsize=9)
+        figure.legend(handles=self._patches, loc="outside lower center", ncols=3, fontsize=9)
 
     def draw(self, values: Values) -> None:
         found, wanted = self.reach(values), np.array([values[name] for name in self._names])

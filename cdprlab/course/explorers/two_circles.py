@@ -58,7 +58,7 @@ class TwoCirclesExplorer(Explorer):
                                            Slider("l2", "length l₂", "m", 1.0, 7.0, 4.0, 0.05),
                                            Choice("hang", "hang a load", (_HELD, _HUNG), _HELD)]
         super().__init__(controls, title="Two lengths, two circles, two places",
-                         size=(6.0, 6.0))
+                         size=(5.6, 5.2))
 
     def build(self, figure: Figure) -> None:
         self._panel = figure.subplots()

@@ -108,7 +108,7 @@ class WorkspaceExplorer(Explorer):
         super().__init__([Choice("criterion", "criterion", CRITERIA), *_limit_sliders(robot),
                           *self._posing.turns,
                           *self._posing.places], f"Workspaces of {world.title}",
-                         size=(6.4, 5.2))
+                         size=(6.2, 5.2))
 
     @once_a_move
     def state(self, values: Values) -> WorkspaceState:
@@ -174,6 +174,15 @@ class WorkspaceExplorer(Explorer):
             digits = 2 if name == "h" else 1
             said += ["", cable_table({name: [fixed(t, digits) for t in tau]})]
         return "\n".join([*said, "", *textwrap.wrap(self.state(values).words, 56)])
+
+    def idle(self, values: Values) -> dict[str, str]:
+        name = values["criterion"]
+        asked = {"push": "wrench_feasible", "acceleration": "dynamic_equilibrium"}
+        idle = {slider: f"{criterion.replace('_', ' ')} alone asks for it"
+                for slider, criterion in asked.items() if name != criterion}
+        if name in ("wrench_closure", "static_equilibrium"):
+            idle |= dict.fromkeys(("tension_min", "tension_max"), "this criterion has no tension limits")
+        return idle
 
     def describe(self, values: Values) -> str:
         state = self.state(values)

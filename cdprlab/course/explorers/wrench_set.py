@@ -113,7 +113,7 @@ class WrenchSetExplorer(Explorer):
                                   2 * heaviest, heaviest,
                                   heaviest / 60))
         super().__init__([*sliders, *self._posing.places],
-                         f"Available wrench set: {world.title}", size=(8.0, 4.8))
+                         f"Available wrench set: {world.title}", size=(6.2, 4.8))
 
     @once_a_move
     def capability(self, values: Values) -> Capability:
@@ -134,15 +134,15 @@ class WrenchSetExplorer(Explorer):
                                label="stands for certain", **mark)
         self._tips = movable(left, "X", color=VERMILION, markersize=11,
                              label="could tip over this", **mark)
-        if "base_mass" in self.controls:
-            left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=9)
         self._panel = panel
         self._patches = set_patches(panel, _LABELS, self._names, self._reach())
         panel.plot([], [], color=INK, linewidth=4, label="facets made by tipping")
         self._mark = movable(panel, linestyle="none", marker="*", markersize=13,
                              markeredgecolor="white",
                              color=GREEN, zorder=6, label="holds the weight, −w_g")
-        panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=9)
+        marks = [self._stands, self._tips] if "base_mass" in self.controls else []
+        handles = [*marks, *panel.get_legend_handles_labels()[0]]
+        figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=9)
 
     def draw(self, values: Values) -> None:
         found = self.capability(values)

@@ -108,6 +108,20 @@ def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array],
         elif name == chosen:
             panel.plot(*xy.T, linestyle="none", marker="o", markersize=22, markeredgecolor=INK,
                        markerfacecolor="none", markeredgewidth=1.6, zorder=6)
+    _count_coinciding(panel, [spots[0] for spots in shown.values() if len(spots) == 1], frame)
+
+
+def _count_coinciding(panel: Axes, places: list[Array], frame: Array) -> None:
+    """Where marks lie on each other, a word says how many."""
+    near = 0.03 * float((frame[1] - frame[0]).max())
+    left = list(places)
+    while left:
+        here = [place for place in left if np.abs(place - left[0]).max() < near]
+        at = (*left[0], 0.0)[:2]
+        left = [place for place in left if np.abs(place - left[0]).max() >= near]
+        if len(here) > 1 and (here[0] > frame[0]).all() and (here[0] < frame[1]).all():
+            panel.annotate(f"{len(here)} marks", at, (13, 10), textcoords="offset points", fontsize=9,
+                           color=INK, zorder=7, bbox=HALO)
 
 
 def _frame(free: TensionSet, shown: Mapping[str, Array]) -> Array:
