@@ -30,12 +30,14 @@ def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: boo
 
 
 def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
-    """Whether tensions within the limits balance each wrench: the sign of `tension_margins`, found quicker."""
+    """Whether tensions within the limits balance each wrench: the sign of `tension_margins`, found quicker where numba is."""
+    from ..compiled.jit import COMPILES
     from ..compiled.polygon import polygons
 
-    _, found, _ = polygons(*map(plain, (W, w_e, low[None], high[None])), NOTHING)
-    inside = np.asarray(found == FOUND)
-    many = found == TOO_REDUNDANT
+    inside, many = np.zeros(len(W), bool), np.ones(len(W), bool)
+    if COMPILES:
+        _, found, _ = polygons(*map(plain, (W, w_e, low[None], high[None])), NOTHING)
+        inside, many = np.asarray(found == FOUND), np.asarray(found == TOO_REDUNDANT)
     if many.any():
         inside[many] = tension_margins(W[many], w_e[many], low, high) >= -ROUNDING * high.max()
     return inside
