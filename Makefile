@@ -52,7 +52,7 @@ mutants: $(VENV)/.tests  ## for authors: mistakes planted by machine in every ex
 	$(BIN)/python tests/mutants.py
 
 lab: $(VENV)/.students  ## JupyterLab with your own copies of the lessons, in my_lessons/
-	$(BIN)/python lessons/my_lessons.py my_lessons
+	$(BIN)/python -m cdprlab lessons my_lessons
 	cd my_lessons && "$(abspath $(BIN))/jupyter" lab $(if $(filter 0,$(shell id -u)),--allow-root)
 
 designer: $(VENV)/.students  ## the robot designer as a page in your browser
@@ -75,7 +75,7 @@ bench: $(VENV)/.tests  ## speed, as ratios to what it stands on
 
 requirements:  ## pin again what is installed (needs uv)
 	$(UV) pip compile --universal --python-version 3.11 --upgrade --no-annotate --quiet --no-emit-index-url --no-emit-package pip \
-	  --custom-compile-command "make requirements" --extra lab --extra designer pyproject.toml --output-file requirements.txt
+	  --custom-compile-command "make requirements" --extra lab --extra designer --extra solvers pyproject.toml --output-file requirements.txt
 	$(UV) pip compile --universal --python-version 3.11 --upgrade --no-annotate --quiet --no-emit-index-url --no-emit-package pip \
 	  --custom-compile-command "make requirements" --constraint requirements.txt --group tests \
 	  --output-file tests/requirements.txt

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import copyreg
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from reprlib import Repr
+from shutil import which
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -141,4 +144,82 @@ class SimulationDiverged(CdprError):
 
 
 class MissingDependency(CdprError, ImportError):
-    """An optional package is needed here and not installed; the message names the ways out."""
+    """An optional package is needed here and not installed; the message names the command that mends it."""
+
+
+@contextmanager
+def needed_by(feature: str, otherwise: str = "") -> Iterator[None]:
+    """A package that turns out to be missing inside costs this feature, and is said in one line.
+
+    feature : what does not work now, as "pictures"; otherwise : what still does
+
+    >>> with needed_by("lesson 99"):
+    ...     import abacus
+    Traceback (most recent call last):
+    ...
+    cdprlab.errors.MissingDependency: lesson 99 needs abacus, which is not installed; type: python -m pip install abacus
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if isinstance(error, CdprError) or not error.name or error.name.startswith("cdprlab"):
+            raise
+        module = error.name.split(".")[0]
+        still = f" ({otherwise})" if otherwise else ""
+        raise MissingDependency(f"{feature} needs {module}, which is not installed; type: "
+                                f"{install_command(module)}{still}") from None
+
+
+def requirements(**machine: str) -> dict[str, tuple[str, str]]:
+    """What this release asks for: package → the versions it may have, the extra that wants it ("": all do).
+
+    machine : another one than this, as in ``python_version="3.13"``
+
+    >>> requirements()["numpy"]
+    ('<3,>=2.2', '')
+    """
+    from importlib.metadata import PackageNotFoundError, metadata
+
+    from packaging.requirements import Requirement
+
+    try:
+        about = metadata("cdprlab")
+    except PackageNotFoundError:   # a checkout that nobody installed
+        return {}
+    asked = [Requirement(line) for line in about.get_all("Requires-Dist", [])]
+    wanted: dict[str, tuple[str, str]] = {}
+    for extra in ("", *about.get_all("Provides-Extra", [])):
+        for package in asked:
+            if package.marker is None or package.marker.evaluate({"extra": extra, **machine}):
+                wanted.setdefault(package.name, (str(package.specifier), extra))
+    return wanted
+
+
+def install_command(*modules: str) -> str:
+    """The one command that brings modules to this Python on this machine.
+
+    Where PyPI has no PyBullet for it, one that makes an environment which has.
+
+    >>> install_command("codac", "PIL").removeprefix("conda install -c conda-forge")[-12:]
+    'codac pillow'
+    """
+    names = [{"PIL": "pillow", "ruamel": "ruamel.yaml"}.get(module, module) for module in modules]
+    if (Path(sys.prefix) / "conda-meta").is_dir():
+        return f"conda install -c conda-forge {' '.join(names)}"
+    wanted = requirements()
+    if not wanted:
+        return "python -m pip install -r requirements.txt"
+    if "pybullet" in names:
+        engine = [name for name in wanted if name.startswith("pybullet")]
+        if not engine:
+            return _another_python()
+        names = engine + [name for name in names if name != "pybullet"]
+    return f"python -m pip install {' '.join(names)}"
+
+
+def _another_python() -> str:
+    """An environment with PyBullet in it, where this Python can have none."""
+    served = any(name.startswith("pybullet") for name in requirements(python_version="3.13"))
+    if served and which("uv"):
+        return "uv venv --python 3.13 --seed .venv, then install cdprlab there"
+    return "conda create -n cdprlab -c conda-forge python=3.14 pybullet, then install cdprlab there"

@@ -14,6 +14,8 @@ from types import ModuleType
 import notebooks
 import pytest
 
+from cdprlab.cli import lessons_command
+
 
 def tool(path: Path) -> ModuleType:
     """A script of lessons/, which is no part of the package."""
@@ -40,7 +42,7 @@ def lessons(tmp_path: Path) -> Path:
 def hand_out(lessons: Path, tmp_path: Path):
     """``hand_out()`` copies into ``hand_out.mine``."""
     def copy() -> list[str]:
-        return tool(notebooks.LESSONS / "my_lessons.py").hand_out(copy.mine, lessons)
+        return lessons_command.hand_out(copy.mine, sorted(lessons.glob("*.ipynb")))
     copy.mine = tmp_path / "mine"
     return copy
 
@@ -99,7 +101,7 @@ def unpacked(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_zip_holds_what_students_need_and_no_more(unpacked: Path):
     held = {path.relative_to(unpacked).as_posix() for path in unpacked.rglob("*") if path.is_file()}
     for needed in ("README.md", "LICENSE", "Makefile", "pyproject.toml", "requirements.txt", "worlds/caroca.yaml",
-                   "cdprlab/__init__.py", "cdprlab/py.typed", "lessons/my_lessons.py"):
+                   "cdprlab/__init__.py", "cdprlab/py.typed", "environment.yml"):
         assert needed in held
     lessons = {path for path in held if path.endswith(".ipynb") and not path.startswith("cdprlab/")}
     assert lessons == {f"lessons/{name}.ipynb" for name in notebooks.names()}

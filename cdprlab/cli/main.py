@@ -1,12 +1,14 @@
-"""The command line: ``python -m cdprlab worlds | run WORLD | workspace WORLD``."""
+"""The command line: ``python -m cdprlab worlds | run WORLD | workspace WORLD | lessons DIR | doctor``."""
 
 import argparse
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
+from .. import __version__, view
 from ..errors import CdprError, InvalidInput
 from ..run import INFEASIBLE, WOUND, run
 from ..run.compare import compare_tensions
@@ -14,20 +16,24 @@ from ..run.controllers import ComputedTorque
 from ..run.log import write_rows
 from ..simulate import CABLE_MODELS
 from ..tensions import tension_methods
-from ..view import plot, plot_tensions, plot_tracking, save_figure, save_film
 from ..world import World, load_world, world_names
 from ..world.model import PickAndPlace
+from .doctor import add_doctor_command
+from .lessons_command import add_lessons_command
 from .output import Bar, add_output_options, print_table, write
 from .workspace_command import add_workspace_command
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; returns 0, or 2 after one line on stderr saying what was wrong."""
+    """Run one command; returns 0 or what it says, or 2 after one line on stderr saying what was wrong."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):   # Windows pipes know few letters: "?" for the others, not an error
+            stream.reconfigure(errors="replace")
     options = _parser().parse_args(arguments)
     try:
-        options.command(options)
+        answer = options.command(options)
         sys.stdout.flush()
-        return 0
+        return answer or 0
     except CdprError as error:
         print(f"cdprlab: {error}", file=sys.stderr)
         return 2
@@ -45,6 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="cdprlab",
                      description="Cable-driven parallel robots, simulated and drawn.")
+    parser.add_argument("--version", action="version", version=f"cdprlab {__version__}")
     commands = parser.add_subparsers(title="commands", required=True, parser_class=_Parser)
     worlds = commands.add_parser("worlds", help="list the robots that come with cdprlab")
     worlds.set_defaults(command=_worlds)
@@ -71,6 +78,8 @@ def _parser() -> argparse.ArgumentParser:
         help="of the winches, for tasks of kind pick_and_place (default: %(default)s)")
     add_output_options(flight, "out/WORLD", "the log")
     add_workspace_command(commands)
+    add_lessons_command(commands)
+    add_doctor_command(commands)
     return parser
 
 
@@ -85,11 +94,19 @@ def _worlds(_: argparse.Namespace) -> None:
     width = max(map(len, world_names()))
     for name in world_names():
         world = load_world(name)
-        print(f"{name:{width}}  {world.title}; tasks: {', '.join(world.tasks)}")
+        print(f"{name:{width}}  {world.title}; tasks: {', '.join(_tasks(world))}")
+
+
+def _tasks(world: World) -> list[str]:
+    """Names of what a world can be flown along: its own tasks, and the mission around a job at a shelf."""
+    works = any(isinstance(task, PickAndPlace) for task in world.tasks.values())
+    return list(dict.fromkeys([*world.tasks, *["mission"] * works]))
 
 
 def _run(options: argparse.Namespace) -> None:
     world = load_world(options.world)
+    if options.task not in _tasks(world):
+        raise InvalidInput(f"world {world.name!r} has no task {options.task!r}; there are {', '.join(_tasks(world))}")
     if options.method == "all":
         _compare(options, world)
     elif options.task == "mission" and "mission" not in world.tasks:
@@ -112,9 +129,9 @@ def _fly(options: argparse.Namespace, world: World) -> None:
                     options.infeasible, duration=options.duration, progress=bar)
     print_table(flown.table())
     _write(options, world, flown.save, {
-        "tracking.png": lambda path: save_figure(plot_tracking(flown), path),
-        "tensions.png": lambda path: save_figure(plot_tensions(flown), path),
-        "film.gif": lambda path: save_film(flown, path)})
+        "tracking.png": lambda path: view.save_figure(view.plot_tracking(flown), path),
+        "tensions.png": lambda path: view.save_figure(view.plot_tensions(flown), path),
+        "film.gif": lambda path: view.save_film(flown, path)})
 
 
 def _compare(options: argparse.Namespace, world: World) -> None:
@@ -130,7 +147,7 @@ def _compare(options: argparse.Namespace, world: World) -> None:
             [f"{value:.9g}" if isinstance(value, float) else str(value)
              for value in row.values()] for row in table.rows())])
 
-    _write(options, world, save, {"methods.png": lambda path: save_figure(plot(table), path)})
+    _write(options, world, save, {"methods.png": lambda path: view.save_figure(view.plot(table), path)})
 
 
 def _pick_and_place(options: argparse.Namespace, world: World) -> None:
@@ -144,7 +161,7 @@ def _pick_and_place(options: argparse.Namespace, world: World) -> None:
     for event in job.events:
         print(f"  {event.time:6.2f} s  {event.state:10} {event.why or job.words.get(event.state, '')}")
     print_table(job.table())
-    _write(options, world, job.save, {"job.png": lambda path: save_figure(plot_job(job), path),
+    _write(options, world, job.save, {"job.png": lambda path: view.save_figure(plot_job(job), path),
                                       "film.gif": lambda path: save_job_film(job, path)})
 
 

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from .. import view
 from ..fastkit import DONE, Job, Mission, Walker, in_hall, run_mission
-from ..view import save_figure
 from ..world import World
 from .output import Bar, print_table, write
 
@@ -42,12 +42,12 @@ def _pictures(mission: Mission) -> dict[str, Callable[[Path], Any]]:
     there, back, job = mission.journey, mission.way_home, mission.job
     found: dict[str, Callable[[Path], Any]] = {}
     if there is not None:
-        found |= {"journey.png": lambda path: save_figure(plot_journey(there), path),
-                  "scans.png": lambda path: save_figure(plot_scans(there), path),
-                  "drives.png": lambda path: save_figure(plot_drives(mission), path),
+        found |= {"journey.png": lambda path: view.save_figure(plot_journey(there), path),
+                  "scans.png": lambda path: view.save_figure(plot_scans(there), path),
+                  "drives.png": lambda path: view.save_figure(plot_drives(mission), path),
                   "mission.gif": film}
     if back is not None:
-        found["way_home.png"] = lambda path: save_figure(plot_journey(back), path)
+        found["way_home.png"] = lambda path: view.save_figure(plot_journey(back), path)
     if job is not None:
-        found["job.png"] = lambda path: save_figure(plot_job(job), path)
+        found["job.png"] = lambda path: view.save_figure(plot_job(job), path)
     return found

@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from ..errors import MissingDependency
+
 
 class Bar:
     """A progress bar that appears with the first step: an error before it keeps the terminal clean.
@@ -64,5 +66,8 @@ def write(folder: Path, save: Callable[[Path], Any], pictures: Mapping[str, Call
     save(folder)
     for name, draw in (bar := tqdm(pictures.items(), leave=False)):
         bar.set_description(f"drawing {name}")
-        draw(folder / name)
+        try:
+            draw(folder / name)
+        except MissingDependency as missing:
+            print(f"no {name}: {missing}")
     print(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.is_file()))}")

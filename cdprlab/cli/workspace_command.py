@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from .. import view
 from ..arrays import Array
 from ..errors import InvalidInput, quoted
 from ..run.log import write_csv, write_rows
-from ..view import save_figure
 from ..workspace import (
     Criterion,
     DynamicEquilibrium,
@@ -108,7 +108,7 @@ def _workspace(options: argparse.Namespace) -> None:
         if len(grid.axes) == 3:
             workspace_still(world, grid, found, path)
         else:
-            save_figure(plot_workspaces(world.robot, grid, {"": found}, title=title, unit=criterion.unit), path)
+            view.save_figure(plot_workspaces(world.robot, grid, {"": found}, title=title, unit=criterion.unit), path)
 
     drawn = not options.no_pictures and (len(grid.axes) < 3 or found.inside.any())
     write(options.out or Path("out") / world.name / "workspace",

@@ -10,6 +10,8 @@ Lessons import ``cdprlab`` and from here, and nothing deeper. Everything loads w
 from importlib import import_module
 from typing import Any
 
+from ..errors import needed_by
+
 _EXPORTS = {
     "answers.check": ("answer", "check", "refuses"),
     "answers.fallback": ("fallback",),
@@ -68,7 +70,8 @@ __all__ = sorted(_HOMES)
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"cdprlab.course has no {name!r}; it has {', '.join(__all__)}")
-    home = import_module(_HOMES[name], __name__)
+    with needed_by(f"cdprlab.course.{name}"):
+        home = import_module(_HOMES[name], __name__)
     return getattr(home, name, home)
 
 

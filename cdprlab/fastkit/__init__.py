@@ -7,6 +7,7 @@ own. Drawing libraries load when a picture is first asked for.
 from importlib import import_module
 from typing import Any
 
+from ..errors import needed_by
 from .events import DONE, STOPPED, Event
 from .job.job import pick_and_place
 from .job.job_record import Job, least_edge_loads
@@ -78,4 +79,5 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in _PICTURES:
         raise AttributeError(f"cdprlab.fastkit has no {name!r}; it has {', '.join(__all__)}")
-    return getattr(import_module(f".pictures.{_PICTURES[name]}", __name__), name)
+    with needed_by(f"cdprlab.fastkit.{name}"):
+        return getattr(import_module(f".pictures.{_PICTURES[name]}", __name__), name)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..errors import MissingDependency
+from ..errors import needed_by
 from ..robot.pose import rotation_vector
 
 ORIGIN, STRAIGHT = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]
@@ -98,15 +98,9 @@ class Bullet(NamedTuple):
 
 @cache
 def import_pybullet() -> Any:
-    """The engine, its start-up banner kept off the terminal; raises MissingDependency naming the ways out."""
-    try:
-        with quiet():
-            import pybullet
-    except ImportError:
-        raise MissingDependency(
-            "spatial worlds run in PyBullet, which is not installed; it has wheels for Linux x86-64 and Python up to "
-            "3.11: use `uv venv --python 3.11`, `conda create -n cdprlab python=3.11` or the python:3.11 container, "
-            "then `pip install pybullet` (planar worlds, tensions and sets work without it)") from None
+    """The engine, its start-up banner kept off the terminal; raises MissingDependency naming the way to get it."""
+    with needed_by("the spatial engine", "planar worlds, tensions and sets work without it"), quiet():
+        import pybullet
     return pybullet
 
 

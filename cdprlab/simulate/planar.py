@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
-from ..errors import MissingDependency
+from ..errors import needed_by
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import World
@@ -197,10 +197,7 @@ class PlanarSimulator(Simulator):
 @cache
 def import_pymunk() -> Any:
     """The engine; raises MissingDependency saying how to get it."""
-    try:
+    with needed_by("the planar engine", "spatial worlds, tensions and sets work without it"):
         import pymunk
         import pymunk.batch
-    except ImportError:
-        raise MissingDependency("planar worlds run in pymunk, which is not installed: `pip install pymunk` "
-                                "(spatial worlds, tensions and sets work without it)") from None
     return pymunk

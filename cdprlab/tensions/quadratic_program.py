@@ -5,7 +5,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InvalidInput, quoted
+from ..errors import InvalidInput, needed_by, quoted
 from ..mechanics.optimization import least_quadratic
 from .feasible_polygon import least_norm_points
 from .method import (
@@ -128,7 +128,8 @@ def batch(*, solver: str = "quadprog") -> BatchSolver:
 
 
 def _other_solver(low: Array, high: Array, solver: str) -> Solver:
-    import qpsolvers
+    with needed_by(f"the QP solver {solver!r}", "quadprog works without it"):
+        import qpsolvers
 
     if solver not in qpsolvers.available_solvers:
         raise InvalidInput(f"QP solver {quoted(solver)} is not installed; there are "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, needed_by
 from ..run.compare import TensionComparison
 
 if TYPE_CHECKING:
@@ -32,16 +32,17 @@ def plot(run_or_table: Any) -> Figure:
     ...
     cdprlab.errors.InvalidInput: plot takes a Run, a TensionComparison or what has a plot method, got int
     """
-    if isinstance(run_or_table, TensionComparison):
-        from .tension_comparison import plot_tension_comparison
+    with needed_by("plot"):
+        if isinstance(run_or_table, TensionComparison):
+            from .tension_comparison import plot_tension_comparison
 
-        return plot_tension_comparison(run_or_table)
-    if hasattr(run_or_table, "commanded_tensions"):
-        from .plots import plot_run
+            return plot_tension_comparison(run_or_table)
+        if hasattr(run_or_table, "commanded_tensions"):
+            from .plots import plot_run
 
-        return plot_run(run_or_table)
-    if callable(getattr(run_or_table, "plot", None)):
-        return run_or_table.plot()
+            return plot_run(run_or_table)
+        if callable(getattr(run_or_table, "plot", None)):
+            return run_or_table.plot()
     raise InvalidInput("plot takes a Run, a TensionComparison or what has a plot method, "
                        f"got {type(run_or_table).__name__}")
 
@@ -49,4 +50,5 @@ def plot(run_or_table: Any) -> Figure:
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"cdprlab.view has no {name!r}; it has {', '.join(__all__)}")
-    return getattr(import_module(_HOMES[name], __name__), name)
+    with needed_by(f"cdprlab.view.{name}"):
+        return getattr(import_module(_HOMES[name], __name__), name)

@@ -113,7 +113,7 @@ def world_names() -> list[str]:
     >>> "caroca" in world_names()
     True
     """
-    return sorted(path.stem for path in _worlds_folder().glob("*.yaml"))
+    return sorted(path.stem for path in shipped("worlds").glob("*.yaml"))
 
 
 @checked
@@ -146,20 +146,23 @@ def world_schema() -> dict[str, Any]:
     return WorldFile.model_json_schema()
 
 
-def _worlds_folder() -> Path:
-    """Beside the code in an installed wheel, beside the package in a checkout."""
+def shipped(folder: str) -> Path:
+    """A folder that comes along: beside the code in an installed wheel, beside the package in a checkout."""
     package = Path(__file__).parents[1]
-    inside = package / "worlds"
-    return inside if inside.is_dir() else package.parent / "worlds"
+    inside = package / folder
+    return inside if inside.is_dir() else package.parent / folder
 
 
 def _world_path(name_or_path: str | Path) -> Path:
     given = Path(name_or_path)
-    if given.suffix in (".yaml", ".yml"):
+    if "://" in str(name_or_path):
+        raise WorldError([f"world files are not read from addresses: save {str(name_or_path)[:200]} "
+                          "and give the file's path"])
+    if given.suffix.lower() in (".yaml", ".yml"):
         if not given.is_file():
             raise WorldError([f"there is no world file {given}"])
         return given
-    path = _worlds_folder() / f"{name_or_path}.yaml"
+    path = shipped("worlds") / f"{name_or_path}.yaml"
     if len(given.parts) != 1 or not path.is_file():
         close = difflib.get_close_matches(str(name_or_path), world_names(), n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""

@@ -1,29 +1,45 @@
-"""A folder of one's own to work in: copies the lessons there and never overwrites work.
+"""``python -m cdprlab lessons DIR``: the lessons in a folder of one's own, where work is never overwritten."""
 
-python lessons/my_lessons.py my_lessons
-"""
-
-from __future__ import annotations
-
+import argparse
 import hashlib
 import json
-import sys
 from pathlib import Path
+from typing import Any
 
-LESSONS = Path(__file__).parent
+from ..world.world import shipped
+
 RECORD = ".handed_out.json"
 """In the folder: lesson → hash of the file as it was copied, to tell work from an old lesson."""
 
 
-def hand_out(folder: Path, lessons: Path = LESSONS) -> list[str]:
+def add_lessons_command(commands: Any) -> None:
+    """Add the command to a parser's."""
+    parser = commands.add_parser("lessons", help="copy the lessons into a folder of your own; never overwrites work")
+    parser.set_defaults(command=_lessons)
+    parser.add_argument("folder", metavar="DIR", type=Path, nargs="?", default=Path("my_lessons"),
+                        help="made if missing; what you changed in it stays (default: %(default)s)")
+
+
+def _lessons(options: argparse.Namespace) -> None:
+    told = hand_out(options.folder)
+    print("\n".join(told or ["nothing to do: every lesson is there"]))
+    print(f"to open them: jupyter lab {options.folder}")
+
+
+def lesson_files() -> list[Path]:
+    """The lessons that come with cdprlab, as students get them."""
+    return sorted(shipped("lessons").glob("[0-9][0-9]_*.ipynb"))
+
+
+def hand_out(folder: Path, lessons: list[Path] | None = None) -> list[str]:
     """Copy what is missing, renew what nobody touched, leave all else; one line for each thing worth telling.
 
     folder : made if missing
-    lessons : where the lessons come from
+    lessons : files; default those that come with cdprlab
     """
     folder.mkdir(parents=True, exist_ok=True)
     handed_out, told = _read(folder / RECORD), []
-    for lesson in sorted(lessons.glob("[0-9][0-9]_*.ipynb")):
+    for lesson in lesson_files() if lessons is None else lessons:
         mine, newest = folder / lesson.name, _hash(lesson)
         present = _hash(mine) if mine.exists() else None
         if present is None or present == handed_out.get(lesson.name) != newest:
@@ -48,8 +64,3 @@ def _read(record: Path) -> dict[str, str]:
 
 def _hash(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-if __name__ == "__main__":
-    for line in hand_out(Path(sys.argv[1] if len(sys.argv) > 1 else "my_lessons")):
-        print(line)
