@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, wraps
 from inspect import signature
 from itertools import chain, cycle, repeat
+from math import isfinite
 from types import UnionType
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 
@@ -20,6 +21,8 @@ LARGEST = 1e30
 """No length, mass or force of a robot is beyond it, and products of several such numbers are still float64."""
 
 Public = TypeVar("Public", bound=Callable[..., Any])
+
+_FLOAT64 = np.dtype(np.float64)
 
 
 def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: str = "", *,
@@ -45,6 +48,18 @@ def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: st
     if not (np.abs(array) <= LARGEST).all():   # nor is NaN
         raise InvalidInput(f"{name} must be finite and at most {LARGEST:g}, got {quoted(value)}", location)
     return frozen(array)
+
+
+def as_answer(value: ArrayLike, name: str, size: int, unit: str, time: float) -> Array:
+    """(size,) numbers that a callable of the caller's gave at a time [s]: `as_array`, at next to no cost if they are.
+
+    >>> as_answer([1, 2], "push", 2, "N", 0.0)
+    array([1., 2.])
+    """
+    if (type(value) is np.ndarray and value.dtype == _FLOAT64 and value.shape == (size,)
+            and isfinite(sum(value.tolist()))):   # of a few numbers Python's sum is the quicker
+        return value
+    return as_array(value, f"{name} at t = {time:.4g} s", (size,), unit)
 
 
 def frozen(array: Array) -> Array:

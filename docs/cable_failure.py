@@ -67,8 +67,9 @@ def fly(cables, method="quadratic_program", smallest=50.0):
     duration = 5.0
     while True:
         try:
-            run = cl.run(world, method=ropes if method == "pseudo_inverse" else method, dt=DT, duration=duration,
-                         cut={CUT: list(cables)} if cables else None)
+            blind = method == "pseudo_inverse"   # to the limits: it is sent all the same
+            run = cl.run(world, method=ropes if blind else method, dt=DT, duration=duration,
+                         infeasible="send" if blind else "relax", cut={CUT: list(cables)} if cables else None)
             break
         except SimulationDiverged as lost:  # what was flown before is what there is to see
             duration = lost.time - 2 * DT

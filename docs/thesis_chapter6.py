@@ -71,7 +71,8 @@ def fly(task, name, gain, period=None, ropes=False):
     period = period or PERIOD[gain]
     method = name if name in KEEPS_LIMITS else as_it_comes(name, ropes)
     try:
-        run = cl.run(cl.load_world("caroca_light"), task, method, dt=period, controller=cl.ComputedTorque(gain, gain))
+        run = cl.run(cl.load_world("caroca_light"), task, method, dt=period, controller=cl.ComputedTorque(gain, gain),
+                     infeasible="relax" if name in KEEPS_LIMITS else "send")
     except SimulationDiverged:
         return None
     starts = np.unique(np.linspace(0, run.time.size - 1, SHOWN).astype(int))
@@ -191,7 +192,8 @@ def kernel_flights():
         return lambda W, w_e, low, high: cl.distribute_tensions(W, w_e, low, high, "kernel", choice=choice)
 
     methods = {"as printed": printed_kernel, **{choice: chosen(choice) for choice in ("lowest", "middle", "highest")}}
-    return {name: cl.run(world, method=method, dt=2e-3) for name, method in methods.items()}
+    return {name: cl.run(world, method=method, dt=2e-3, infeasible="send" if name == "as printed" else "relax")
+            for name, method in methods.items()}
 
 
 def kernel_figure(runs):

@@ -2,12 +2,12 @@
 
 import csv
 import json
-import struct
 
 import numpy as np
 import pytest
 
 import cdprlab as cl
+from cdprlab.errors import InvalidInput
 from cdprlab.run import Log, save_record
 
 
@@ -36,7 +36,7 @@ def test_a_column_read_is_not_written_to():
 
 
 def test_a_row_of_another_width_is_refused():
-    with pytest.raises(struct.error):
+    with pytest.raises(InvalidInput, match="row 1 of the log must be 12 numbers, got 6"):
         filled(1).keep(0.0, np.eye(2), True)
 
 

@@ -1,24 +1,25 @@
 """Tensions asked for at every step of a run: the method, what is whole to carry them, and what if it finds none."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, as_array
+from ..arrays import Array, as_answer, frozen
 from ..errors import InfeasibleTensions, InvalidInput, quoted
 from ..robot import Robot
 from ..tensions import TensionDistribution, checked_distribution, solver_for
+from ..tensions.method import Solution, Solver
 
-INFEASIBLE = ("relax", "stop", "hold")
-"""Where the method finds no tensions: take the least wrench error, raise, or keep the last tensions."""
+INFEASIBLE = ("relax", "stop", "hold", "send")
+"""Where the method's tensions are not feasible: take the least wrench error, raise, keep the last ones, send them."""
 
 
 class Distributor:
     """A method within the limits of the cables that are whole, and the last tensions it gave.
 
     method : a name, or a callable (W, w_e, tension_min, tension_max) → tensions or
-        TensionDistribution
+        TensionDistribution, whose answers are judged like all others
     infeasible : one of ``INFEASIBLE``
     """
 
@@ -34,23 +35,19 @@ class Distributor:
         """(m,) that exert the wanted wrench, or what is held in their place.
 
         now : for what is raised [s]
-        Raises InfeasibleTensions with infeasible="stop"; InvalidInput for a wrench that is not
-        finite.
+        Raises InfeasibleTensions with infeasible="stop", and with "send" where the method has no
+        answer; InvalidInput for answers of a caller's own method that are no tensions.
         """
-        if self.last is None:
-            wanted = as_array(wanted, "the controller's wrench", (self.robot.n_dof,), "N, N m")
         if self.whole is not None:
             W = W * self.whole  # the pseudo-inverse looks at no limits, but gives a zero column nothing
-        tensions, reason = self.solve(W, -wanted)
+        tensions, reason = (self._own_answer(W, -wanted, now) if self.solve is None else
+                            self.solve(W, -wanted))
         if self.whole is not None:
             tensions = tensions * self.whole  # what rounding leaves of nothing
-        if not reason:
+        if not reason or (self.infeasible == "send" and np.isfinite(tensions).all()):
             self.last = tensions
             return tensions
-        if not np.isfinite(wanted).all():
-            raise InvalidInput(f"the controller asked for the wrench {wanted.tolist()} at t = {now:.4g} s; "
-                               "it must be finite")
-        if self.infeasible == "stop":
+        if self.infeasible in ("stop", "send"):
             raise InfeasibleTensions(f"at t = {now:.4g} s: {reason}; infeasible=\"relax\" goes on with the least "
                                      "wrench error inside the limits",
                                      self._judged(W, -wanted, tensions, reason,
@@ -81,14 +78,25 @@ class Distributor:
         return self._judged(W, w_e, tensions, "", low, high).feasible
 
     def _limit(self, low: Array, high: Array) -> None:
-        self.low, self.high = low, high
+        self.low, self.high = frozen(low), frozen(high)
         self.relax = solver_for("relaxed", self.robot.n_dof, low, high)
+        self.solve: Solver | None = None   # a caller's own method is asked with more care
         if self.method == "quadratic_program" and self.infeasible == "relax":
             self.solve = self.relax   # which begins with that program: nothing is asked twice
         elif isinstance(self.method, str):
             self.solve = solver_for(self.method, self.robot.n_dof, low, high)
-        else:
-            self.solve = _own_solver(self.method, low, high)
+
+    def _own_answer(self, W: Array, w_e: Array, now: float) -> Solution:
+        """What solvers of named methods give, of the caller's own method; its arrays are its own to write into."""
+        said, answer = "", self.method(frozen(W), frozen(w_e), self.low, self.high)
+        if isinstance(answer, TensionDistribution):
+            said, answer = str(answer.reason), answer.tensions
+        if said and answer.shape == self.low.shape and np.isnan(answer).any():
+            return answer, said   # it has none, and says why
+        tensions = as_answer(answer, "the method's tensions", self.low.size, "N", now)
+        # A copy: the method may use its array again.
+        judged = self._judged(W, w_e, tensions.copy(), said, self.low, self.high)
+        return judged.tensions, said or str(judged.reason)
 
     def _judged(self, W: Array, w_e: Array, tensions: Array, reason: str, low: Array,
                 high: Array) -> TensionDistribution:
@@ -96,16 +104,3 @@ class Distributor:
         reasons = np.broadcast_to(np.array(reason, dtype=object), tensions.shape[:-1])
         return checked_distribution(W, w_e, low, high, tensions, reasons,
                                     self.method if isinstance(self.method, str) else "")
-
-
-def _own_solver(method: Callable[..., Any], low: Array, high: Array) -> Callable[[Array, Array], tuple[Array, str]]:
-    """What ``solver_for`` gives of a named method, of somebody's own."""
-    def solve(W: Array, w_e: Array) -> tuple[Array, str]:
-        answer = method(W, w_e, low, high)
-        if isinstance(answer, TensionDistribution):
-            return answer.tensions, str(answer.reason)
-        tensions = np.array(answer, float)  # a copy: the method may use its array again
-        usable = tensions.shape == low.shape and bool(np.isfinite(tensions).all())
-        return tensions, "" if usable else f"the method gave no {low.size} finite tensions"
-
-    return solve

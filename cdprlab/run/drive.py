@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..arrays import Array
+from ..arrays import Array, as_answer
 from ..robot import Robot
 from ..simulate import Simulator
 
@@ -21,7 +21,10 @@ class Drive:
     def step(self, engine: Simulator) -> Robot:
         """Set the coming step's speeds; returns the robot with its bases where they will be at the step's end."""
         now = len(self.poses) * self.period
-        driven = engine.drive(self.speeds(now) if callable(self.speeds) else self.speeds).reshape(-1, 3)
+        robot, speeds = engine.robot, self.speeds
+        if callable(speeds):
+            speeds = as_answer(speeds(now), "base_speeds", 3 * len(robot.bases), "rad/s, m/s", now)
+        driven = engine.drive(speeds).reshape(-1, 3)
         robot = engine.robot
         self.poses.append([base.pose for base in robot.bases])
         self.matrices.append(engine.wrench_matrix)

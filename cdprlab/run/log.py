@@ -7,12 +7,14 @@ from io import TextIOWrapper
 from itertools import chain
 from pathlib import Path
 from struct import Struct
+from struct import error as StructError
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, frozen
+from ..errors import InvalidInput
 from ..world import World
 from ..world.files import made_folder, replaced, write_text
 
@@ -48,7 +50,11 @@ class Log:
 
     def keep_numbers(self, row: Sequence[float]) -> None:
         """The same from all the numbers of a row, which is quicker."""
-        self._rows += self._pack(*row)
+        try:
+            self._rows += self._pack(*row)
+        except StructError:
+            raise InvalidInput(f"row {len(self)} of the log must be {self.width} numbers, got {len(row)}: "
+                               f"its columns are {', '.join(self.units)}") from None
 
     def __len__(self) -> int:
         return len(self._rows) // (8 * self.width)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from ..arrays import as_answer
 from ..mechanics.trajectory import Reference
 from ..robot import Robot
 from ..simulate import Simulator
@@ -50,6 +51,11 @@ class TensionCommand(Command):
     def __init__(self, controller: Controller, distributor: Distributor) -> None:
         self.controller, self.distributor = controller, distributor
 
+    def start(self, engine: Simulator, substeps: int) -> Columns:
+        # What is sent as it is may also push, which no engine takes otherwise.
+        self.advance = engine.pull if self.distributor.infeasible == "send" else engine.step
+        return super().start(engine, substeps)
+
     def columns(self, robot: Robot) -> Columns:
         return {"wanted_wrench": ((robot.n_dof,), "N, N m"),
                 "commanded_tensions": ((robot.n_cables,), "N")}
@@ -57,9 +63,11 @@ class TensionCommand(Command):
     def step(self, wish: Reference) -> Iterable[float]:
         engine = self.engine
         state = engine.state()
-        wanted = np.asarray(self.controller(state.time, state, wish), dtype=np.float64)
-        tensions = self.distributor.tensions(engine.wrench_matrix, wanted, state.time)
-        engine.step(tensions, self.substeps)
+        now = state.time
+        wanted = as_answer(self.controller(now, state, wish), "the controller's wrench",
+                           engine.world.robot.n_dof, "N, N m", now)
+        tensions = self.distributor.tensions(engine.wrench_matrix, wanted, now)
+        self.advance(tensions, self.substeps)
         return *wanted.tolist(), *tensions.tolist()
 
     def cut(self, cables: list[int]) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_number, checked, frozen
+from ..arrays import Array, as_answer, as_number, checked, frozen
 from ..errors import InvalidInput, quoted
 from ..mechanics.cables import cable_lengths
 from ..mechanics.statics import wrench_matrix
@@ -46,8 +46,9 @@ def run(world: World, task: str = "default",
         ComputedTorque(100, 100)
     dt, control_period : engine step and control step [s], the second a multiple of the first;
         default equal
-    infeasible : "relax" (least wrench error inside the limits), "stop" (raise), "hold" (last
-        tensions)
+    infeasible : what is commanded where the method's tensions break a limit or miss the wrench:
+        "relax" (least wrench error inside the limits), "stop" (raise), "hold" (last tensions) or
+        "send" (those tensions as they are, which push where they are negative)
     external_wrench : (n,) at P or t → (n,), felt by the platform and not told to the controller
         [N, N m]
     duration : of the run; default the task's motion and hold [s]
@@ -84,6 +85,8 @@ def run(world: World, task: str = "default",
     drive = None if base_speeds is None else Drive(base_speeds, period)
     path = job.trajectory()
     reference = path(times)
+    frozen(reference.twist)   # a controller is handed its rows
+    frozen(reference.acceleration)
     name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
     name, ruler = ("inverse_kinematics",) * 2 if wound else (name, _describe(law))
     settings = {"dt": dt, "control_period": period, "controller": ruler,
@@ -114,7 +117,9 @@ def run(world: World, task: str = "default",
                 engine.cut(cuts[k])
                 command.cut(cuts[k])
             if callable(external_wrench):
-                engine.push(external_wrench(k * period))
+                now = k * period
+                engine.push(as_answer(external_wrench(now), "external_wrench", robot.n_dof,
+                                      "N, N m", now))
 
         def record(flight: Flight) -> Run:
             steps = flight.steps
@@ -122,10 +127,12 @@ def run(world: World, task: str = "default",
                          time=frozen(times[:steps]),
                          real_time_factor=steps * period / flight.elapsed, dt=dt, control_period=period,
                          settings=settings,
-                         base_poses=None if drive is None else frozen(np.array(drive.poses[:steps])))
+                         base_poses=None if drive is None else
+                         frozen(np.reshape(drive.poses[:steps], (steps, len(robot.bases), 3))))
             if wound:
                 return run
-            W = wrench_matrix(robot, run.poses) if drive is None else np.array(drive.matrices[:steps])
+            W = (wrench_matrix(robot, run.poses) if drive is None else
+                 np.reshape(drive.matrices[:steps], (steps, robot.n_dof, robot.n_cables)))
             wanted = flight.log["wanted_wrench"][:-1]
             return replace(run, feasible=distributor.feasible(W, -wanted, run.commanded_tensions, cuts))
 

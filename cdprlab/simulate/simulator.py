@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array, as_answer, as_array
 from ..errors import InvalidInput, SimulationDiverged
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -89,13 +89,16 @@ class Simulator(ABC):
         self.place(self.world.pose if pose is None else pose)
         return self.state()
 
-    def step(self, tensions: Array, substeps: int = 1) -> None:
-        """Advance by ``substeps`` × dt with these (m,) cable tensions held [N]."""
+    def step(self, tensions: ArrayLike, substeps: int = 1) -> None:
+        """Advance by ``substeps`` × dt with these (m,) cable tensions held, none negative [N]."""
         if self.is_wound:
             raise InvalidInput(f"cables={self.cables!r} takes rope lengths: use wind(lengths), not step(tensions)")
-        if substeps < 1:
-            raise InvalidInput(f"substeps must be at least 1, got {substeps}")
-        self.pull(tensions, substeps)
+        m = self.world.robot.n_cables
+        held = as_answer(tensions, "tensions", m, "N", self.time)
+        if min(held.tolist()) < 0:
+            raise InvalidInput(f"tensions must not be negative [N] (cables only pull), got {held.tolist()} "
+                               f"at t = {self.time:.4g} s")
+        self.pull(held, _checked_substeps(substeps))
 
     def wind(self, lengths: ArrayLike, substeps: int = 1) -> bool:
         """Advance by ``substeps`` × dt while the winches bring the ropes evenly to these lengths.
@@ -107,9 +110,13 @@ class Simulator(ABC):
         if not self.is_wound:
             raise InvalidInput(f"cables={self.cables!r} takes tensions: use step(tensions), or open the simulator "
                                "with cables=\"length\"")
+        _checked_substeps(substeps)
         before = self.paid_out
-        wanted = lengths if isinstance(lengths, list) else np.asarray(lengths, dtype=float).tolist()
-        after = self._reachable(wanted, substeps)
+        wanted = lengths if isinstance(lengths, list) else as_array(lengths, "rope lengths", ("m",), "m").tolist()
+        try:
+            after = self._reachable(wanted, substeps)
+        except TypeError:   # a list of something else
+            raise InvalidInput(f"rope lengths must be {len(before)} positive numbers [m], got {wanted}") from None
         for k in range(1, substeps + 1):
             held = after if k == substeps else [a + k / substeps * (b - a)
                                                 for a, b in zip(before, after)]
@@ -182,6 +189,12 @@ class Simulator(ABC):
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _checked_substeps(substeps: int) -> int:
+    if type(substeps) is not int or substeps < 1:
+        raise InvalidInput(f"substeps must be a whole number of at least 1, got {substeps!r}")
+    return substeps
 
 
 def cable_indices(cables: ArrayLike, m: int) -> list[int]:

@@ -84,7 +84,7 @@ class SpatialSimulator(Simulator):
         self._exits = robot.exit_points
         self._present: Robot | None = None
         self._legs = None if self.cables == "force" else self._add_legs(start)
-        self.tensions = np.zeros(robot.n_cables)
+        self.tensions = frozen(np.zeros(robot.n_cables))
         self._reach = 5 * (1 + float(np.abs(robot.exit_points).max() + np.abs(start.position).max()))
         self._read()
         self.carry(robot)
@@ -113,12 +113,13 @@ class SpatialSimulator(Simulator):
         self.steps += substeps
         self._read()
         if legs is None:
-            self.tensions = np.array(tensions)
+            self.tensions = frozen(np.array(tensions))
             return
         # A reaction belongs to the geometry its (sub)step began with.
         self.tensions = legs.tensions(before if substeps == 1 else self.directions)
         if self.is_wound:  # what a slack leg's tip weighs is no rope's tension
             self.tensions = np.maximum(self.tensions, 0.0)
+        frozen(self.tensions)
 
     def reel(self, lengths: list[float]) -> None:
         wound = np.array(lengths)
@@ -134,6 +135,7 @@ class SpatialSimulator(Simulator):
     def sever(self, cable: int) -> None:
         self.tensions = np.array(self.tensions)
         self.tensions[cable] = 0.0
+        frozen(self.tensions)
         if self._legs is not None:
             self._legs.cut(cable)
 
@@ -236,7 +238,10 @@ class SpatialSimulator(Simulator):
         state, self.lengths, W = self._platform_and_cables(read, self._frame.axes,
                                                            self._frame.center, self._exits,
                                                            robot.anchor_points)
+        # Controllers and methods are handed these and views of them.
         self._state = frozen(state)
+        frozen(self.lengths)
+        frozen(W)
         self.position, self.rotation, self.twist = state[:3], state[3:12].reshape(3, 3), state[12:]
         self.whole_wrenches, self.directions, self.wrench_matrix = W, W[:3].T, robot.pattern.project(W, self.rotation)
 

@@ -18,5 +18,5 @@ def batch() -> BatchSolver:
     return solve
 
 
-METHOD = vectorized(batch, complete=False, judged=False,
+METHOD = vectorized(batch, complete=False,
                     summary="τ = −W⁺ w_e: least norm, limits ignored (tensions may be negative)")
