@@ -177,7 +177,7 @@ def _is(value: Any, kind: Any) -> bool:
         return complex in inside or any(_is(value, one) for one in inside)   # ArrayLike allows complex numbers
     if origin is Literal:
         return isinstance(value, str) and value in inside
-    if origin is np.ndarray:
+    if origin is np.ndarray or not isinstance(origin, type):   # since numpy 2.5 an array's kind is an alias
         return True
     if issubclass(origin, Mapping):
         return isinstance(value, Mapping) and all(map(_is, chain(*value.items()), cycle(inside)))
