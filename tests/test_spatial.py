@@ -140,3 +140,37 @@ def test_the_engine_is_silent():
     code = "import cdprlab as cl; cl.open_simulator(cl.load_world('caroca')).close()"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
     assert (done.stdout, done.stderr) == ("", "")
+
+
+def test_nothing_that_others_print_is_lost():
+    """Four threads open engines, the first of them imports PyBullet, while two more write to either stream.
+
+    As on Windows, the process itself is no library that ctypes could open.
+    """
+    code = """
+import ctypes, os, sys, threading, concurrent.futures as cf
+CDLL = ctypes.CDLL
+def library(name, *rest, **more):
+    if name is None:
+        raise TypeError("argument of type 'NoneType' is not iterable")
+    return CDLL(name, *rest, **more)
+ctypes.CDLL = library
+import cdprlab as cl
+from cdprlab.simulate.bullet import import_pybullet
+worlds, written, over = [cl.load_world(name) for name in ("caroca", "cogiro")] * 4, [0, 0], threading.Event()
+def write(to):
+    while not over.is_set():
+        written[to - 1] += 1
+        os.write(to, b"x" * 9 + b"\\n")
+        over.wait(1e-4)
+with cf.ThreadPoolExecutor(6) as pool:
+    for to in (1, 2):
+        pool.submit(write, to)
+    list(pool.map(lambda _: import_pybullet(), range(4)))
+    list(pool.map(lambda world: cl.open_simulator(world).close(), worlds))
+    over.set()
+print("done", *written)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    *lines, last = done.stdout.splitlines()
+    assert last == f"done {len(lines)} {len(done.stderr.splitlines())}" and set(done.stderr.splitlines()) == {"x" * 9}

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import math
 import os
-import sys
+import tempfile
+import threading
 from collections.abc import Iterator
 from functools import cache, partial
 from typing import Any, NamedTuple
@@ -20,6 +20,8 @@ from ..robot.pose import rotation_vector
 ORIGIN, STRAIGHT = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]
 Link = tuple[float, int, list[float], list[float], int, int, list[int]]
 """Mass, shape (−1: none), place in the parent and orientation, parent (0: the base), joint and its axis."""
+
+_IMPORTING = threading.Lock()
 
 
 class Bullet(NamedTuple):
@@ -43,8 +45,7 @@ class Bullet(NamedTuple):
     def connect(cls) -> Bullet:
         """A new, empty one."""
         engine = import_pybullet()
-        with quiet():  # connect() prints its arguments
-            return cls(engine, engine.connect(engine.DIRECT))
+        return cls(engine, engine.connect(engine.DIRECT))   # with options it would print them
 
     def placed(self, body: int, link: int = -1) -> tuple[Array, Array]:
         """Center of mass [m] and rotation of a link, or of a body's base (−1)."""
@@ -99,30 +100,32 @@ class Bullet(NamedTuple):
 @cache
 def import_pybullet() -> Any:
     """The engine, its start-up banner kept off the terminal; raises MissingDependency naming the way to get it."""
-    with needed_by("the spatial engine", "planar worlds, tensions and sets work without it"), quiet():
+    with (needed_by("the spatial engine", "planar worlds, tensions and sets work without it"), _IMPORTING,
+          _without_banner()):
         import pybullet
     return pybullet
 
 
 @contextlib.contextmanager
-def quiet() -> Iterator[None]:
-    """Silence C code that prints: Python's own redirection does not reach file descriptors 1 and 2."""
-    libc = ctypes.CDLL(None)
-    for stream in (sys.stdout, sys.stderr):
-        with contextlib.suppress(Exception):
-            stream.flush()
-    saved, nothing = [os.dup(1), os.dup(2)], os.open(os.devnull, os.O_WRONLY)
-    libc.fflush(None)
+def _without_banner() -> Iterator[None]:
+    """Keep from stderr the one line that PyBullet's C prints there as it is imported.
+
+    The stream is the whole process's: whatever others write meanwhile arrives, a little later.
+    """
     try:
-        os.dup2(nothing, 1)
-        os.dup2(nothing, 2)
+        stderr, heard = os.dup(2), tempfile.TemporaryFile()   # noqa: SIM115 (closed below)
+    except OSError:   # it is closed, or nothing can be written anywhere: then let it print
         yield
-    finally:
-        libc.fflush(None)  # C buffers its output; it must leave before the descriptors come back
-        for descriptor, copy in zip((1, 2), saved):
-            os.dup2(copy, descriptor)
-            os.close(copy)
-        os.close(nothing)
+        return
+    with heard:
+        os.dup2(heard.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(stderr, 2)
+            os.close(stderr)
+            heard.seek(0)
+            os.write(2, b"".join(line for line in heard if not line.startswith(b"pybullet build time")))
 
 
 def quaternion_of(rotation: Array) -> list[float]:
