@@ -3,19 +3,20 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 UV ?= uv
 
-# The Python that makes the environment: PYTHON if given (3.11 or later), else the first 3.11 found. Where PyBullet has
-# no wheel anyway, a later python3 does as well.
-RIGHT_PYTHON = import sys, platform, venv, ensurepip; \
-  v = sys.version_info[:2]; \
-  free = bool("$(PYTHON)") or sys.platform != "linux" or platform.machine() != "x86_64"; \
-  sys.exit(not (v == (3, 11) or free and v > (3, 11)))
-FIND_PYTHON = for python in $(or $(PYTHON),python3.11 python3); do \
-  if "$$python" -c '$(RIGHT_PYTHON)' >/dev/null 2>&1; then echo "$$python"; break; fi; done
+# The Python that makes the environment: PYTHON if given (3.11 or later), else the newest for which PyBullet, the spatial
+# engine, has wheels; else uv fetches one; else a later one, without that engine. All of it: docs/install.md.
+SERVED = import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
+USABLE = import sys, venv, ensurepip; sys.exit(sys.version_info[:2] < (3, 11))
+FIND_PYTHON = \
+  for python in $(or $(PYTHON),python3.13 python3.12 python3.11 python3 python); do \
+    if "$$python" -c '$(SERVED)' >/dev/null 2>&1; then echo "$$python"; exit; fi; done; \
+  if test -z "$(PYTHON)" && command -v "$(UV)" >/dev/null; then echo uv; exit; fi; \
+  for python in $(or $(PYTHON),python3 python); do \
+    if "$$python" -c '$(USABLE)' >/dev/null 2>&1; then echo "$$python"; exit; fi; done
 define NO_PYTHON
-cdprlab needs Python 3.11 with its venv module (PyBullet, the spatial engine, has wheels for Linux x86-64 only up to 3.11). \
-Get it by `uv venv --python 3.11 --seed $(VENV)` or `conda create -n cdprlab python=3.11 && conda run -n cdprlab make run` \
-or `docker run --rm -v "$$PWD":/lab -w /lab python:3.11 make run` (podman alike), \
-on Debian `apt install python3.11-venv`; all but the spatial engine works with a later one: make run PYTHON=python3
+cdprlab needs Python 3.11 to 3.13 with its venv module (a later one lacks PyBullet, the spatial engine). \
+Get it by `python3 -m pip install uv` and `make run` again, or `conda env create -f environment.yml`, \
+or `docker run --rm -v "$$PWD":/lab -w /lab python:3.13 make run` (podman alike), on Debian `apt install python3-venv`
 endef
 
 ifneq ($(and $(PYTHON),$(wildcard $(BIN)/python)),)
@@ -32,7 +33,9 @@ help:  ## this list
 	@grep -hE '^[a-z-]+:.*##' Makefile | sed -E 's/^([a-z-]+):.*## */  make \1\t/' | expand -t 24
 
 run: $(VENV)/.students  ## the CAROCA along its trajectory; table on the screen, pictures and log in out/caroca/
-	$(BIN)/python -m cdprlab run caroca
+	@if $(BIN)/python -c 'import pybullet' >/dev/null 2>&1; then $(BIN)/python -m cdprlab run caroca; else \
+	  echo "$$($(BIN)/python -V) has no spatial engine here (docs/install.md): a planar robot flies instead."; \
+	  $(BIN)/python -m cdprlab run planar_rigid; fi
 
 test: $(VENV)/.tests  ## style, types, tests and doctests
 	$(BIN)/ruff check .
@@ -41,6 +44,7 @@ test: $(VENV)/.tests  ## style, types, tests and doctests
 	@# Later Pythons get a later numpy, whose annotations differ: types are checked where the pins are the students'.
 	if $(BIN)/python -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))'; then $(BIN)/mypy; \
 	  else echo "types: checked on Python 3.11 only"; fi
+	@$(BIN)/python -c 'import pybullet' >/dev/null 2>&1 || echo "no spatial engine here (docs/install.md): its tests are skipped"
 	@# A file is one worker's, for what its tests share; the browser's, the longest, come first in the order of collection.
 	$(BIN)/python -m pytest --numprocesses logical --dist loadfile --no-loadscope-reorder
 
@@ -87,7 +91,7 @@ clean:  ## remove the environment and what was built; out/ stays
 $(VENV)/.students: requirements.txt pyproject.toml
 	$(if $(wildcard $(BIN)/pip),,$(eval FOUND := $(shell $(FIND_PYTHON)))$(if $(FOUND),,$(error $(NO_PYTHON))))
 	@echo "Making the Python environment in $(VENV), once; this takes a minute or two."
-	@test -x $(BIN)/pip || "$(FOUND)" -m venv --clear $(VENV)
+	@test -x $(BIN)/pip || $(if $(filter uv,$(FOUND)),"$(UV)" venv --quiet --clear --python 3.13 --seed,"$(FOUND)" -m venv --clear) $(VENV)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.txt
 	@$(BIN)/python -m cdprlab.compiled
 	@touch $@

@@ -118,8 +118,40 @@ def test_make_without_a_usable_python_says_so_in_one_line(tmp_path: Path):
                           env=outside, capture_output=True, text=True, timeout=60)
     assert done.returncode != 0
     assert len(done.stderr.strip().splitlines()) == 1, done.stderr
-    for word in ("3.11", "PyBullet", "uv ", "conda", "docker"):
+    for word in ("3.11", "PyBullet", "uv`", "conda", "docker"):
         assert word in done.stderr
+
+
+STAND_IN = """#!/bin/sh
+# Says that it is Python {version}; makes environments that hold nothing but a python that says what it is asked for.
+if test "$1" = -c; then exec {python} -c "import sys; sys.version_info = {version}; exec(sys.argv[1])" "$2"; fi
+for last; do true; done
+mkdir -p "$last/bin"
+printf '#!/bin/sh\\ntest "$1" = -c && exit {missing}\\necho "{version}: $*"\\n' > "$last/bin/python"
+touch "$last/bin/pip"; chmod +x "$last/bin/python" "$last/bin/pip"
+"""
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
+@pytest.mark.parametrize(("there", "flown"), [
+    ({"python3.11": 11, "python3.12": 12, "python3": 14}, "(3, 12): -m cdprlab run caroca"),
+    ({"python3": 13}, "(3, 13): -m cdprlab run caroca"),
+    ({"python3": 14, "uv": 13}, "(3, 13): -m cdprlab run caroca"),
+    ({"python3": 14}, "(3, 14): -m cdprlab run planar_rigid"),
+])
+def test_make_takes_the_newest_python_with_an_engine(there: dict[str, int], flown: str, tmp_path: Path):
+    for name, minor in there.items():
+        (tmp_path / name).write_text(STAND_IN.format(python=sys.executable, version=(3, minor), missing=int(minor > 13)))
+        (tmp_path / name).chmod(0o755)
+    tools = tmp_path / "tools"   # nothing else that the machine has
+    tools.mkdir()
+    for tool in ("sh", "make", "mkdir", "touch", "chmod", "test", "rm"):
+        (tools / tool).symlink_to(str(shutil.which(tool)))
+    done = subprocess.run(["make", "run", f"VENV={tmp_path}/venv"], cwd=CHECKOUT, capture_output=True, text=True,
+                          timeout=60, env={"PATH": f"{tmp_path}:{tools}"})
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.splitlines()[-1] == flown
+    assert ("no spatial engine" in done.stdout) == ("planar" in flown)
 
 
 def test_the_readme_program_prints_what_it_says():
