@@ -69,6 +69,7 @@ def _limits(robot: Robot, duty: Duty) -> tuple[Array, Array]:
 
 def _blocks(rows: Array) -> Any:
     """Sparse: each block of rows (B, f, m + 1) over its own m tensions, and over the one s they share, the last."""
-    from scipy.sparse import block_diag, hstack
+    from scipy.sparse import block_diag, coo_array, hstack
 
-    return hstack([block_diag(rows[..., :-1]), rows[..., -1].reshape(-1, 1)], format="csr")
+    own = block_diag([coo_array(block) for block in rows[..., :-1]])
+    return hstack([own, coo_array(rows[..., -1].reshape(-1, 1))], format="csr")
