@@ -3,12 +3,13 @@
 import logging
 from dataclasses import dataclass
 from functools import cached_property
+from heapq import heapify, heappop, heappush
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, checked
+from ..arrays import Array, as_number, checked
 from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from .accuracy import position_sensitivity
@@ -21,6 +22,8 @@ UNSAFE_CHANGE = 4
 
 _EDGE = 1e-9  # m² and m³: a way along an edge is in both triangles
 _GRID, _ZOOMS = 101, 4
+_MOST = 200
+"""Sequences that are ranked; more take more than a second."""
 
 Step = tuple[Array, Configuration]
 
@@ -120,6 +123,13 @@ class _Way:
                     return min(first, last), last, windows is self.certain
         return None
 
+    @cached_property
+    def changes(self) -> dict[Configuration, dict[Configuration, tuple[float, float, bool]]]:
+        """Configuration → those it may change to, with the `overlap` of each."""
+        return {old: {new: found for new in self.nominal
+                      if new != old and (found := self.overlap(old, new)) is not None}
+                for old in self.nominal}
+
     def shared_edge(self, old: Configuration, new: Configuration) -> float | None:
         """Where the way crosses, in plan, the edge between the exits of the two cables both configurations have."""
         common = sorted(set(old) & set(new))
@@ -163,9 +173,9 @@ def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike,
     """
     if method not in METHODS:
         raise InvalidInput(f"method must be one of {', '.join(METHODS)}, got {quoted(method)}")
-    way = _Way(robot, as_position(start), as_position(goal), position_uncertainty,
-               exit_uncertainty,
-               method)
+    way = _Way(robot, as_position(start), as_position(goal),
+               as_number(position_uncertainty, "position_uncertainty", "m", minimum=0.0),
+               as_number(exit_uncertainty, "exit_uncertainty", "m", minimum=0.0), method)
     for name, end in (("start", 0), ("goal", 1)):
         if not way.ends(way.nominal, end):
             place = (way.start, way.end)[end].tolist()
@@ -183,17 +193,55 @@ def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike,
 
 
 def _fewest_changes(way: _Way) -> list[tuple[_Chain, _Places]]:
-    """All chains of configurations from S to G of the smallest length; certain ends first, else nominal ones."""
+    """Chains of configurations from S to G of the smallest length; certain ends first, else nominal ones.
+
+    All of them, or the `_MOST` with the fewest unsafe changes, and the log says so.
+    """
     for ends in (way.certain, way.nominal):
-        goals = way.ends(ends, 1)
-        chains: dict[_Chain, _Places] = {(c,): [] for c in way.ends(ends, 0)}
-        for _ in range(len(way.nominal)):
-            if done := [(chain, places) for chain, places in chains.items()
-                        if chain[-1] in goals]:
-                return sorted(done)
-            chains = {(*chain, new): places for chain in chains for new in way.nominal
-                      if new not in chain and (places := _places(way, (*chain, new))) is not None}
-    return []
+        layers = _latest(way, way.ends(ends, 0), way.ends(ends, 1))
+        if layers:
+            break
+    else:
+        return []
+    found: list[_Chain] = []
+    # Fewest unsafe changes first, and of these the longest: nothing is begun that need not be.
+    waiting: list[tuple[int, int, _Chain, float]] = [(0, 0, (first,), 0.0) for first in layers[0]]
+    heapify(waiting)
+    while waiting and len(found) <= _MOST:
+        unsafe, _, chain, share = heappop(waiting)
+        if len(chain) == len(layers):
+            found.append(chain)
+            continue
+        for new, (first, last, safe) in way.changes[chain[-1]].items():
+            at = max(share, first)
+            if at <= min(last, layers[len(chain)].get(new, -1.0)) + _EDGE:
+                heappush(waiting, (unsafe + (not safe), -len(chain), (*chain, new), at))
+    if len(found) > _MOST:
+        logging.getLogger(__name__).warning(
+            "more than %d sequences have %d changes: ranked are that many, those with the fewest unsafe changes",
+            _MOST, len(layers) - 1)
+    found = sorted(found[:_MOST])
+    return [(chain, places) for chain in found if (places := _places(way, chain)) is not None]
+
+
+def _latest(way: _Way, starts: set[Configuration], goals: set[Configuration]) -> list[dict[Configuration, float]]:
+    """For each step of the shortest chains: configuration → the share of the way up to which it still leads to G.
+
+    Backwards from G, a change more at a time, until one of the starts is reached; empty if none
+    ever is.
+    """
+    layers, best = [dict.fromkeys(goals, 1.0)], dict.fromkeys(goals, 1.0)
+    while layers[0] and not starts & layers[0].keys():
+        before: dict[Configuration, float] = {}
+        for old, changes in way.changes.items():
+            shares = [min(last, layers[0][new]) for new, (first, last, _) in changes.items()
+                      if new in layers[0] and first <= min(last, layers[0][new]) + _EDGE]
+            # Sooner in the way and with more changes is of no use.
+            if max(shares, default=-1.0) > best.get(old, -1.0):
+                before[old] = best[old] = max(shares)
+        layers.insert(0, before)
+    layers[0] = {chosen: share for chosen, share in layers[0].items() if chosen in starts}
+    return layers if layers[0] else []
 
 
 def _places(way: _Way, chain: _Chain) -> _Places | None:

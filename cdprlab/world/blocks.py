@@ -29,7 +29,7 @@ from ..robot import (
     turned_to,
 )
 from ..robot.pose import Pose
-from .model import Box, PickAndPlace, Scene, Task
+from .model import NAME, Box, PickAndPlace, Scene, Task
 
 Words = dict[str, Any]
 """Key or attribute → value."""
@@ -106,11 +106,11 @@ class Block(BaseModel):
         for key, field in cls.model_fields.items():
             if field.exclude:
                 continue
-            if isinstance(field.annotation, type(Block)):
+            if isinstance(field.annotation, type(Block)) and key not in cls.called:
                 block[key] = field.annotation.of(part)
             else:
                 values = [_said(getattr(part, name)) for name in cls.called.get(key, (key,))]
-                block[key] = values if len(values) > 1 else values[0]
+                block[field.alias or key] = values if len(values) > 1 else values[0]
         return block
 
     @model_validator(mode="after")
@@ -343,6 +343,13 @@ class SceneBlock(Block):
         return {"frame": frame, "floor_height": self.floor.height if self.floor else 0.0,
                 "boxes": boxes}
 
+    @classmethod
+    def of(cls, part: Scene) -> Words:
+        frame = None if part.frame is None else dict(zip(("lower", "upper"), part.frame.tolist()))
+        kinds = {key: [BoxBlock.of(box) for box in part.boxes if box.kind == kind]
+                 for key, kind in (("boxes", "box"), ("obstacles", "obstacle"))}
+        return {"frame": frame, "floor": {"height": part.floor_height}} | kinds
+
 
 class TaskBlock(Block):
     sort: ClassVar[type[Task]] = Task
@@ -351,6 +358,12 @@ class TaskBlock(Block):
         """The task of a robot that stands at a pose: there it starts, and there it ends, if it names no other."""
         words: Words = {"start": pose} | self.part(robot.dimension)
         return self.sort(**{"end": words["start"]} | words)
+
+    @staticmethod
+    def described(part: Task) -> Words:
+        """The block of whichever kind a task is."""
+        kinds: dict[str, type[TaskBlock]] = {"quintic": QuinticTask, "hold": HoldTask}
+        return kinds.get(part.kind, PickAndPlaceTask).of(part)
 
 
 class QuinticTask(TaskBlock):
@@ -436,9 +449,16 @@ class PickAndPlaceTask(TaskBlock):
                 robot.base(self.coupled.base)
         return super().task(pose, robot)
 
+    @classmethod
+    def of(cls, part: Any) -> Words:
+        coupled = None
+        for base, (x, y, heading) in part.coupled.items():
+            coupled = {"base": base, "pose": {"position": [x, y], "heading": heading}, "aside": part.aside}
+        return super().of(part) | {"coupled": coupled}
+
 
 class WorldFile(Block):
-    name: str = Field(pattern=r"^[A-Za-z0-9_\-]+$")
+    name: str = Field(pattern=f"^{NAME.pattern}$")
     title: str = ""
     source: str = ""
     """where each number comes from"""
@@ -525,5 +545,7 @@ def _alternatives(schema: Words) -> Iterator[Words]:
 
 def _said(value: Any) -> Any:
     """A part's value as a file has it: "unlimited" is said by leaving it out."""
+    if isinstance(value, Pose):
+        return PoseBlock.of(value)
     plain = value.tolist() if hasattr(value, "tolist") else value
     return None if plain == float("inf") else plain

@@ -4,6 +4,7 @@ import io
 import pickle
 import re
 from collections.abc import Mapping
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,24 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.constructor import DuplicateKeyError
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.representer import RoundTripRepresenter
+from ruamel.yaml.resolver import implicit_resolvers
+from ruamel.yaml.scalarfloat import ScalarFloat
+from ruamel.yaml.scalarint import BinaryInt, HexCapsInt, HexInt, OctalInt, ScalarInt
 
-from ..errors import Location, WorldError
+from ..errors import Location, WorldError, shortened
+
+LONGEST = 1_000_000
+"""Characters of a world file."""
+_DEEPEST = 30
+_MOST_VALUES = 20_000
 
 
 def parsed(text: str, path: str) -> Any:
     """The document of a text in YAML; raises WorldError naming ``path`` and line."""
+    if len(text) > LONGEST or sum(map(text.count, "[{,:\n")) > _MOST_VALUES:
+        raise WorldError([f"{path}: too long for a world: at most {LONGEST} characters and {_MOST_VALUES} lines, "
+                          "commas, colons and brackets"])
     try:
         return _yaml().load(text)
     except DuplicateKeyError as error:
@@ -29,7 +42,28 @@ def parsed(text: str, path: str) -> Any:
         problem = f"{line}: not valid YAML: {error.problem or error.context}"
     except YAMLError as error:
         problem = f": not valid YAML: {str(error).splitlines()[0]}"
+    except RecursionError:
+        problem = _TOO_DEEP
+    except Exception as error:   # what a date, a number or a tag has in it that Python cannot make of it
+        problem = f": not valid YAML: {shortened(f'{type(error).__name__}: {error}')}"
     raise WorldError([path + problem])
+
+
+def check_extent(document: Any, path: str) -> None:
+    """Raises WorldError for what is nested too deep or, its aliases written out, has too many values."""
+    level, count = [document], 0
+    for _ in range(_DEEPEST):
+        inside = [node.values() if isinstance(node, Mapping) else node
+                  for node in level if isinstance(node, Mapping | list | tuple)]
+        count += sum(map(len, inside))
+        if count > _MOST_VALUES:
+            raise WorldError([f"{path}: too much for a world: more than {_MOST_VALUES} values, aliases written out"])
+        level = [*chain.from_iterable(inside)]
+    if level:
+        raise WorldError([path + _TOO_DEEP])
+
+
+_TOO_DEEP = f": blocks and lists are nested more than {_DEEPEST} deep, or hold themselves"
 
 
 def dumped(document: Any) -> str:
@@ -146,8 +180,41 @@ def _cable_at(text: str, index: int) -> Location:
     return ()
 
 
+class _Representer(RoundTripRepresenter):
+    """Writes numbers and texts so that readers of YAML 1.1 (PyYAML) take them for what they are, too."""
+
+    def number(self, value: Any) -> Any:
+        node = RoundTripRepresenter.yaml_representers[type(value)](self, value)
+        as_read = _with_point_and_sign(node.value)
+        if isinstance(value, int):
+            node.value = str(int(value))   # in 1.1 010 is eight
+        elif re.fullmatch(r"[-+]?\d+\.\d*(e[-+]\d+)?", as_read) and float(as_read) == value:
+            node.value = as_read
+        else:
+            node.value = _with_point_and_sign(repr(float(value)))
+        return node
+
+    def text(self, value: str) -> Any:
+        means_more = any(rule.match(value) for versions, _, rule, _ in implicit_resolvers if (1, 1) in versions)
+        return self.represent_scalar("tag:yaml.org,2002:str", value, style="'" if means_more else None)
+
+
+_Representer.add_representer(str, _Representer.text)
+for kind in (float, ScalarFloat, ScalarInt, BinaryInt, OctalInt, HexInt, HexCapsInt):
+    _Representer.add_representer(kind, _Representer.number)
+
+
+def _with_point_and_sign(number: str) -> str:
+    """In 1.1 only 5.0e+4 is a number, neither 5e+4 nor 5.0e4."""
+    mantissa, e, exponent = number.lower().partition("e")
+    point = ".0" if e and "." not in mantissa else ""
+    sign = "+" if exponent[:1].isdigit() else ""
+    return mantissa + point + e + sign + exponent
+
+
 def _yaml() -> YAML:
     yaml = YAML(typ="rt")
+    yaml.Representer = _Representer
     yaml.width = 120
     yaml.indent(mapping=2, sequence=4, offset=2)
     return yaml

@@ -1,14 +1,20 @@
 """What a world file says beside the robot: the scene around it, and tasks."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import ClassVar
 
-from ..arrays import Array, checked
-from ..errors import InvalidInput
+from ..arrays import Array, as_number, checked
+from ..errors import InvalidInput, quoted
 from ..mechanics.trajectory import Trajectory, quintic
 from ..robot.pose import Pose, turned_to
 
+NAME = re.compile(r"[A-Za-z0-9_\-]+")
+"""Of a world."""
 
+
+@checked
 @dataclass(frozen=True, eq=False)
 class Box:
     """A solid, upright box of the scene: center, edges [m], turn about the vertical [rad], "box" or "obstacle"."""
@@ -50,6 +56,14 @@ class Task:
     duration: float
     hold: float = 0.0
 
+    kinds: ClassVar[tuple[str, ...]] = ("quintic", "hold")
+
+    def __post_init__(self) -> None:
+        if self.kind not in self.kinds:
+            raise InvalidInput(f"kind must be {' or '.join(self.kinds)}, got {quoted(self.kind)}", ("kind",))
+        as_number(self.duration, "duration", "s", positive=True, location=("duration",))
+        as_number(self.hold, "hold", "s", minimum=0.0, location=("hold",))
+
     def trajectory(self) -> Trajectory:
         """The reference motion, without the hold at its end."""
         return quintic(self.start, self.end, self.duration)
@@ -80,10 +94,12 @@ class PickAndPlace(Task):
     stroke: Array
     tilt: Array
     clearance: float
+    kinds = ("pick_and_place",)
     coupled: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     aside: float = 0.0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not self.stroke.any():
             raise InvalidInput("the stroke must not be zero", ("gripper", "stroke"))
 

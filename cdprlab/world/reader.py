@@ -6,10 +6,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..errors import Location, WorldError
+from ..errors import Location, WorldError, quoted, shortened
 from ..robot import MOTION_PATTERNS
 from .blocks import WorldFile, keys_at
-from .document import line_number, place_text, plain, styled
+from .document import check_extent, line_number, place_text, plain, styled
 
 
 def read(document: Any, path: str) -> dict[str, Any]:
@@ -21,10 +21,13 @@ def read(document: Any, path: str) -> dict[str, Any]:
     Raises WorldError.
     """
     if not isinstance(document, Mapping):
-        kind = "a list" if isinstance(document, list | tuple) else repr(document)
+        kind = "a list" if isinstance(document, list | tuple) else quoted(document)
         raise WorldError([f"{path}: a world is a mapping of keys (name, platform, cables, …), "
                           f"got {'an empty file' if document is None else kind}"])
+    check_extent(document, path)
     content = plain(document)
+    if len(content.get("cables") or ()) > _MOST_CABLES:
+        raise WorldError([f"{path}: a robot has at most {_MOST_CABLES} cables, got {len(content['cables'])}"])
     pattern = MOTION_PATTERNS.get(str(content.get("motion_pattern")))
     d = pattern.dimension if pattern else 0   # without a pattern there is a mistake anyway
     try:
@@ -33,6 +36,9 @@ def read(document: Any, path: str) -> dict[str, Any]:
         found = [_Mistake(document, error) for error in refused.errors()]
         raise WorldError([mistake.line(path) for mistake in _distinct(found)]) from None
     return words | {"document": document if hasattr(document, "lc") else styled(content)}
+
+
+_MOST_CABLES = 200
 
 
 class _Mistake:
@@ -57,7 +63,7 @@ class _Mistake:
     def line(self, path: str) -> str:
         number = line_number(self.document, self.place) if path else None
         return ": ".join(filter(None, (f"{path}:{number}" if number else path,
-                                       place_text(self.place), self.words())))
+                                       shortened(place_text(self.place)), self.words())))
 
     def words(self) -> str:
         if self.refused is not None:
@@ -73,7 +79,7 @@ class _Mistake:
                 words = words.replace(pydantics, ours)
         given = self.error["input"]
         is_told = ", got " in words or self.kind == "missing"
-        return words if is_told else f"{words}, got {'nothing' if given is None else repr(given)}"
+        return words if is_told else f"{words}, got {'nothing' if given is None else quoted(given)}"
 
 
 _WORDS = {"Input should": "must", "List should": "must", "a valid ": "a ", "a string": "text",

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from ..arrays import checked
-from ..errors import InvalidInput, WorldError
+from ..errors import InvalidInput, Location, WorldError, quoted, shortened
 from ..robot import Robot
 from ..robot.pose import Pose
 from .files import checked_path, write_text
-from .model import Scene, Task
+from .model import NAME, Scene, Task
 
 # Blocks and documents (pydantic, ruamel) are imported when needed: they would double the time
 # of `import cdprlab`.
@@ -35,11 +35,21 @@ class World:
     robot: Robot
     pose: Pose
     scene: Scene
-    tasks: dict[str, Task]
-    document: Any = field(repr=False)
+    tasks: Mapping[str, Task]
+    document: Any = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        if not NAME.fullmatch(self.name):
+            raise InvalidInput(f"a world's name must be one word of letters, digits, _ and -, got {quoted(self.name)}",
+                               ("name",))
+        poses: dict[Location, Pose] = {("platform", "pose"): self.pose}
+        for name, task in self.tasks.items():
+            poses |= {("tasks", name, "from"): task.start, ("tasks", name, "to"): task.end}
+        for location, pose in poses.items():
+            if pose.batch_shape or pose.dimension != self.robot.dimension:
+                raise InvalidInput(f"{location[-1]} must be a single {self.engine} pose, got {pose!r}", location)
 
     @classmethod
-    @checked
     def from_dict(cls, document: Mapping[str, Any], *, path: str = "world") -> World:
         """A world from the mapping a world file holds (see docs/world_file.md).
 
@@ -73,15 +83,15 @@ class World:
     def task(self, name: str = "default") -> Task:
         """The task of that name; raises InvalidInput naming those there are."""
         if name not in self.tasks:
-            raise InvalidInput(f"world {self.name!r} has no task {name!r}; there are {', '.join(self.tasks)}")
+            raise InvalidInput(f"world {self.name!r} has no task {quoted(name)}; there are {', '.join(self.tasks)}")
         return self.tasks[name]
 
     @checked
     def save(self, path: str | Path) -> Path:
         """Write the world file as the world is now: a changed robot or pose too, comments of its file kept.
 
-        Scene and tasks stay as they were read; a task that names no start begins at the saved
-        pose.
+        A changed scene is written with its shelves taken apart; a task that names no start begins
+        at the saved pose.
 
         path : where to
         Raises InvalidInput if its folder does not exist, CannotWrite where the file cannot be
@@ -125,14 +135,19 @@ def load_world(name_or_path: str | Path) -> World:
     >>> load_world("caroca").robot.n_cables
     8
     """
-    path = _world_path(name_or_path)
+    from .document import LONGEST
+
+    told = shortened(str(name_or_path))
     try:
-        text = path.read_text(encoding="utf-8")
+        path = _world_path(name_or_path)
+        told = shortened(str(path))
+        with path.open(encoding="utf-8") as file:
+            text = file.read(LONGEST + 1)   # what is longer is refused
     except OSError as error:
-        raise WorldError([f"cannot read {path}: {error.strerror}"]) from None
+        raise WorldError([f"cannot read {told}: {error.strerror}"]) from None
     except UnicodeDecodeError:
-        raise WorldError([f"{path}: not a text file in UTF-8"]) from None
-    return World.from_yaml(text, path=str(path))
+        raise WorldError([f"{told}: not a text file in UTF-8"]) from None
+    return World.from_yaml(text, path=told)
 
 
 def world_schema() -> dict[str, Any]:
@@ -156,16 +171,16 @@ def shipped(folder: str) -> Path:
 def _world_path(name_or_path: str | Path) -> Path:
     given = Path(name_or_path)
     if "://" in str(name_or_path):
-        raise WorldError([f"world files are not read from addresses: save {str(name_or_path)[:200]} "
+        raise WorldError([f"world files are not read from addresses: save {shortened(str(name_or_path))} "
                           "and give the file's path"])
     if given.suffix.lower() in (".yaml", ".yml"):
         if not given.is_file():
-            raise WorldError([f"there is no world file {given}"])
+            raise WorldError([f"there is no world file {shortened(str(given))}"])
         return given
     path = shipped("worlds") / f"{name_or_path}.yaml"
     if len(given.parts) != 1 or not path.is_file():
         close = difflib.get_close_matches(str(name_or_path), world_names(), n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""
-        raise WorldError([f"unknown world {str(name_or_path)!r}; {hint}there are {', '.join(world_names())}; "
+        raise WorldError([f"unknown world {quoted(str(name_or_path))}; {hint}there are {', '.join(world_names())}; "
                           "or give the path of a .yaml file"])
     return path

@@ -4,25 +4,37 @@ from types import SimpleNamespace
 from typing import Any
 
 from ..robot import Cable
-from .blocks import CableBlock, WorldFile
-from .document import changed, copied, overlay, own
+from .blocks import CableBlock, SceneBlock, TaskBlock, WorldFile
+from .document import changed, copied, overlay, own, styled
 from .reader import read
 
 
 def updated_document(world: Any) -> Any:
     """A copy of the world's document that says what the world is now; only values that changed are touched."""
-    document = copied(world.document)
+    document = copied(world.document) if world.document else styled(WorldFile.of(world))
     if document.get("cable_limits"):
         _share_limits(own(document, "cable_limits"), world.robot.cables)
-    wanted = WorldFile.of(world)
+    wanted, found = WorldFile.of(world), SimpleNamespace(**read(document, world.name))
+    before, tasks, scene = _tasks(found), _tasks(world), SceneBlock.of(world.scene)
+    other_scene = scene != SceneBlock.of(found.scene)
+    if other_scene:
+        document["scene"] = styled(scene)
+    if other_scene or tasks != before:
+        overlay(document, {"tasks": before}, {"tasks": tasks})
+        found = SimpleNamespace(**read(document, world.name))
     # The second round catches what follows a changed value by default: inertia that is left out
     # follows the mass.
     for _ in range(2):
-        present = WorldFile.of(SimpleNamespace(**read(document, world.name)))
+        present = WorldFile.of(found)
         if present == wanted:
             break
         overlay(document, present, wanted)
+        found = SimpleNamespace(**read(document, world.name))
     return document
+
+
+def _tasks(world: Any) -> Any:
+    return {name: TaskBlock.described(task) for name, task in world.tasks.items()}
 
 
 def _share_limits(shared: Any, cables: tuple[Cable, ...]) -> None:
