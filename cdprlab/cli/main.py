@@ -19,6 +19,7 @@ from ..tensions import tension_methods
 from ..world import World, load_world, world_names
 from ..world.model import PickAndPlace
 from .doctor import add_doctor_command
+from .grade_command import add_grade_command
 from .lessons_command import add_lessons_command
 from .output import Bar, add_output_options, print_table, write
 from .workspace_command import add_workspace_command
@@ -80,6 +81,7 @@ def _parser() -> argparse.ArgumentParser:
     add_workspace_command(commands)
     add_lessons_command(commands)
     add_doctor_command(commands)
+    add_grade_command(commands)
     return parser
 
 

@@ -32,6 +32,7 @@ _EXPORTS = {
     "explorers.workspaces": ("workspace_explorer",),
     "designer.panel": ("robot_designer",),
     "brief": ("workshop_brief",),
+    "seeds": ("seed",),
     "pictures.brief_map": ("plot_design",),
     "pictures.comparison": ("plot_comparison",),
     "pictures.configuration_plan": ("plot_flight", "plot_sequences", "plot_triplets"),

@@ -1,0 +1,71 @@
+"""``python -m cdprlab grade FOLDER``: grades what students handed in."""
+
+import argparse
+import csv
+from collections import Counter
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from ..errors import InvalidInput
+from .output import Bar
+
+
+def add_grade_command(commands: Any) -> None:
+    """Add the command to a parser's."""
+    parser = commands.add_parser("grade", help="grade notebooks that students handed in; write grades and feedback")
+    parser.set_defaults(command=_grade)
+    add = parser.add_argument
+    add("folder", metavar="FOLDER", type=Path,
+        help="STUDENT.ipynb for one lesson, or STUDENT/LESSON.ipynb, or a zip from Canvas or Moodle")
+    add("--lesson", metavar="NAME", help="grade this lesson only (default: the one each file is)")
+    add("--source", type=Path, default=Path("lessons/source"),
+        help="folder of lessons with solutions and checks (default: %(default)s)")
+    add("--out", type=Path, default=Path("grades"), help="folder to write to (default: %(default)s)")
+    add("--jobs", type=int, default=-1, help="notebooks at a time, -1 for all cores (default: %(default)d)")
+    add("--roster", type=Path, help="CSV whose first column names the students: who handed in nothing is listed")
+    add("--due", action="append", default=[], metavar="[LESSON=]DATE",
+        help="2026-11-30 or 2026-11-30T18:00, for one lesson or for all; may be given again")
+    add("--late", type=float, default=0.0, metavar="PERCENT", help="of the points lost with each day begun after --due")
+    add("--reveal", action="store_true", help="let feedback show the hidden part of failed checks")
+    add("--gradebook", type=Path, metavar="DB", help="fill nbgrader's gradebook.db, too")
+    add("--trust", action="store_true", help="without a jail, run student code as yourself")
+
+
+def _grade(options: argparse.Namespace) -> None:
+    from ..course.grading import Grader, Rules, fill_gradebook, missing, read_submissions, write_reports
+
+    rules = Rules(dict(map(_due, options.due)), options.late / 100)
+    submissions = read_submissions(options.folder)
+    roster = _roster(options.roster) if options.roster else []
+    grader = Grader(options.source, options.out, options.trust)
+    with Bar("grading", "notebooks") as bar:
+        results = grader.grade(submissions, options.lesson, options.jobs, rules, bar)
+    results += missing(results, roster)
+    write_reports(options.out, results, grader.lessons, options.reveal)
+    for status, count in Counter(result.status for result in results).most_common():
+        print(f"  {status:16} {count}")
+    print(f"written to {options.out}: grades.csv, class.html, results/, feedback/; jail: {grader.jail}")
+    if options.gradebook:
+        print(f"{options.gradebook}: {fill_gradebook(options.gradebook, results)} submissions")
+
+
+def _due(text: str) -> tuple[str, datetime]:
+    """A bare date is due when that day ends."""
+    lesson, _, date = text.rpartition("=")
+    try:
+        when = datetime.fromisoformat(date)
+    except ValueError:
+        raise InvalidInput(f"--due takes a date such as 2026-11-30 or 2026-11-30T18:00, got {date[:200]!r}") from None
+    return lesson, when.replace(hour=23, minute=59, second=59) if len(date) == 10 else when
+
+
+def _roster(path: Path) -> list[str]:
+    from ..course.grading import tidy
+
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            names = [row[0] for row in csv.reader(file) if row and row[0].strip()]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InvalidInput(f"cannot read the roster {path}: {error}") from None
+    return [tidy(name) for name in names if name.strip().lower() not in ("student", "name")]
