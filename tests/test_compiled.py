@@ -73,3 +73,28 @@ assert compiled_for(0)(half)(3.0) == 1.5 and compiled_for(0)(third)(3.0) == 1.0
     told = ask(str(tmp_path / "asked.py"))
     assert getattr(told, stream) == "cdprlab compiles its numerical core, once …\n"
     assert len(told.stdout + told.stderr) == len(getattr(told, stream))
+
+
+def test_in_a_fresh_install_few_poses_are_answered_before_anything_is_compiled(tmp_path):
+    asked = f"""
+import os
+os.environ["NUMBA_CACHE_DIR"] = {str(tmp_path)!r}
+import cdprlab as cl
+
+world = cl.load_world("caroca")
+robot = world.robot
+
+def barycenters(count):
+    poses = cl.Pose([[0, 0, 1.0]] * count)
+    W, w_e = cl.wrench_matrix(robot, poses), cl.gravity_wrench(robot, poses)
+    return cl.distribute_tensions(W, w_e, robot.tension_min, robot.tension_max, "barycenter").tensions[0]
+
+def kept():
+    return [file for _, _, files in os.walk({str(tmp_path)!r}) for file in files if "polygons" in file]
+
+few = barycenters(1)
+assert not kept()
+many = barycenters(100)
+assert kept() and abs(few - many).max() < 1e-9
+"""
+    ask("-c", asked)

@@ -21,6 +21,7 @@ def compile_all() -> None:
     for module in iter_modules(__path__):
         if module.name != "__main__":
             import_module(f".{module.name}", __package__)
+    jit.few = 0
     W, w_e = plain(np.array([[[1.0, 0.5, -1.0]]])), plain(np.array([[-2.0]]))
     low, high = plain(np.zeros((1, 3))), plain(np.ones((1, 3)))
     polygons(W, w_e, low, high, CENTROID)

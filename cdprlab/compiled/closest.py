@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import Array
 from . import FOUND, OUT_OF_RANGE, SPENT
-from .jit import compiled
+from .jit import compiled, compiled_for_batches
 from .linear_algebra import FREE, HELD, balance, nearest
 
 # Cables with limits closer than this have no choice; a limit is broken beyond rounding from
@@ -25,7 +25,7 @@ def worst_cable(tau: Array, low: Array, high: Array, row: int, held: Any, slack:
     return worst
 
 
-@compiled
+@compiled_for_batches
 def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds: int) -> tuple[Array, Any]:
     """The tensions nearest to low + share (high − low) among all that balance the wrench; equal limits hold a cable.
 

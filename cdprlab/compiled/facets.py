@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Array
 from . import FOUND, TOO_REDUNDANT
-from .jit import compiled
+from .jit import compiled, compiled_for_batches
 from .linear_algebra import CARRIED, FREE, balance
 
 PARALLEL = 1e-9   # cofactors below this share of the products they are made of are zero
@@ -90,7 +90,7 @@ def distance(y: Array, at: Any, free: int, identity: Array, c: Array, loads: Arr
     return min(above, below) / size
 
 
-@compiled
+@compiled_for_batches
 def capacity(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: Array,
              any_sign: bool) -> tuple[Array, Array, Any]:
     """Smallest distance from −(w_e + load + box) to a facet of {W τ : low ≤ τ ≤ high}, negative outside.

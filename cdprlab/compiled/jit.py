@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from functools import wraps
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -24,16 +25,63 @@ SOURCES = sorted([*HERE.glob("*.py"), HERE.parent / "robot" / "pose.py"])
 # What numba keeps of a function holds what it calls too, but follows changes of its own file
 # only.
 EDITION = sha256(b"".join(path.read_bytes() for path in SOURCES)).hexdigest()[:8]
+# As many poses are asked as they stand, in half a millisecond each, before seconds go into compiling.
+few = 100
 
 
-def compiled(function: Callable[..., Any], signature: Any = None) -> Any:
+class Part:
+    """What functions of this room call: machine code to those that are compiled, plain Python to those that are not."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.function = quiet(function)
+        self.machine = machine_code(function)
+        self._numba_type_ = self.machine._numba_type_   # by this name numba takes it for its own
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.function(*arguments)
+
+
+def compiled(function: Callable[..., Any]) -> Any:
+    """The part of others that it is."""
+    return Part(function) if COMPILES else quiet(function)
+
+
+def compiled_for_batches(function: Callable[..., Any]) -> Any:
+    """A function of many poses, its first argument a row a pose: compiled where it was before, else for the first many.
+
+    So nobody waits for the compiler to answer a few.
+    """
+    plain = quiet(function)
+    if not COMPILES:
+        return plain
+    machine: Any = None
+    asked = 0
+
+    @wraps(function)
+    def answer(*arguments: Any) -> Any:
+        nonlocal machine, asked
+        if machine is None:
+            asked += len(arguments[0])
+            code = machine_code(function)
+            if asked <= few and not any(Path(code.stats.cache_path).glob(f"*{code.__qualname__}*.nbi")):
+                return plain(*arguments)
+            machine = code
+        return machine(*arguments)
+
+    return answer
+
+
+def quiet(function: Callable[..., Any]) -> Any:
+    """As it stands, divisions by zero as quiet as when compiled."""
+    return np.errstate(divide="ignore", invalid="ignore")(function)
+
+
+def machine_code(function: Callable[..., Any], signature: Any = None) -> Any:
     """The function as machine code, made at its first call and kept in the first folder that can be written.
 
     NUMBA_CACHE_DIR, else __pycache__ beside the file, else the user's own cache folder. Where
     none can, each process compiles anew, and says so.
     """
-    if not COMPILES:   # divisions by zero as quietly as when compiled
-        return np.errstate(divide="ignore", invalid="ignore")(function)
     name = function.__qualname__
     function.__qualname__ += f"-{EDITION}"   # part of the name of the kept file
     try:
@@ -55,11 +103,11 @@ def compiled_for(*axes: int, writes: tuple[int, ...] = ()) -> Callable[[Callable
         row
     """
     if not COMPILES:
-        return compiled
+        return quiet
     kinds = [numba.types.Array(numba.float64, n, "A", readonly=True) if n else numba.float64
              for n in axes]
     kinds += [numba.types.Array(numba.float64, n, "C") for n in writes]
-    return lambda function: compiled(function, tuple(kinds))
+    return lambda function: machine_code(function, tuple(kinds))
 
 
 if COMPILES:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import Array
 from . import EMPTY, FOUND
-from .jit import compiled, compiled_for
+from .jit import compiled, compiled_for, compiled_for_batches
 from .linear_algebra import FREE, balance, nearest
 from .polygon import polygon
 
@@ -79,7 +79,7 @@ def border_point(c: Array, D: Array, corners: Array, first: int, count: int, poi
         before = k
 
 
-@compiled
+@compiled_for_batches
 def least_norms(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, Any, Any]:
     """min ‖τ‖² with W τ + w_e = 0 and the limits: exact, as the program's only active sets are none, an edge, a corner.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from . import CENTROID, EMPTY, FOUND, LOWEST, NOTHING
-from .jit import compiled
+from .jit import compiled, compiled_for_batches
 from .linear_algebra import FREE, balance
 
 # Limits are met when missed by rounding only; and if nothing meets them, by half of what the
@@ -126,7 +126,7 @@ def corner(D: Array, corners: Array, first: int, count: int, sign: float, close:
     point[0], point[1] = corners[best, 0], corners[best, 1]
 
 
-@compiled
+@compiled_for_batches
 def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[Array, Any, Any]:
     """One point of each polygon of feasible tensions; with NOTHING only whether there is one.
 
