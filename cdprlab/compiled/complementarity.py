@@ -77,7 +77,8 @@ def rope_tensions(mass: float, inertia: Array, center: Array, gravity: float, R:
 
     mass, inertia, center, gravity, R, t : as `mass_and_bias` takes them; push : (6,) at P; W :
         whole, (6, m)
-    stiffness : EA [N], 0 of ropes that do not stretch; damping : fraction of critical
+    stiffness : EA [N], 0 of ropes that do not stretch; damping : each rope's own, fraction of
+        critical
     last : (m,) tensions of the step before
     """
     m = W.shape[1]
@@ -94,17 +95,23 @@ def rope_tensions(mass: float, inertia: Array, center: Array, gravity: float, R:
                 A[i, j] += W[k, i] * light[k, j]
         trace += A[i, i]
     for i in range(m):
-        # L + dt J v_free − ρ', with J = −Wᵀ
-        over = lengths[i] - wound[i]
+        # J v and J v̇ without ropes, with J = −Wᵀ
+        rate = gain = 0.0
         for k in range(6):
-            over -= dt * W[k, i] * (t[k] + dt * light[k, m])
-        if stiffness > 0.0:   # T = k (L' − ρ') + d (L̇' − ρ̇) at the step's end
-            k_i = stiffness / wound[i]
-            d_i = 2 * damping * np.sqrt(k_i / max(A[i, i], 1e-12))
-            stiff = dt * (k_i * dt + d_i)
-            b[i] = (k_i * over + d_i * (over - (lengths[i] - now[i])) / dt) / stiff
+            rate -= W[k, i] * t[k]
+            gain -= W[k, i] * light[k, m]
+        if stiffness > 0.0:
+            # T = k (L − ρ) + d (J v − ρ̇) + (k dt / 4 + d / 2) J (v' − v): Newmark's average
+            # acceleration, which damps nothing by itself, as v is half a step behind L. What
+            # rings too fast to be followed, ω dt > 2, is damped, T = k (L' − ρ') + d (L̇' − ρ̇).
+            k_i, a_i = stiffness / now[i], max(A[i, i], 1e-12)
+            d_i = 2 * damping * np.sqrt(k_i / a_i)
+            unseen = min(1.0, (k_i * a_i * dt * dt / 4)**2)
+            stiff = dt * (k_i * dt * (1 + 3 * unseen) / 4 + d_i * (1 + unseen) / 2)
+            off, off_rate = lengths[i] - now[i], rate - (wound[i] - now[i]) / dt
+            b[i] = (k_i * (off + unseen * dt * off_rate) + d_i * off_rate) / stiff + gain
             A[i, i] += 1 / stiff
-        else:
-            b[i] = over / (dt * dt)
+        else:   # L + dt J v' ≤ ρ'
+            b[i] = (lengths[i] + dt * (rate + dt * gain) - wound[i]) / (dt * dt)
             A[i, i] += YIELD * trace
     return complementary(A, b, last)

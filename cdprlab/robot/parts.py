@@ -155,7 +155,7 @@ class Winch:
 
 @dataclass(frozen=True)
 class Elasticity:
-    """How the cables stretch: axial stiffness EA [N] (k = EA / l) and damping, as a fraction of critical."""
+    """How cables stretch: axial stiffness EA [N] (k = EA / l), and damping, each cable's own fraction of critical."""
 
     axial_stiffness: float
     damping: float = 0.0

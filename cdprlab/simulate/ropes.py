@@ -7,8 +7,14 @@ linear complementarity problem
     T ≥ 0,   A T − b ≥ 0,   Tᵀ (A T − b) = 0,   A = J M⁻¹ Jᵀ + C,   b = (J v_free − (ρ' − L) /
     dt) / dt,
 
-whose solution minimizes ½ Tᵀ A T − bᵀ T over T ≥ 0. C is what ropes yield: next to nothing, or
-what their stiffness k = EA / ρ and damping d give over one implicit step, 1 / (dt (k dt + d)).
+whose solution minimizes ½ Tᵀ A T − bᵀ T over T ≥ 0. C is what ropes yield: next to nothing. Of ropes
+that stretch, stiffness k = EA / ρ and damping d, T is what Newmark's average acceleration makes
+of the step,
+
+    T = k (L − ρ) + d (J v − ρ̇) + (k dt / 4 + d / 2) J (v' − v),
+
+the same problem with C = 1 / (dt (k dt / 4 + d / 2)): no dt makes them unstable, and they ring as
+long as their damping lets them.
 """
 
 import numpy as np

@@ -203,7 +203,7 @@ class ElasticityBlock(Block):
     axial_stiffness: Positive
     """EA [N]"""
     damping: NotNegative = 0.0
-    """fraction of critical damping"""
+    """each cable's own fraction of critical damping, the whole platform on it: n in line ring with √n times it"""
 
 
 class FrictionBlock(Block):
