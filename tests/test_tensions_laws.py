@@ -198,7 +198,7 @@ def test_numba_stays_in_its_room_and_does_without_a_cache(monkeypatch):
 
     monkeypatch.setattr(jit.numba, "njit", njit)
     monkeypatch.setattr(jit.announcement, "often", "once")
-    assert jit.compiled(function) is function and asked_for == [True, False]
+    assert jit.machine_code(function) is function and asked_for == [True, False]
     assert "NUMBA_CACHE_DIR" in jit.announcement.often
 
 

@@ -29,7 +29,7 @@ EDITION = sha256(b"".join(path.read_bytes() for path in SOURCES)).hexdigest()[:8
 few = 100
 
 
-class Part:
+class Callee:
     """What functions of this room call: machine code to those that are compiled, plain Python to those that are not."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -43,7 +43,7 @@ class Part:
 
 def compiled(function: Callable[..., Any]) -> Any:
     """The part of others that it is."""
-    return Part(function) if COMPILES else quiet(function)
+    return Callee(function) if COMPILES else quiet(function)
 
 
 def compiled_for_batches(function: Callable[..., Any]) -> Any:
@@ -63,7 +63,8 @@ def compiled_for_batches(function: Callable[..., Any]) -> Any:
         if machine is None:
             asked += len(arguments[0])
             code = machine_code(function)
-            if asked <= few and not any(Path(code.stats.cache_path).glob(f"*{code.__qualname__}*.nbi")):
+            kept = Path(code.stats.cache_path or ".").glob(f"*{code.__qualname__}*.nbi")
+            if asked <= few and not any(kept):
                 return plain(*arguments)
             machine = code
         return machine(*arguments)

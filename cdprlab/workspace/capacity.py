@@ -30,7 +30,7 @@ def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: boo
 
 
 def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
-    """Whether tensions within the limits balance each wrench: the sign of `tension_margins`, found quicker where numba is."""
+    """Whether tensions within the limits balance each wrench: the sign of `tension_margins`, quicker with numba."""
     from ..compiled.jit import COMPILES
     from ..compiled.polygon import polygons
 
