@@ -9,7 +9,7 @@ from ..arrays import Array, as_array, checked, common_batch
 from ..errors import InvalidInput
 from ..robot import Base, Robot
 from ..robot.pose import Pose, cross_matrix
-from .cables import anchor_offsets, cable_directions, cables_at
+from .cables import anchor_offsets, cable_directions, cables_at, check_dimension
 
 
 @checked
@@ -39,6 +39,7 @@ def gravity_wrench(robot: Robot, pose: Pose) -> Array:
     >>> gravity_wrench(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])) + 0.0
     array([    0. ,     0. , -1471.5,     0. ,     0. ,     0. ])
     """
+    check_dimension(robot, pose)
     d, down = robot.dimension, -robot.mass * robot.gravity
     arm = pose.rotation @ robot.platform.center_of_mass
     wrench = np.zeros((*pose.batch_shape, 3 * (d - 1), 1))

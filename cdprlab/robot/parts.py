@@ -237,9 +237,10 @@ def _checked_inertia(inertia: ArrayLike, d: int) -> Array:
 
 def _counter_clockwise(footprint: ArrayLike, d: int) -> Array:
     """The contacts counter-clockwise from the first listed, whichever way round they were given."""
-    if np.size(footprint) == 0:
+    points = as_array(footprint, "footprint", (), "m", batch=True, location=("footprint",))
+    if not points.size:
         return frozen(np.zeros((0, 2)))
-    points = as_array(footprint, "footprint", ("k", 2), "m", location=("footprint",))
+    points = as_array(points, "footprint", ("k", 2), "m", location=("footprint",))
     if d == 2:
         if points.shape[0] != 2 or points[0, 0] == points[1, 0]:
             raise InvalidInput("a planar footprint is two contacts with different x",

@@ -1,7 +1,7 @@
 """Tension distributions side by side along one task: smoothness, effort, distance to the limits, time."""
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -76,7 +76,7 @@ class TensionComparison:
 
 @checked
 def compare_tensions(world: World, task: str = "default",
-                     methods: str | Iterable[str] | None = None, *,
+                     methods: str | Sequence[str] | None = None, *,
                      time_step: float | None = None,
                      progress: Callable[[int, int], Any] | None = None) -> TensionComparison:
     """Each method's tensions for W τ = M a + C v − f_g along a task's reference, without an engine.

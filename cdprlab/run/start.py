@@ -24,6 +24,9 @@ from .record import Run
 Cuts = Mapping[float, ArrayLike]
 """Time [s] → the cables cut then, by index from 0."""
 
+_MOST_STEPS = 10_000_000
+"""Control steps of one run; its log would not fit into memory."""
+
 
 @checked
 def run(world: World, task: str = "default",
@@ -76,6 +79,9 @@ def run(world: World, task: str = "default",
     substeps, period = control_steps(dt, control_period)
     length = job.duration + job.hold if duration is None else as_number(duration, "duration",
                                                                         "s", positive=True)
+    if length > _MOST_STEPS * period:
+        raise InvalidInput(f"a run of {length:g} s has more than {_MOST_STEPS} control steps of {period:g} s: "
+                           "shorten it or take longer steps")
     times: Array = np.arange(max(1, round(length / period)), dtype=float) * period
     if wound and controller is not None:
         raise InvalidInput(f"cables={quoted(cables)} winds by inverse kinematics and takes no controller")
@@ -154,7 +160,7 @@ def control_steps(dt: float, control_period: float | None) -> tuple[int, float]:
     period = step if control_period is None else as_number(control_period, "control_period",
                                                            "s", positive=True)
     substeps = round(period / step)
-    if substeps < 1 or abs(substeps * step - period) > 1e-9 * period:
+    if not 1 <= substeps <= _MOST_STEPS or abs(substeps * step - period) > 1e-9 * period:
         raise InvalidInput(f"control_period must be a whole multiple of dt, got {period:g} s and {step:g} s")
     return substeps, substeps * step
 

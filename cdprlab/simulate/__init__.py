@@ -1,10 +1,9 @@
 """Engines behind one interface: `open_simulator` gives the one a world asks for."""
 
+from inspect import signature
 from typing import Any
 
-import numpy as np
-
-from ..arrays import checked
+from ..arrays import as_number, checked
 from ..errors import InvalidInput, quoted
 from ..world import World
 from .planar import PlanarSimulator
@@ -41,7 +40,11 @@ def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **op
     if cables not in _ENGINES[world.engine]:
         raise InvalidInput(f"cable model {quoted(cables)} is not available in the {world.engine} engine; "
                            f"there are {', '.join(_ENGINES[world.engine])}")
-    if not (np.isfinite(dt) and dt > 0):
-        raise InvalidInput(f"dt must be a positive time step [s], got {quoted(dt)}")
-    return (PlanarSimulator if world.engine == "planar" else SpatialSimulator)(world, cables,
-                                                                               dt, **options)
+    dt = as_number(dt, "dt", "s", positive=True)
+    engine: Any = PlanarSimulator if world.engine == "planar" else SpatialSimulator
+    known = [*signature(engine).parameters][3:]   # after world, cables and dt
+    for option in options:
+        if option not in known:
+            raise InvalidInput(f"the {world.engine} engine takes no option {quoted(option)}; "
+                               f"it takes {', '.join(known)}")
+    return engine(world, cables, dt, **options)

@@ -1,6 +1,7 @@
 """PyBullet behind the `Simulator` interface: spatial worlds, their cables legs, forces or ropes."""
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +23,11 @@ from .spatial_bases import SpatialBases
 
 _NOTHING = np.zeros(6)
 _AMPLE = 1.0  # m: a cut rope does not become taut in any one step
+
+
+def closed(*_: Any) -> Any:
+    """In the place of what an engine does, once it is closed."""
+    raise InvalidInput("this simulator is closed: open another one")
 
 
 class SpatialSimulator(Simulator):
@@ -153,6 +159,8 @@ class SpatialSimulator(Simulator):
         if self.bullet.client >= 0:
             self.bullet.disconnect()
             self.bullet = self.bullet._replace(client=-1)
+            for deed in ("pull", "reel", "place", "sever"):
+                setattr(self, deed, closed)
 
     def carry(self, robot: Robot) -> None:
         """Let those who command, and ropes of commanded length, know what hangs on them.

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-from ..errors import CannotWrite, InvalidInput, quoted
+from ..errors import CannotWrite, InvalidInput, quoted, shortened
 
 _ROOM = 65_536
 """Bytes that must be free where something is going to be written."""
@@ -88,7 +88,7 @@ def made_folder(path: str | Path) -> Path:
     except OSError as error:
         taken = isinstance(error, FileExistsError)
         reason = "something else has that name" if taken else error.strerror
-        raise CannotWrite(f"cannot write to the folder {path}: {reason}") from error
+        raise CannotWrite(f"cannot write to the folder {shortened(str(path))}: {reason}") from error
     return folder
 
 

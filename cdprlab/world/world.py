@@ -80,6 +80,18 @@ class World:
         return self.robot.pattern.engine
 
     @checked
+    def idle_keys(self, cables: str = "tension") -> tuple[str, ...]:
+        """Keys of its file that a run with these cables takes no notice of; methods, sets and jobs may.
+
+        cables : as `run` takes it
+
+        >>> load_world("fastkit_suspended").idle_keys()
+        ('winch', 'cable')
+        """
+        return ("winch",) * (self.robot.winch is not None) + ("cable",) * (
+            self.robot.elasticity is not None and cables != "elastic")
+
+    @checked
     def task(self, name: str = "default") -> Task:
         """The task of that name; raises InvalidInput naming those there are."""
         if name not in self.tasks:
