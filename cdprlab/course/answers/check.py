@@ -35,11 +35,11 @@ def check(holds: Any, sentence: str, **numbers: Any) -> None:
     raise error
 
 
-def answer(function: Callable[..., Any], *arguments: Any, may_be_none: bool = False) -> Any:
+def answer(function: Callable[..., Any], *arguments: Any, may_be_none: bool = False, **named: Any) -> Any:
     """What a student's function returns: numbers as float arrays, however they were written.
 
     function : the student's
-    arguments : handed to it as copies, which it must leave as they are
+    arguments, named : handed to it as copies, which it must leave as they are
     may_be_none : whether None is an answer; else it is a forgotten `return`
     Lists and float32 become float64 arrays, also inside a tuple; what is no number stays as it is.
     Warnings are printed and cost nothing: nbgrader takes the points of a check that writes to stderr.
@@ -50,7 +50,7 @@ def answer(function: Callable[..., Any], *arguments: Any, may_be_none: bool = Fa
     """
     given = copy.deepcopy(arguments)
     with contextlib.redirect_stderr(sys.stdout):
-        returned = function(*given)
+        returned = function(*given, **named)
     check(returned is not None or may_be_none,
           f"Your function {function.__name__} returned nothing: is there a `return`?")
     for position, (before, after) in enumerate(zip(arguments, given, strict=True), start=1):
