@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from ..world.files import made_folder, replaced, write_text
 from ..world.world import shipped
 
 RECORD = ".handed_out.json"
@@ -16,12 +17,12 @@ def add_lessons_command(commands: Any) -> None:
     """Add the command to a parser's."""
     parser = commands.add_parser("lessons", help="copy the lessons into a folder of your own; never overwrites work")
     parser.set_defaults(command=_lessons)
-    parser.add_argument("folder", metavar="DIR", type=Path, nargs="?", default=Path("my_lessons"),
+    parser.add_argument("folder", metavar="DIR", nargs="?", default="my_lessons",
                         help="made if missing; what you changed in it stays (default: %(default)s)")
 
 
 def _lessons(options: argparse.Namespace) -> None:
-    told = hand_out(options.folder)
+    told = hand_out(made_folder(options.folder))
     print("\n".join(told or ["nothing to do: every lesson is there"]))
     print(f"to open them: jupyter lab {options.folder}")
 
@@ -43,13 +44,14 @@ def hand_out(folder: Path, lessons: list[Path] | None = None) -> list[str]:
         mine, newest = folder / lesson.name, _hash(lesson)
         present = _hash(mine) if mine.exists() else None
         if present is None or present == handed_out.get(lesson.name) != newest:
-            mine.write_bytes(lesson.read_bytes())
+            with replaced(mine) as file:
+                file.write(lesson.read_bytes())
             told.append(f"{mine.name}: {'new' if present is None else 'renewed; you had not changed it'}")
         elif present != newest and handed_out.get(lesson.name) != newest:
             told.append(f"{mine.name}: a newer lesson exists, yours stays; rename yours to get the newer beside it")
             continue
         handed_out[lesson.name] = newest
-    (folder / RECORD).write_text(json.dumps(handed_out, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    write_text(folder / RECORD, json.dumps(handed_out, indent=1, sort_keys=True) + "\n")
     return told
 
 

@@ -1,15 +1,13 @@
 """The command line: ``python -m cdprlab worlds | run WORLD | workspace WORLD | lessons DIR | doctor``."""
 
 import argparse
-import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
 from .. import __version__, view
-from ..errors import CdprError, InvalidInput
+from ..errors import CdprError, InvalidInput, quoted, shortened
 from ..run import INFEASIBLE, WOUND, run
 from ..run.compare import compare_tensions
 from ..run.controllers import ComputedTorque
@@ -21,32 +19,35 @@ from ..world.model import PickAndPlace
 from .doctor import add_doctor_command
 from .grade_command import add_grade_command
 from .lessons_command import add_lessons_command
-from .output import Bar, add_output_options, print_table, write
+from .output import Bar, add_output_options, open_streams, print_table, refuse, results, say, silence, write
 from .workspace_command import add_workspace_command
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; returns 0 or what it says, or 2 after one line on stderr saying what was wrong."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):   # Windows pipes know few letters: "?" for the others, not an error
-            stream.reconfigure(errors="replace")
-    options = _parser().parse_args(arguments)
+    """Run one command.
+
+    Returns 0 or what the command says; after one line on stderr that says what was wrong 2, or 1
+    if the robot had begun to move; 141 where nobody reads a listing to its end.
+    """
+    open_streams()
     try:
+        options = _parser().parse_args(arguments)
         answer = options.command(options)
         sys.stdout.flush()
         return answer or 0
     except CdprError as error:
         print(f"cdprlab: {error}", file=sys.stderr)
+        return 2 if error.run is None else 1
+    except MemoryError:
+        print("cdprlab: the memory does not suffice: ask for fewer steps or poses", file=sys.stderr)
         return 2
     except BrokenPipeError:  # the reader of our lines has seen enough, as `head` does
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing more is to be written at exit
+        silence()
         return 141
     except OSError as error:
-        print(f"cdprlab: cannot write {error.filename}: {error.strerror}", file=sys.stderr)
+        silence()
+        print(f"cdprlab: cannot write {error.filename or 'what there is to say'}: {error.strerror}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print("cdprlab: stopped", file=sys.stderr)
-        return 130
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -57,7 +58,7 @@ def _parser() -> argparse.ArgumentParser:
     worlds = commands.add_parser("worlds", help="list the robots that come with cdprlab")
     worlds.set_defaults(command=_worlds)
     flight = commands.add_parser("run", help="move a robot along a task, headless, and write plots, film and log")
-    flight.set_defaults(command=_run, parser=flight)
+    flight.set_defaults(command=_run)
     add = flight.add_argument
     add("world", metavar="WORLD",
         help="a world's name (see `worlds`) or the path of a .yaml file")
@@ -89,7 +90,8 @@ class _Parser(argparse.ArgumentParser):
     """One line for a wrong command line instead of the whole usage."""
 
     def error(self, message: str) -> None:  # type: ignore[override]
-        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+        words = " ".join(map(shortened, message.split()))
+        self.exit(2, f"{self.prog}: {words}; see {self.prog} --help\n")
 
 
 def _worlds(_: argparse.Namespace) -> None:
@@ -108,7 +110,7 @@ def _tasks(world: World) -> list[str]:
 def _run(options: argparse.Namespace) -> None:
     world = load_world(options.world)
     if options.task not in _tasks(world):
-        raise InvalidInput(f"world {world.name!r} has no task {options.task!r}; there are {', '.join(_tasks(world))}")
+        raise InvalidInput(f"world {world.name!r} has no task {quoted(options.task)}; there are {', '.join(_tasks(world))}")
     if options.method == "all":
         _compare(options, world)
     elif options.task == "mission" and "mission" not in world.tasks:
@@ -120,72 +122,73 @@ def _run(options: argparse.Namespace) -> None:
 
 
 def _fly(options: argparse.Namespace, world: World) -> None:
-    _refuse(options, ("control",), "--{} belongs to tasks of kind pick_and_place")
+    refuse(options, ("control",), "--{} belongs to tasks of kind pick_and_place")
     wound = options.cables in WOUND
+    if wound:
+        refuse(options, ("method", "kp", "kd", "infeasible"),
+               f"--{{}} has no say with --cables {options.cables}, which winds by inverse kinematics")
     how = "inverse kinematics" if wound else options.method
-    print(f"{world.title or world.name}: task {options.task}, {how}, cables={options.cables}")
     law = None if wound else ComputedTorque(options.kp, options.kd)
-    with Bar("flying") as bar:
-        flown = run(world, options.task, options.method, options.cables, law, options.dt,
-                    options.control_period,
-                    options.infeasible, duration=options.duration, progress=bar)
-    print_table(flown.table())
-    _write(options, world, flown.save, {
-        "tracking.png": lambda path: view.save_figure(view.plot_tracking(flown), path),
-        "tensions.png": lambda path: view.save_figure(view.plot_tensions(flown), path),
-        "film.gif": lambda path: view.save_film(flown, path)})
+    with results(options, Path("out") / world.name) as folder:
+        say(f"{world.title or world.name}: task {options.task}, {how}, cables={options.cables}")
+        with Bar("flying") as bar:
+            flown = run(world, options.task, options.method, options.cables, law, options.dt,
+                        options.control_period,
+                        options.infeasible, duration=options.duration, progress=bar)
+        _write(options, folder, flown.save, lambda: print_table(flown.table()), {
+            "tracking.png": lambda path: view.save_figure(view.plot_tracking(flown), path),
+            "tensions.png": lambda path: view.save_figure(view.plot_tensions(flown), path),
+            "film.gif": lambda path: view.save_film(flown, path)})
 
 
 def _compare(options: argparse.Namespace, world: World) -> None:
-    _refuse(options, _ENGINES, "--method all compares without an engine: --{} has no say; give one method to fly it")
-    print(f"{world.title or world.name}: task {options.task}, every tension distribution along the reference")
-    with Bar("comparing", "methods") as bar:
-        table = compare_tensions(world, options.task, progress=bar)
-    print(table)
-
-    def save(folder: Path) -> None:
+    refuse(options, _ENGINES, "--method all compares without an engine: --{} has no say; give one method to fly it")
+    world.task(options.task)
+    with results(options, Path("out") / world.name) as folder:
+        say(f"{world.title or world.name}: task {options.task}, every tension distribution along the reference")
+        with Bar("comparing", "methods") as bar:
+            table = compare_tensions(world, options.task, progress=bar)
         header = [f"{name} [{unit}]" if unit else name for name, unit in table.COLUMNS.items()]
-        write_rows(folder / "methods.csv", [header, *(
-            [f"{value:.9g}" if isinstance(value, float) else str(value)
-             for value in row.values()] for row in table.rows())])
-
-    _write(options, world, save, {"methods.png": lambda path: view.save_figure(view.plot(table), path)})
+        rows = [[f"{value:.9g}" if isinstance(value, float) else str(value)
+                 for value in row.values()] for row in table.rows()]
+        _write(options, folder, lambda folder: write_rows(folder / "methods.csv", [header, *rows]),
+               lambda: say(str(table)),
+               {"methods.png": lambda path: view.save_figure(view.plot(table), path)})
 
 
 def _pick_and_place(options: argparse.Namespace, world: World) -> None:
     from ..fastkit import pick_and_place, plot_job, save_job_film
 
-    _refuse(options, (*_ENGINES, "method"),
-            "--{} has no say in a pick_and_place task, which flies under --control")
-    print(f"{world.title or world.name}: task {options.task}, {options.control} control")
-    with Bar("working", "ms") as bar:
-        job = pick_and_place(world, options.task, options.control, progress=bar)
-    for event in job.events:
-        print(f"  {event.time:6.2f} s  {event.state:10} {event.why or job.words.get(event.state, '')}")
-    print_table(job.table())
-    _write(options, world, job.save, {"job.png": lambda path: view.save_figure(plot_job(job), path),
-                                      "film.gif": lambda path: save_job_film(job, path)})
+    refuse(options, (*_ENGINES, "method"),
+           "--{} has no say in a pick_and_place task, which flies under --control")
+    with results(options, Path("out") / world.name) as folder:
+        say(f"{world.title or world.name}: task {options.task}, {options.control} control")
+        with Bar("working", "ms") as bar:
+            job = pick_and_place(world, options.task, options.control, progress=bar)
+
+        def tell() -> None:
+            for event in job.events:
+                say(f"  {event.time:6.2f} s  {event.state:10} {event.why or job.words.get(event.state, '')}")
+            print_table(job.table())
+
+        _write(options, folder, job.save, tell,
+               {"job.png": lambda path: view.save_figure(plot_job(job), path),
+                "film.gif": lambda path: save_job_film(job, path)})
 
 
 def _mission(options: argparse.Namespace, world: World) -> None:
     from .mission_command import fly_mission
 
-    _refuse(options, (*_ENGINES, "method", "control"), "--{} has no say in a mission")
-    print(f"{world.title or world.name}: mission: to the shelf, pick and place, home again")
-    fly_mission(world, options.out or Path("out") / world.name, not options.no_pictures)
+    refuse(options, (*_ENGINES, "method", "control"), "--{} has no say in a mission")
+    with results(options, Path("out") / world.name) as folder:
+        say(f"{world.title or world.name}: mission: to the shelf, pick and place, home again")
+        fly_mission(world, folder, not options.no_pictures)
 
 
 _ENGINES = ("cables", "kp", "kd", "dt", "control_period", "duration", "infeasible")
 """Options that belong to the engine of `run`."""
 
 
-def _refuse(options: argparse.Namespace, names: Sequence[str], why: str) -> None:
-    for name in names:
-        if getattr(options, name) != options.parser.get_default(name):
-            raise InvalidInput(why.format(name.replace("_", "-")))
-
-
-def _write(options: argparse.Namespace, world: World, save: Callable[[Path], Any],
+def _write(options: argparse.Namespace, folder: Path, save: Callable[[Path], Any], tell: Callable[[], Any],
            pictures: Mapping[str, Callable[[Path], Any]]) -> None:
-    write(options.out or Path("out") / world.name, save,
-          {} if options.no_pictures else pictures)
+    write(folder, save, tell, {} if options.no_pictures else pictures)

@@ -7,7 +7,7 @@ from typing import Any
 from .. import view
 from ..fastkit import DONE, Job, Mission, Walker, in_hall, run_mission
 from ..world import World
-from .output import Bar, print_table, write
+from .output import Bar, print_table, say, write
 
 BOUNDS = ((-5.0, -6.0), (7.0, 2.0))
 PALLETS = ((2.6, -3.0, 0.8, 1.2, 0.3), (-1.5, -2.2, 1.2, 0.8, 0.0))
@@ -22,11 +22,14 @@ def fly_mission(world: World, folder: Path, pictures: bool, work: Any = None) ->
         mission = run_mission(in_hall(world, BOUNDS, PALLETS), BOUNDS, START, walkers=PEOPLE,
                               work=work,
                               progress=lambda state, time: bar(time, name=state))
-    print_table(mission.table(), width=42)
-    if mission.state != DONE:
-        print(f"  stopped safely: {mission.reason}")
     job = mission.job if isinstance(mission.job, Job) else None
-    write(folder, job.save if job else lambda _: None, _pictures(mission) if pictures else {})
+
+    def tell() -> None:
+        print_table(mission.table(), width=42)
+        if mission.state != DONE:
+            say(f"  stopped safely: {mission.reason}")
+
+    write(folder, job.save if job else lambda _: None, tell, _pictures(mission) if pictures else {})
     return mission
 
 

@@ -1,13 +1,47 @@
-"""What all commands share: a progress bar, a table on the screen, a folder with pictures."""
+"""What all commands share: streams that may be closed, a progress bar, a table, a folder for results."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Mapping
+import io
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from ..errors import MissingDependency
+from ..errors import CannotWrite, InvalidInput, MissingDependency
+from ..world.files import made_folder
+
+
+def open_streams() -> None:
+    """Make stdout and stderr take whatever is printed: a closed one nowhere, an odd letter as a question mark."""
+    # Else the next file opened would get a closed stream's number, and lines meant for it.
+    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(number)
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115  (as long as the process lives)
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
+def silence() -> None:
+    """Nobody takes our lines any more: write them nowhere, those at exit too."""
+    with suppress(OSError, ValueError):     # in a notebook stdout is no file
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def say(line: str) -> None:
+    """A line on the screen, if anybody still reads: results are worth more than what is said of them."""
+    try:
+        print(line, flush=True)
+    except OSError:
+        silence()
 
 
 class Bar:
@@ -24,18 +58,20 @@ class Bar:
         return self
 
     def __call__(self, done: float, total: int | None = None, name: str = "") -> None:
-        if self.bar is None:
-            from tqdm import tqdm
+        with suppress(OSError):     # nobody watches
+            if self.bar is None:
+                from tqdm import tqdm
 
-            self.bar = tqdm(total=total, desc=name or self.name, unit=f" {self.unit}",
-                            leave=False)
-        if name and name != self.bar.desc:
-            self.bar.set_description_str(name)
-        self.bar.update(round(done) - self.bar.n)
+                self.bar = tqdm(total=total, desc=name or self.name, unit=f" {self.unit}",
+                                leave=False)
+            if name and name != self.bar.desc:
+                self.bar.set_description_str(name)
+            self.bar.update(round(done) - self.bar.n)
 
     def __exit__(self, *_: object) -> None:
         if self.bar is not None:
-            self.bar.close()
+            with suppress(OSError):
+                self.bar.close()
 
 
 def add_output_options(parser: argparse.ArgumentParser, default: str, kept: str) -> None:
@@ -44,30 +80,58 @@ def add_output_options(parser: argparse.ArgumentParser, default: str, kept: str)
     default : folder, as help names it
     kept : what is written without pictures
     """
-    parser.add_argument("--out", type=Path, help=f"folder to write to (default: {default})")
+    parser.add_argument("--out", help=f"folder to write to (default: {default})")
     parser.add_argument("--no-pictures", action="store_true", help=f"write {kept} only")
+    parser.set_defaults(parser=parser)
+
+
+def refuse(options: argparse.Namespace, names: Sequence[str], why: str) -> None:
+    """Raise InvalidInput if one of these options was given; ``why`` has a place for its name."""
+    for name in names:
+        if getattr(options, name) != options.parser.get_default(name):
+            raise InvalidInput(why.format(name.replace("_", "-")))
 
 
 def print_table(table: Mapping[str, Any], width: int = 36) -> None:
     """A line a quantity."""
     for quantity, value in table.items():
-        print(f"  {quantity:{width}} {value}")
+        say(f"  {quantity:{width}} {value}")
 
 
-def write(folder: Path, save: Callable[[Path], Any], pictures: Mapping[str, Callable[[Path], Any]]) -> None:
-    """Data and pictures into a folder, which is made if need be; then say what is there.
+@contextmanager
+def results(options: argparse.Namespace, default: Path) -> Iterator[Path]:
+    """The folder of ``--out``, made and tried before anything is computed; a run cut short is saved there, too."""
+    folder = made_folder(default if options.out is None else options.out)
+    try:
+        yield folder
+    except BaseException as error:
+        flown = getattr(error, "run", None)
+        if flown is not None:
+            flown.save(folder)
+            say(f"cut short; what was flown until then is written to {folder}")
+        raise
 
-    save : called with the folder
+
+def write(folder: Path, save: Callable[[Path], Any], tell: Callable[[], Any],
+          pictures: Mapping[str, Callable[[Path], Any]]) -> None:
+    """Data into a folder, then words on the screen, then pictures into the folder; at last what is there.
+
+    save : called with the folder, or with another one if that has become full
+    tell : prints what was found
     pictures : file name → called with its path
     """
-    from tqdm import tqdm
-
-    folder.mkdir(parents=True, exist_ok=True)
-    save(folder)
-    for name, draw in (bar := tqdm(pictures.items(), leave=False)):
-        bar.set_description(f"drawing {name}")
-        try:
-            draw(folder / name)
-        except MissingDependency as missing:
-            print(f"no {name}: {missing}")
-    print(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.is_file()))}")
+    try:
+        save(folder)
+    except CannotWrite as error:
+        other = Path(tempfile.mkdtemp(prefix="cdprlab-"))
+        save(other)
+        raise CannotWrite(f"{error}; the results are in {other}") from error
+    tell()
+    with Bar("drawing", "pictures") as bar:
+        for number, (name, draw) in enumerate(pictures.items()):
+            bar(number, len(pictures), f"drawing {name}")
+            try:
+                draw(folder / name)
+            except MissingDependency as missing:
+                say(f"no {name}: {missing}")
+    say(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.is_file()))}")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .. import view
-from ..arrays import Array
+from ..arrays import Array, as_number
 from ..errors import InvalidInput, quoted
 from ..run.log import write_csv, write_rows
 from ..workspace import (
@@ -32,7 +32,7 @@ from ..workspace import (
 from ..workspace.grids import axis_names
 from ..world import World, load_world
 from ..world.files import replaced
-from .output import Bar, add_output_options, print_table, write
+from .output import Bar, add_output_options, print_table, refuse, results, say, write
 
 CRITERIA: dict[str, Callable[[World, argparse.Namespace], Criterion]] = {
     "wrench_closure": lambda world, options: WrenchClosure(),
@@ -50,6 +50,11 @@ CRITERIA: dict[str, Callable[[World, argparse.Namespace], Criterion]] = {
     "tipping_safe": lambda world, options: TippingSafe(),
 }
 
+
+_OWN = {"push": "wrench_feasible", "acceleration": "dynamic_equilibrium",
+        "speed": "twist_feasible", "clearance": "interference_free",
+        "method": "statically_stable", "axial_stiffness": "statically_stable"}
+"""Option → the one criterion that it is for."""
 
 _HELD = {"xy": 2, "xz": 1, "yz": 0}
 """Plane → the axis that it cuts."""
@@ -84,7 +89,7 @@ def add_workspace_command(commands: Any) -> None:
         help="EA of statically_stable [N] (default: the world's)")
     add("--jobs", type=int, default=1,
         help="processes, -1 for all cores (default: %(default)d)")
-    add("--checkpoint", type=Path,
+    add("--checkpoint",
         help="folder that keeps finished chunks; the same command goes on there")
     add_output_options(parser, "out/WORLD/workspace", "table and data")
 
@@ -93,27 +98,30 @@ def _workspace(options: argparse.Namespace) -> None:
     world = load_world(options.world)
     criterion = _criterion(world, options)
     grid = _grid(world, options)
-    print(f"{world.title or world.name}: {options.criterion} at {len(grid)} poses over {', '.join(grid.axes)}")
-    with Bar("judging", "poses") as bar:
-        found = workspace(world.robot, grid, criterion, n_jobs=options.jobs,
-                          checkpoint=options.checkpoint,
-                          progress=bar)
-    table = _table(world, grid, criterion, found, options.jobs)
-    print_table(table)
-    title = f"{world.title or world.name}: {options.criterion.replace('_', ' ').replace(',', ', ')}"
+    with results(options, Path("out") / world.name / "workspace") as folder:
+        say(f"{world.title or world.name}: {options.criterion} at {len(grid)} poses over {', '.join(grid.axes)}")
+        with Bar("judging", "poses") as bar:
+            found = workspace(world.robot, grid, criterion, n_jobs=options.jobs,
+                              checkpoint=options.checkpoint, progress=bar)
+        title = f"{world.title or world.name}: {options.criterion.replace('_', ' ').replace(',', ', ')}"
 
-    def draw(path: Path) -> None:
-        from ..view.workspace import plot_workspaces, workspace_still
+        def tell() -> None:
+            table = _table(world, grid, criterion, found, options.jobs)
+            write_rows(folder / "table.csv", table.items())
+            print_table(table)
 
-        if len(grid.axes) == 3:
-            workspace_still(world, grid, found, path)
-        else:
-            view.save_figure(plot_workspaces(world.robot, grid, {"": found}, title=title, unit=criterion.unit), path)
+        def draw(path: Path) -> None:
+            from ..view.workspace import plot_workspaces, workspace_still
 
-    drawn = not options.no_pictures and (len(grid.axes) < 3 or found.inside.any())
-    write(options.out or Path("out") / world.name / "workspace",
-          lambda folder: _save(folder, grid, found, table),
-          {"workspace.png": draw} if drawn else {})
+            if len(grid.axes) == 3:
+                workspace_still(world, grid, found, path)
+            else:
+                view.save_figure(plot_workspaces(world.robot, grid, {"": found}, title=title,
+                                            unit=criterion.unit), path)
+
+        drawn = not options.no_pictures and (len(grid.axes) < 3 or found.inside.any())
+        write(folder, lambda folder: _save(folder, grid, found), tell,
+              {"workspace.png": draw} if drawn else {})
 
 
 def _criterion(world: World, options: argparse.Namespace) -> Criterion:
@@ -121,13 +129,15 @@ def _criterion(world: World, options: argparse.Namespace) -> Criterion:
     for name in names:
         if name not in CRITERIA:
             raise InvalidInput(f"unknown criterion {quoted(name)}; there are {', '.join(CRITERIA)}")
+    for option, criterion in _OWN.items():
+        if criterion not in names:
+            refuse(options, [option], f"--{{}} belongs to --criterion {criterion}")
     return reduce(and_, [CRITERIA[name](world, options) for name in names])
 
 
 def _box(world: World, size: float) -> Array:
     """Half widths of a box over the linear directions."""
-    if size < 0:
-        raise InvalidInput(f"push, acceleration and speed must not be negative, got {size:g}")
+    as_number(size, "push, acceleration or speed", minimum=0.0)
     turns = len(world.robot.pattern.turn_axes)
     return np.append(np.full(world.robot.n_dof - turns, size), np.zeros(turns))
 
@@ -138,17 +148,20 @@ def _grid(world: World, options: argparse.Namespace) -> PoseGrid:
                          if scene.frame is None else scene.frame)
     if d == 3 or high[-1] - low[-1] < 0.1 * np.ptp(low):
         low[-1] = min(low[-1], scene.floor_height)
-    if d == 3 and not options.volume:
-        plane = "".join(sorted(options.plane or "xz"))
+    if d == 2:
+        refuse(options, ("plane", "at", "volume"), "--{} helps to choose a plane in space; this robot has but one")
+    elif options.volume:
+        refuse(options, ("plane", "at"), "--{} helps to choose a plane in space; this is a volume")
+    else:
+        plane = "xz" if options.plane is None else "".join(sorted(options.plane))
         if plane not in _HELD:
             raise InvalidInput(f"plane must be {', '.join(_HELD)}, got {quoted(options.plane)}")
         held = _HELD[plane]
-        low[held] = high[held] = (low[held] + high[held]) / 2 if options.at is None else options.at
-    elif options.plane or (d == 2 and options.at is not None):
-        raise InvalidInput("plane and at choose a plane in space; this is " + ("the plane" if d == 2 else "a volume"))
-    step = options.step or float((high - low).max()) / (30 if options.volume
-                                                        and d == 3 else 100)
-    return position_grid(low, high, step, rpy=options.rpy, angle=options.angle)
+        middle = (low[held] + high[held]) / 2
+        low[held] = high[held] = middle if options.at is None else as_number(options.at, "at", "m")
+    finest = float((high - low).max()) / (30 if options.volume else 100)
+    return position_grid(low, high, finest if options.step is None else options.step,
+                         rpy=options.rpy, angle=options.angle)
 
 
 def _table(world: World, grid: PoseGrid, criterion: Criterion, found: Judgement, jobs: int) -> dict[str, str]:
@@ -168,7 +181,7 @@ def _table(world: World, grid: PoseGrid, criterion: Criterion, found: Judgement,
     return table
 
 
-def _save(folder: Path, grid: PoseGrid, found: Judgement, table: dict[str, str]) -> None:
+def _save(folder: Path, grid: PoseGrid, found: Judgement) -> None:
     poses = grid.poses
     axes: dict[str, Any] = {f"axis_{name}": places for name, places in grid.axes.items()}
     with replaced(folder / "workspace.npz") as file:
@@ -178,4 +191,3 @@ def _save(folder: Path, grid: PoseGrid, found: Judgement, table: dict[str, str])
                for name, places in zip(axis_names(poses.dimension), poses.position.T)}
     write_csv(folder / "workspace.csv",
               {**columns, "inside": (found.inside, ""), "margin": (found.margin, "")})
-    write_rows(folder / "table.csv", table.items())

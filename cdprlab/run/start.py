@@ -82,7 +82,9 @@ def run(world: World, task: str = "default",
     if length > _MOST_STEPS * period:
         raise InvalidInput(f"a run of {length:g} s has more than {_MOST_STEPS} control steps of {period:g} s: "
                            "shorten it or take longer steps")
-    times: Array = np.arange(max(1, round(length / period)), dtype=float) * period
+    if length < 0.5 * period:
+        raise InvalidInput(f"duration must be at least one control step, {period:g} s, got {length:g} s")
+    times: Array = np.arange(round(length / period), dtype=float) * period
     if wound and controller is not None:
         raise InvalidInput(f"cables={quoted(cables)} winds by inverse kinematics and takes no controller")
     law = ComputedTorque() if controller is None else controller

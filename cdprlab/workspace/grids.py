@@ -11,6 +11,9 @@ from ..arrays import Array, as_array, as_number, checked, frozen
 from ..errors import InvalidInput
 from ..robot.pose import Pose
 
+MOST_POSES = 100_000_000
+"""In a grid: their verdicts and margins take about a gigabyte then."""
+
 
 @dataclass(frozen=True, eq=False)
 class PoseGrid:
@@ -88,8 +91,10 @@ def position_grid(lower: ArrayLike, upper: ArrayLike, step: float, *,
     """
     low, high = corners(lower, upper)
     spacing = as_number(step, "step", "m", positive=True)
-    counts = np.ceil((high - low) / spacing - 1e-9).astype(int) + 1
-    axes = {name: frozen(np.linspace(low[k], high[k], counts[k]))
+    counts = np.ceil((high - low) / spacing - 1e-9) + 1
+    if counts.prod() > MOST_POSES:
+        raise InvalidInput(f"step must leave at most {MOST_POSES:g} poses, got {spacing:g} m: {counts.prod():g} poses")
+    axes = {name: frozen(np.linspace(low[k], high[k], int(counts[k])))
             for k, name in enumerate(axis_names(len(low)))
             if high[k] > low[k]}
     if not axes:

@@ -1,6 +1,8 @@
 """Many poses, judged chunk by chunk: over cores or a cluster, with progress, kept on disk if wanted."""
 
+import signal
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -100,8 +102,22 @@ def _answers(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_j
     if n_jobs == 1 or effective_n_jobs(n_jobs) == 1:
         return (_judge(robot, part, criterion, margin) for part in parts)
     work = delayed(_judge)
-    return Parallel(n_jobs=n_jobs, return_as="generator")(work(robot, part, criterion, margin)
-                                                          for part in parts)
+    with _interrupts_held():
+        return Parallel(n_jobs=n_jobs, return_as="generator")(work(robot, part, criterion, margin)
+                                                              for part in parts)
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Ctrl-C waits. Processes that begin meanwhile never hear of it: it is for who has asked, and tells once."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _judge(robot: Robot, poses: Pose, criterion: Criterion, margin: bool) -> Judgement:
