@@ -2,8 +2,10 @@
 
 import csv
 import os
+import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -80,7 +82,7 @@ def test_workspace_writes_map_table_and_data(arguments, criterion, tmp_path, cap
     (["workspace", "caroca", "--criterion", "tipping_safe"], "this robot has none"),
     (["workspace", "planar_rigid", "--plane", "xy"], "choose a plane in space"),
     (["workspace", "planar_rigid", "--rpy", "0", "0", "1"], "takes angle="),
-    (["workspace", "caroca", "--push", "-3"], "must not be negative"),
+    (["workspace", "caroca", "--push", "-3"], "must be at least 0"),
     (["run", "carroca"], "did you mean 'caroca'"),
     (["run", "caroca", "--task", "none"], "there are default"),
     (["run", "caroca", "--dt", "0"], "dt must be positive"),
@@ -89,19 +91,42 @@ def test_workspace_writes_map_table_and_data(arguments, criterion, tmp_path, cap
     (["run", "caroca", "--method", "all", "--task", "none"], "there are default"),
     (["run", "caroca", "--control", "velocity"], "--control belongs to tasks of kind pick_and_place"),
     (["run", "fastkit_suspended", "--task", "pick_and_place", "--kp", "5"], "--kp has no say"),
+    (["run", "caroca", "--cables", "length", "--kd", "5"], "--kd has no say"),
+    (["run", "planar_point", "--duration", "1e9"], "duration must be from one control step"),
+    (["run", "planar_point", "--duration", "0.05", "--dt", "1"], "duration must be from one control step"),
+    (["run", "planar_point", "--duration", "0.05", "--dt", "1e-300"], "duration must be from one control step"),
+    (["run", "planar_point", "--kp", "1e300"], "must be finite"),
+    (["run", "planar_point", "--out", ""], "a path must be text"),
+    (["run", "planar_point", "--out", __file__], "something else has that name"),
+    (["run", "x" * 3000], "cannot read"),
+    (["run", ""], "unknown world ''"),
+    (["workspace", "planar_rigid", "--step", "0"], "step must be positive"),
+    (["workspace", "planar_rigid", "--step", "1e-9"], "at most 1e+08 poses"),
+    (["workspace", "planar_rigid", "--step", "1", "--jobs", "0"], "n_jobs must be"),
+    (["workspace", "planar_rigid", "--volume"], "choose a plane in space"),
+    (["workspace", "planar_rigid", "--speed", "3"], "--speed belongs to --criterion twist_feasible"),
+    (["workspace", "planar_rigid", "--step", "1", "--checkpoint", ""], "a path must be text"),
+    (["workspace", "caroca", "--plane", ""], "plane must be"),
+    (["workspace", "caroca", "--volume", "--at", "1"], "this is a volume"),
+    (["workspace", "caroca", "--at", "inf"], "at must be finite"),
 ])
-def test_wrong_input_is_one_line_and_exit_2(arguments, message, capsys):
+def test_wrong_input_is_one_line_and_exit_2(arguments, message, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
     assert main(arguments) == 2
     error = capsys.readouterr().err
-    assert message in error and len(error.strip().splitlines()) == 1
+    assert message in error and len(error.strip().splitlines()) == 1 and len(error) < 600
 
 
-@pytest.mark.parametrize("arguments", [["fly"], ["run"], ["run", "caroca", "--method", "magic"]])
+@pytest.mark.parametrize("arguments", [
+    [], ["fly"], ["run"], ["run", "caroca", "--method", "magic"], ["run", "caroca", "--task", "a\nb", "--dt", "1_"],
+    ["run", "caroca", "--method", "x" * 3000], ["run", "caroca", "a\nb"], ["workspace", "caroca", "--jobs", "2.5"],
+])
 def test_wrong_command_line_is_one_line_and_exit_2(arguments, capsys):
     with pytest.raises(SystemExit) as stop:
         main(arguments)
     assert stop.value.code == 2
-    assert len(capsys.readouterr().err.strip().splitlines()) == 1
+    error = capsys.readouterr().err
+    assert len(error.strip().splitlines()) == 1 and len(error) < 1000
 
 
 def test_a_reader_who_leaves_early_makes_no_noise():
@@ -111,3 +136,81 @@ def test_a_reader_who_leaves_early_makes_no_noise():
     left = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, timeout=60)
     os.close(writing)
     assert (left.returncode, left.stderr) == (141, b"")     # what a shell says of a broken pipe
+
+
+# --- nothing is lost ------------------------------------------------------------------------------------
+FLIGHT = ["run", "planar_point", "--no-pictures", "--duration", "0.05", "--out"]
+KEPT = {"log.csv", "log.npz", "settings.json", "world.yaml"}
+
+
+def told(shell, folder, **environment):
+    command = shell.format(" ".join([sys.executable, "-m", "cdprlab", *FLIGHT, str(folder)]))
+    return subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=60,
+                          env={**os.environ, **environment})
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="bash")
+@pytest.mark.parametrize("shell, environment", [
+    ("{} 2>&1 | true", {"PYTHONUNBUFFERED": "1"}), ("{} | head -1", {}), ("{} >&- 2>&-", {}), ("{} > /dev/full", {}),
+    ("{}", {"PYTHONIOENCODING": "ascii"}), ("{}", {"PYTHONIOENCODING": "cp1252"}),
+], ids=["closed pipes", "head", "closed streams", "full disk for the words", "ascii", "cp1252"])
+def test_whatever_becomes_of_the_words_the_data_is_there(shell, environment, tmp_path):
+    done = told(shell, tmp_path / "out", **environment)
+    assert {path.name for path in (tmp_path / "out").iterdir()} == KEPT
+    assert "Traceback" not in done.stderr and "Exception" not in done.stderr and done.returncode == 0
+    with np.load(tmp_path / "out" / "log.npz") as log:
+        assert len(log["time"]) == 50
+
+
+def test_a_disk_that_becomes_full_during_the_flight_costs_nothing(tmp_path, monkeypatch, capsys):
+    from cdprlab.errors import CannotWrite
+
+    save = cl.Run.save
+
+    def full(run, folder):
+        if folder == tmp_path:
+            raise CannotWrite(f"cannot write {folder}: No space left on device")
+        return save(run, folder)
+
+    monkeypatch.setattr(cl.Run, "save", full)
+    assert main([*FLIGHT, str(tmp_path)]) == 2
+    error = capsys.readouterr().err
+    assert "No space left" in error and {path.name for path in Path(error.split()[-1]).iterdir()} == KEPT
+
+
+@pytest.mark.parametrize("error, code", [
+    (KeyboardInterrupt(), 130), (cl.errors.SimulationDiverged("it left", 1.0, 2), 1), (MemoryError(), 2)])
+def test_what_was_flown_before_something_happened_is_saved_and_said(error, code, tmp_path, monkeypatch, capsys):
+    """An error of the engine at its twentieth step."""
+    world = cl.load_world("planar_point")
+    with cl.open_simulator(world) as engine:
+        kind = type(engine)
+    step, steps = kind.step, []
+
+    def breaking(engine, *arguments):
+        steps.append(1)
+        if len(steps) > 20:
+            raise error
+        return step(engine, *arguments)
+
+    monkeypatch.setattr(kind, "step", breaking)
+    assert main([*FLIGHT, str(tmp_path)]) == code
+    printed = capsys.readouterr()
+    assert "written to" in printed.out and "Traceback" not in printed.err
+    assert {path.name for path in tmp_path.iterdir()} == KEPT
+    with np.load(tmp_path / "log.npz") as log:
+        assert len(log["time"]) == 20
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def test_ctrl_c_is_told_once_also_with_workers(tmp_path):
+    command = [sys.executable, "-m", "cdprlab", "workspace", "caroca", "--volume", "--step", "0.03", "--jobs", "2",
+               "--no-pictures", "--out", str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          start_new_session=True) as process:
+        process.stdout.readline()
+        with pytest.raises(subprocess.TimeoutExpired):
+            process.wait(1.0)
+        os.killpg(process.pid, signal.SIGINT)    # as a terminal does: the workers too
+        _, error = process.communicate(timeout=60)
+    assert process.returncode == 130 and "Traceback" not in error and "cdprlab: stopped" in error

@@ -110,7 +110,8 @@ def _tasks(world: World) -> list[str]:
 def _run(options: argparse.Namespace) -> None:
     world = load_world(options.world)
     if options.task not in _tasks(world):
-        raise InvalidInput(f"world {world.name!r} has no task {quoted(options.task)}; there are {', '.join(_tasks(world))}")
+        raise InvalidInput(f"world {world.name!r} has no task {quoted(options.task)}; "
+                           f"there are {', '.join(_tasks(world))}")
     if options.method == "all":
         _compare(options, world)
     elif options.task == "mission" and "mission" not in world.tasks:

@@ -1,6 +1,7 @@
 """Many poses, judged chunk by chunk: over cores or a cluster, with progress, kept on disk if wanted."""
 
 import signal
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -102,22 +103,22 @@ def _answers(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_j
     if n_jobs == 1 or effective_n_jobs(n_jobs) == 1:
         return (_judge(robot, part, criterion, margin) for part in parts)
     work = delayed(_judge)
-    with _interrupts_held():
+    with _interrupts_ignored():
         return Parallel(n_jobs=n_jobs, return_as="generator")(work(robot, part, criterion, margin)
                                                               for part in parts)
 
 
 @contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Ctrl-C waits. Processes that begin meanwhile never hear of it: it is for who has asked, and tells once."""
-    if not hasattr(signal, "pthread_sigmask"):
+def _interrupts_ignored() -> Iterator[None]:
+    """For a moment. Processes that begin in it never hear of Ctrl-C: it is for who has asked, and is told once."""
+    if threading.current_thread() is not threading.main_thread():   # others have no say in signals
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.signal(signal.SIGINT, before or signal.SIG_DFL)
 
 
 def _judge(robot: Robot, poses: Pose, criterion: Criterion, margin: bool) -> Judgement:
