@@ -141,7 +141,8 @@ touch "$last/bin/pip"; chmod +x "$last/bin/python" "$last/bin/pip"
 ])
 def test_make_takes_the_newest_python_with_an_engine(there: dict[str, int], flown: str, tmp_path: Path):
     for name, minor in there.items():
-        (tmp_path / name).write_text(STAND_IN.format(python=sys.executable, version=(3, minor), missing=int(minor > 13)))
+        (tmp_path / name).write_text(STAND_IN.format(python=sys.executable, version=(3, minor),
+                                                      missing=int(minor > 13)))
         (tmp_path / name).chmod(0o755)
     tools = tmp_path / "tools"   # nothing else that the machine has
     tools.mkdir()

@@ -53,9 +53,9 @@ def replaced(path: str | Path) -> Iterator[IO[bytes]]:
 
 
 def write_text(path: str | Path, text: str) -> Path:
-    """A text file in UTF-8; raises CannotWrite."""
+    """A text file in UTF-8, what is no letter there as its number; raises CannotWrite."""
     with replaced(path) as file:
-        file.write(text.encode())
+        file.write(text.encode(errors="backslashreplace"))
     return Path(path)
 
 

@@ -17,6 +17,7 @@ from datetime import datetime
 from pathlib import Path
 
 from ...errors import InvalidInput
+from ...world.files import write_text
 from . import jail
 from .cells import Cell
 from .judge import Outcome
@@ -212,11 +213,9 @@ def missing(results: Iterable[Result], roster: Iterable[str]) -> list[Result]:
 
 
 def write_whole(path: Path, text: str) -> None:
-    """Write a file so that whoever looks sees all of it or what was there before."""
+    """Write a file so that whoever looks sees all of it or what was there before; its folder is made if missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(4)}")
-    part.write_text(text, encoding="utf-8", errors="backslashreplace")
-    part.replace(path)
+    write_text(path, text)
 
 
 _EDITION = hashlib.sha256(b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
