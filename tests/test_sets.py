@@ -2,6 +2,7 @@
 
 import dataclasses
 import itertools
+import pickle
 
 import numpy as np
 import pytest
@@ -385,3 +386,17 @@ def test_sliding_rows_are_coulombs_law_on_each_base(name):
 def test_friction_that_is_none(arguments):
     with pytest.raises(InvalidInput):
         sliding_rows(*case("two bases", 0), *arguments)
+
+
+@pytest.mark.parametrize("moving", ["all", "none"])
+def test_twist_sets_cross_process_borders(moving):
+    world = cl.load_world("planar_mcdpr")
+    there = cl.available_twist_set(world.robot, world.pose, moving)
+    back = pickle.loads(pickle.dumps(there))
+    assert back.volume == pytest.approx(there.volume) and (there == back) in (True, False)
+
+
+def test_trajectories_compare_and_hash():
+    path = cl.load_world("caroca").task().trajectory()
+    other = cl.load_world("caroca").task().trajectory()
+    assert path == path and (path == other) in (True, False) and len({path, other}) in (1, 2)

@@ -34,7 +34,7 @@ class Reference(NamedTuple):
 
 
 @checked
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trajectory:
     """A motion ``(t) → Reference`` that takes single times or arrays; before 0 and after ``duration`` it rests.
 

@@ -1,6 +1,7 @@
 """Available twist set: how fast the platform can move at a pose, with the bases standing or driving."""
 
 from collections.abc import Sequence
+from functools import partial
 from math import comb
 
 import numpy as np
@@ -56,7 +57,7 @@ def twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike, base_speed_max: 
     known = comb(m + a, m - 1) <= MOST_COMBINATIONS
     return Polytope(np.eye(n, n + a), rows, np.concatenate([cable, cable, base, base]),
                     np.zeros(n),
-                    (lambda: _outer_rows(j, b, cable, base)) if known else None)
+                    partial(_outer_rows, j, b, cable, base) if known else None)   # pickles, as no lambda does
 
 
 def one_pose(pose: Pose) -> Pose:
