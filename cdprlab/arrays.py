@@ -11,7 +11,7 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InvalidInput, Location, quoted
+from .errors import InvalidInput, Location, needed_by, quoted
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -119,6 +119,13 @@ def as_seed(value: Any) -> int:
     0
     """
     return as_count(value, "seed", 0, 2**64)
+
+
+def data_frame(columns: Mapping[str, Any]) -> Any:
+    """A pandas DataFrame of (N,) columns; raises MissingDependency where pandas is not installed."""
+    with needed_by("to_frame"):
+        import pandas
+    return pandas.DataFrame(dict(columns))
 
 
 def checked(public: Public) -> Public:

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from reprlib import Repr
-from shutil import which
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -219,6 +218,8 @@ def install_command(*modules: str) -> str:
 
 def _another_python() -> str:
     """An environment with PyBullet in it, where this Python can have none."""
+    from shutil import which
+
     served = any(name.startswith("pybullet") for name in requirements(python_version="3.13"))
     if served and which("uv"):
         return "uv venv --python 3.13 --seed .venv, then install cdprlab there"

@@ -1,7 +1,5 @@
 """What explorers and the designer share in a notebook: a widget that shows itself, and pictures with words."""
 
-import html
-from base64 import b64encode
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -48,12 +46,3 @@ def dismiss(widget: Any) -> None:
     for model in (getattr(widget, "style", None), widget.layout, widget):
         if model is not None:
             model.close()
-
-
-def picture_tag(png: bytes, alt_text: str) -> str:
-    """HTML of a picture: ipywidgets' Image knows no alternative text."""
-    width, height = (int.from_bytes(png[at:at + 4], "big") for at in (16, 20))
-    # Decoded before the page is painted again, and its place kept: no flicker while a slider
-    # moves.
-    return (f'<img decoding="sync" width="{width}" height="{height}" '
-            f'alt="{html.escape(alt_text)}" src="data:image/png;base64,{b64encode(png).decode("ascii")}">')

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..arrays import Array, as_number, checked, frozen
+from ..arrays import Array, as_number, checked, data_frame, frozen
 from ..errors import InvalidInput
 from ..mechanics.dynamics import inverse_dynamics
 from ..mechanics.statics import wrench_matrix
@@ -64,14 +64,24 @@ class TensionComparison:
         return [{name: getattr(self, name)[k] for name in self.COLUMNS}
                 for k in range(len(self.method))]
 
-    def __str__(self) -> str:
+    def to_frame(self) -> Any:
+        """A row a method, as a pandas DataFrame."""
+        return data_frame({name: getattr(self, name) for name in self.COLUMNS})
+
+    def lines(self) -> list[tuple[str, ...]]:
+        """The table in words: its head, then a line a method."""
         head = ("method", "feasible", "τ min [N]", "τ max [N]", "∫‖τ‖² [N² s]", "step [N]",
                 "continuous", "margin [N]",
                 "solve [µs]")
-        lines = [head, *(_line(row) for row in self.rows())]
+        return [head, *(_line(row) for row in self.rows())]
+
+    def __str__(self) -> str:
+        lines = self.lines()
         widths = [max(map(len, column)) for column in zip(*lines)]
         return "\n".join("  ".join(cell.rjust(width) if at else cell.ljust(width)
                                    for at, (cell, width) in enumerate(zip(line, widths))).rstrip() for line in lines)
+
+    __repr__ = __str__
 
 
 @checked

@@ -87,17 +87,29 @@ def save_record(folder: str | Path, columns: Mapping[str, tuple[Any, str]], worl
     return target
 
 
-def write_csv(path: Path, columns: Mapping[str, tuple[Any, str]]) -> None:
-    """One row a step; columns of several values get numbers, counted from 1, and their unit."""
-    header, blocks = [], []
+def flat_columns(columns: Mapping[str, tuple[Any, str]]) -> dict[str, Array]:
+    """One array (N,) a number: columns of several values get numbers, counted from 1, and their unit.
+
+    columns : name → (N, …) array and its unit
+
+    >>> list(flat_columns({"time": ([0.0], "s"), "position": ([[1.0, 2.0]], "m")}))
+    ['time [s]', 'position_1 [m]', 'position_2 [m]']
+    """
+    flat = {}
     for name, (values, unit) in columns.items():
         block = np.asarray(values, dtype=float)
         block = block.reshape(len(block), int(np.prod(block.shape[1:])))   # -1 fails where there are no rows
         numbers = [""] if block.shape[1] == 1 else [f"_{i + 1}" for i in range(block.shape[1])]
-        header += [f"{name}{number} [{unit}]" if unit else name + number for number in numbers]
-        blocks.append(block)
-    write_rows(path, chain([header], ([f"{value:.9g}" for value in row]
-                                      for row in np.hstack(blocks).tolist())))
+        for number, column in zip(numbers, block.T):
+            flat[f"{name}{number} [{unit}]" if unit else name + number] = column
+    return flat
+
+
+def write_csv(path: Path, columns: Mapping[str, tuple[Any, str]]) -> None:
+    """One row a step, columns as `flat_columns` has them."""
+    flat = flat_columns(columns)
+    write_rows(path, chain([list(flat)], ([f"{value:.9g}" for value in row]
+                                          for row in np.column_stack(list(flat.values())).tolist())))
 
 
 def write_rows(path: Path, rows: Iterable[Sequence[str]]) -> None:

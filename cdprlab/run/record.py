@@ -6,13 +6,13 @@ from typing import Any, Self
 
 import numpy as np
 
-from ..arrays import Array, frozen
+from ..arrays import Array, data_frame, frozen
 from ..mechanics.dynamics import pose_error
 from ..mechanics.trajectory import Reference
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import World
-from .log import save_record
+from .log import flat_columns, save_record
 from .loop import Flight
 
 
@@ -123,6 +123,16 @@ class Run:
             "real-time factor": f"{self.real_time_factor:.1f}",
             **({"cut short": self.cut_short} if self.cut_short else {}),
         }
+
+    def __repr__(self) -> str:
+        head = (f"{type(self).__name__}({self.world.name!r}, task {self.task}, {self.method}, "
+                f"cables={self.cables}, {len(self.time)} steps)")
+        rows = self.table().items() if len(self.time) else ()
+        return "\n".join([head, *(f"  {quantity}: {value}" for quantity, value in rows)][:10])
+
+    def to_frame(self) -> Any:
+        """A row a control step, as a pandas DataFrame with the columns of log.csv."""
+        return data_frame(flat_columns(self.columns()))
 
     def save(self, folder: str | Path, every: int = 1) -> Path:
         """Write log.npz (named arrays and their units), log.csv, the world used and the settings.

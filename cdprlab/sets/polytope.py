@@ -245,8 +245,11 @@ class Polytope:
     def __repr__(self) -> str:
         if self.is_empty:
             return f"Polytope(empty, {self.n}-D)"
-        flat = f", flat: dimension {self.dimension}" if self.dimension < self.n else ""
-        return f"Polytope({self.n}-D {type(self).__name__.lower()}{flat})"
+        try:
+            more = f", flat: dimension {self.dimension}" if self.dimension < self.n else ""
+        except NotListable:
+            more = ", unbounded"
+        return f"Polytope({self.n}-D {type(self).__name__.lower()}{more})"
 
     # --- inside -----------------------------------------------------------------------------------
     @cached_property

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, frozen
+from ..arrays import Array, data_frame, frozen
 from ..errors import InfeasibleTensions
 from .method import RESIDUAL_TOLERANCE, UNREACHABLE, Texts, broken_limit, limit_margin, limits_kept
 from .methods import METHODS
@@ -56,6 +56,20 @@ class TensionDistribution:
             texts[bad] = _reasons(self._problem, self.tensions[bad], self.residual[bad], said,
                                   ask_program=not self.complete)
         return texts if texts.ndim else texts[()]
+
+    def __repr__(self) -> str:
+        said = "feasible" if np.all(self.feasible) else "not feasible"
+        if np.ndim(self.feasible):
+            said = f"{np.count_nonzero(self.feasible)} of {np.size(self.feasible)} feasible"
+        with np.printoptions(precision=4, threshold=24, suppress=True):
+            return (f"TensionDistribution({self.method}, {said}, margin {np.min(self.margin, initial=np.inf):.4g} N,\n"
+                    f"tensions {self.tensions})")
+
+    def to_frame(self) -> Any:
+        """A row a wrench, as a pandas DataFrame: each cable's tension, the margin, and whether it is feasible."""
+        rows = self.tensions.reshape(-1, self.tensions.shape[-1])
+        return data_frame({f"cable {i + 1} [N]": tensions for i, tensions in enumerate(rows.T)}
+                          | {"margin [N]": np.ravel(self.margin), "feasible": np.ravel(self.feasible)})
 
     def require(self) -> TensionDistribution:
         """Itself if all is feasible; raises InfeasibleTensions, carrying it, if not."""

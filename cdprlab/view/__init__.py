@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput, needed_by
 from ..run.compare import TensionComparison
+from . import notebook as notebook  # from here on the library's objects show themselves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

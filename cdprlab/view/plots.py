@@ -85,6 +85,28 @@ def plot_run(run: Run) -> Figure:
                      f"{_tracking_in_words(run)} {_tensions_in_words(run)}")
 
 
+def plot_glance(run: Run) -> Figure:
+    """Position errors and tensions, small, side by side: how a run shows itself.
+
+    run : Run
+    """
+    d, robot = min(run.world.robot.dimension, run.errors.shape[1]), run.world.robot
+    with house_style():
+        figure = Figure(figsize=(8.0, 2.8), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        for panel in (left, right):
+            _share_time([panel], run)
+        _error_panel(left, run.time, 1e3 * run.errors[:, :d], axis_names(d), "error [mm]",
+                     "Position error")
+        names = [str(i + 1) for i in range(robot.n_cables)]
+        styles = [cable_style(i) for i in range(robot.n_cables)]
+        draw_lines(right, run.time, _shown(run), names, styles)
+        label_ends(right, _shown(run), names, [style.color for style in styles])
+        right.set(ylabel="tension [N]", title="Tensions")
+    figure.alt_text = f"{_tracking_in_words(run)} {_tensions_in_words(run)}"
+    return figure
+
+
 def save_figure(figure: matplotlib.figure.Figure, path: str | Path) -> Path:
     """Save a figure; its description goes into the file (PNG and SVG: Description, PDF: Subject).
 

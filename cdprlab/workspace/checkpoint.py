@@ -1,6 +1,5 @@
 """Finished chunks of a sweep on disk, each under a name that only the very same question has."""
 
-import hashlib
 import pickle
 import warnings
 from contextlib import suppress
@@ -22,6 +21,8 @@ class Checkpoint:
 
     def __init__(self, folder: str | Path, robot: Robot, criterion: Criterion, margin: bool, chunk: int) -> None:
         self.folder = made_folder(folder)
+        import hashlib   # here only: it takes a twentieth of the time of `import cdprlab`
+
         self._question = hashlib.sha256()
         _feed(self._question, (robot, criterion, margin, chunk))
 

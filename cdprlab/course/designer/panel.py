@@ -10,10 +10,11 @@ import ipywidgets
 
 from ...run import Run
 from ...tensions import tension_methods
+from ...view.notebook import picture_tag
 from ...world import World, load_world, world_names
 from ..brief import Brief
 from ..explorers.player import run_player
-from ..shown import Shown, picture_tag
+from ..shown import Shown
 from .assessment import PLANES
 from .design_picture import SIZE, DesignPicture
 from .edits import Path

@@ -4,10 +4,10 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
+from ...view.notebook import picture_tag
 from ...view.picture import Picture
 from ...view.style import INK, house_style
 from ...world import World
-from ..shown import picture_tag
 from .assessment import Slice
 from .report import in_words
 

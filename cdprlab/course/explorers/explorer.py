@@ -19,9 +19,10 @@ from matplotlib.lines import Line2D
 
 from ...arrays import as_number, checked
 from ...errors import CdprError, InvalidInput, quoted
+from ...view.notebook import picture_tag
 from ...view.picture import Picture
 from ...view.style import house_style
-from ..shown import Shown, picture_tag, style
+from ..shown import Shown, style
 from .since_start import with_changes
 
 _DOTS_PER_INCH = 126

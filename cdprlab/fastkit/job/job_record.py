@@ -18,7 +18,7 @@ _EVERY = 5
 """Rows that log.csv keeps one of, for spreadsheets; log.npz has them all."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Job(Chronicle, Run):
     """A job, done or stopped: a `Run` of N control steps under a ``method`` of control, and beside its columns:
 
