@@ -13,7 +13,7 @@ def lp_support(polytope, directions):
 def _stacked(polytope, directions):
     finite = np.isfinite(polytope.limits)
     goals = directions @ polytope.map
-    rows = scipy.sparse.block_diag([polytope.rows[finite]] * len(goals), format="csr")
+    rows = scipy.sparse.block_diag([scipy.sparse.coo_array(polytope.rows[finite])] * len(goals), format="csr")
     found = linprog(-goals.ravel(), A_ub=rows, b_ub=np.tile(polytope.limits[finite], len(goals)), bounds=(None, None),
                     method="highs")
     assert found.status == 0

@@ -110,7 +110,9 @@ def expected():
 
 
 def same(one, other):
-    return (one.inside == other.inside).all() and np.array_equal(one.margin, other.margin, equal_nan=True)
+    """Under numpy 2.5 a chunk's length decides how its last rows are summed: margins differ by 1e-12 N of thousands."""
+    return (one.inside == other.inside).all() and np.allclose(one.margin, other.margin, rtol=1e-12, atol=1e-11,
+                                                              equal_nan=True)
 
 
 def test_chunks_and_shapes_make_no_difference(expected):
@@ -122,7 +124,7 @@ def test_chunks_and_shapes_make_no_difference(expected):
     shaped = cl.Pose(poses.position.reshape(*GRID.shape, 3))
     assert same(cl.workspace(robot_3r3t(), shaped, cl.WrenchFeasible()), Judgement(*map(GRID.field, expected)))
     single = cl.workspace(robot_3r3t(), poses[5], cl.WrenchFeasible())
-    assert single.inside.shape == () and single.margin == expected.margin[5]
+    assert single.inside.shape == () and single.margin == pytest.approx(expected.margin[5], rel=1e-12, abs=1e-11)
 
 
 def test_cores_make_no_difference(expected):

@@ -38,7 +38,7 @@ def hand_out(folder: Path, lessons: list[Path] | None = None) -> list[str]:
     folder : made if missing
     lessons : files; default those that come with cdprlab
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    made_folder(folder)
     handed_out, told = _read(folder / RECORD), []
     for lesson in lesson_files() if lessons is None else lessons:
         mine, newest = folder / lesson.name, _hash(lesson)

@@ -21,7 +21,7 @@ class Checkpoint:
 
     def __init__(self, folder: str | Path, robot: Robot, criterion: Criterion, margin: bool, chunk: int) -> None:
         self.folder = made_folder(folder)
-        import hashlib   # here only: it takes a twentieth of the time of `import cdprlab`
+        import hashlib  # here only: it takes a twentieth of the time of `import cdprlab`
 
         self._question = hashlib.sha256()
         _feed(self._question, (robot, criterion, margin, chunk))
