@@ -122,7 +122,8 @@ def swallowed(notebook: Any) -> list[Any]:
 
 def alerts(notebook: Any) -> list[str]:
     """Mistakes an explorer shows in place of its numbers."""
-    return [state["value"] for state in _widgets(notebook, "HTMLModel") if 'role="alert"' in state.get("value", "")]
+    texts = [state.get("value", "") for state in _widgets(notebook, "HTMLModel")]
+    return [text for text in texts if '<div role="alert"' in text]
 
 
 def noise(notebook: Any) -> str:
