@@ -65,6 +65,10 @@ class CdprError(Exception):
         return copyreg.__newobj__, (type(self), *self.args), self.__dict__  # type: ignore[attr-defined]
 
 
+class CdprWarning(UserWarning):
+    """Something that was asked for has no effect, or a result that is not to be trusted; given by `warnings.warn`."""
+
+
 class InvalidInput(CdprError, ValueError):
     """A value that cannot be used; ``location`` names its place in a world, where it has one."""
 

@@ -125,6 +125,7 @@ def beyond(W, w_e, low, high):
 
 
 @pytest.mark.parametrize("name", WORLDS)
+@pytest.mark.filterwarnings("ignore:.*no cable can:cdprlab.errors.CdprWarning")   # it is sent all the same
 @pytest.mark.parametrize("method", [out_of_balance, beyond, "pseudo_inverse"])
 def test_every_method_is_judged(name, method):
     world = cl.load_world(name)

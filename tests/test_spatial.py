@@ -25,6 +25,7 @@ def with_task(world, name, task):
 SPATIAL = [name for name in cl.world_names() if cl.load_world(name).engine == "spatial"]
 
 
+@pytest.mark.filterwarnings("ignore:.*`winch:` has no effect:cdprlab.errors.CdprWarning")
 @pytest.mark.parametrize("name", SPATIAL)
 def test_every_world_hangs_still(name):
     """Platform within 1 mm after 2 s, nothing touching it, tensions measured as commanded."""
@@ -118,9 +119,9 @@ def test_reset_starts_anew():
 
 
 def test_divergence_says_when_and_which_cable():
-    """K_d dt = 100 is far beyond 2: the platform is thrown out of the scene."""
+    """K_d dt = 10 is beyond 2: the platform is thrown out of the scene."""
     world = cl.load_world("caroca")
-    wild = cl.ComputedTorque(1e6, 1e5)
+    wild = cl.ComputedTorque(1e4, 1e4)
     method = "pseudo_inverse"  # ignores the limits that would hold the explosion back
     with pytest.raises(SimulationDiverged, match=r"t = \S+ s.*cable \d") as caught:
         cl.run(world, method=method, controller=wild, duration=3.0, infeasible="send")

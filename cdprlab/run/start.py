@@ -3,12 +3,13 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
+from warnings import warn
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_answer, as_number, checked, frozen
-from ..errors import InvalidInput, quoted
+from ..errors import CdprWarning, InvalidInput, quoted
 from ..mechanics.cables import cable_lengths
 from ..mechanics.statics import wrench_matrix
 from ..mechanics.trajectory import Reference
@@ -82,8 +83,11 @@ def run(world: World, task: str = "default",
     if length > _MOST_STEPS * period:
         raise InvalidInput(f"a run of {length:g} s has more than {_MOST_STEPS} control steps of {period:g} s: "
                            "shorten it or take longer steps")
-    if length < 0.5 * period:
+    if length < period * (1 - 1e-9):
         raise InvalidInput(f"duration must be at least one control step, {period:g} s, got {length:g} s")
+    if robot.winch is not None:
+        warn("the world's `winch:` has no effect in a run: its torque, speed and friction limit nothing here, "
+             "only in fastkit.pick_and_place", CdprWarning, stacklevel=2)
     times: Array = np.arange(round(length / period), dtype=float) * period
     if wound and controller is not None:
         raise InvalidInput(f"cables={quoted(cables)} winds by inverse kinematics and takes no controller")
@@ -139,6 +143,8 @@ def run(world: World, task: str = "default",
                          frozen(np.reshape(drive.poses[:steps], (steps, len(robot.bases), 3))))
             if wound:
                 return run
+            if not flight.cut_short:
+                _mistrust(run)
             W = (wrench_matrix(robot, run.poses) if drive is None else
                  np.reshape(drive.matrices[:steps], (steps, robot.n_dof, robot.n_cables)))
             wanted = flight.log["wanted_wrench"][:-1]
@@ -165,6 +171,20 @@ def control_steps(dt: float, control_period: float | None) -> tuple[int, float]:
     if not 1 <= substeps <= _MOST_STEPS or abs(substeps * step - period) > 1e-9 * period:
         raise InvalidInput(f"control_period must be a whole multiple of dt, got {period:g} s and {step:g} s")
     return substeps, substeps * step
+
+
+def _mistrust(run: Run) -> None:
+    """Warn where cables did not carry what was commanded, or pushed: by more than 1 N and 1 % of the largest."""
+    off = np.abs(run.measured_tensions - run.commanded_tensions)
+    allowed = 1 + 0.01 * np.abs(run.commanded_tensions).max(axis=1, keepdims=True)
+    bad = np.argwhere((off > allowed) | (run.measured_tensions < -allowed))
+    if len(bad):
+        k, cable = bad[0]
+        asked, carried = run.commanded_tensions[k, cable], run.measured_tensions[k, cable]
+        remedy = ("no cable can: let the method keep its limits, infeasible=\"relax\"" if asked < 0 else
+                 "do not trust it; cables=\"force\" or a smaller dt may help")
+        warn(f"at t = {run.time[k]:.4g} s cable {cable + 1} was to carry {asked:.4g} N and carried {carried:.4g} N: "
+             f"{remedy}", CdprWarning, stacklevel=2)
 
 
 def _cut_steps(cut: Cuts, m: int, steps: int, period: float) -> dict[int, list[int]]:

@@ -17,6 +17,7 @@ Leg = tuple[int, int]
 """A cable: the body it belongs to, and that body's prismatic joint, whose link is the tip."""
 
 _NOTHING = (0.0, 0.0, 0.0)
+_UNBREAKABLE = 1e12    # N, and more than any robot has
 
 
 class Legs:
@@ -33,6 +34,9 @@ class Legs:
                                                   bullet.JOINT_POINT2POINT,
                                                   ORIGIN, pivot, ORIGIN))
                       for (leg, tip), pivot in zip(legs, pivots.tolist())]
+        # By default a constraint gives up above an impulse of 500 N s a step, without a word.
+        for tie in self._ties:
+            bullet.changeConstraint(tie, maxForce=_UNBREAKABLE)
 
     def pull(self, tensions: Array) -> None:
         """Hold these (m,) tensions over the coming engine call [N]."""

@@ -69,7 +69,8 @@ class PlanarSimulator(Simulator):
         robot = self.world.robot
         self.bases = PlanarBases(robot, self.dt)
         self._pulls = [0.0] * robot.n_cables
-        self._reach = 20 * (1 + float(np.abs(robot.exit_points).max() + np.abs(start.position).max()))
+        self._reach = 20 * (1 + float(np.abs(robot.exit_points).max() + np.abs(start.position).max()
+                                      + abs(self.world.scene.floor_height)))
         # A new space: nothing of the last run, such as an impulse kept for the solver's start,
         # stays behind.
         self.space = self._space = PlanarSpace(self._pymunk, self.world, start,

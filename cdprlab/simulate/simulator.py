@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -183,6 +183,9 @@ class Simulator(ABC):
             f"the simulation diverged at t = {self.time:.4g} s: the platform left the scene; cable {worst + 1} carried "
             f"most, {pulls[worst]:.3g} N; take a smaller dt or lower gains (K_d times the control period must stay "
             "below 2)", self.time, worst + 1)
+
+    def __reduce__(self) -> Any:
+        raise InvalidInput("a simulator cannot be pickled or copied: open one where it is needed")
 
     def __enter__(self) -> Self:
         return self

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterable
 from typing import Any
+from warnings import warn
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, frozen
-from ..errors import InvalidInput
+from ..errors import CdprWarning, InvalidInput
 from ..mechanics.cables import Cables
 from ..mechanics.statics import gravity_wrench
 from ..robot import Robot
@@ -22,6 +23,7 @@ from .simulator import Simulator
 from .spatial_bases import SpatialBases
 
 _NOTHING = np.zeros(6)
+_FELT = 0.01   # of the platform's mass: what its cables' tips may weigh
 _AMPLE = 1.0  # m: a cut rope does not become taut in any one step
 
 
@@ -62,6 +64,10 @@ class SpatialSimulator(Simulator):
         if cables == "elastic" and robot.elasticity is None:
             raise InvalidInput(f"cables=\"elastic\" needs the ropes' stiffness: world {world.name!r} has no "
                                "`cable: {axial_stiffness: …}` block")
+        tips = robot.n_cables * tip_mass
+        if cables != "force" and tips > _FELT * robot.mass:
+            warn(f"the platform of {robot.mass:g} kg feels its cables' tips of {tips:g} kg together; "
+                 "use cables=\"force\" or a smaller tip_mass", CdprWarning, stacklevel=3)
         self._tip_mass, self._bodies = float(tip_mass), bodies
         self.bullet, self._frame = Bullet.connect(), _BodyFrame(robot)
         # Threshold 0: the default ends the iterations early, at a moment that depends on the
@@ -91,7 +97,9 @@ class SpatialSimulator(Simulator):
         self._present: Robot | None = None
         self._legs = None if self.cables == "force" else self._add_legs(start)
         self.tensions = frozen(np.zeros(robot.n_cables))
-        self._reach = 5 * (1 + float(np.abs(robot.exit_points).max() + np.abs(start.position).max()))
+        # A fall ends on the floor, however deep that lies.
+        self._reach = 5 * (1 + float(np.abs(robot.exit_points).max() + np.abs(start.position).max()
+                                     + abs(self.world.scene.floor_height)))
         self._read()
         self.carry(robot)
         self.paid_out = self._wound_at_rest() if self.is_wound else []
