@@ -3,6 +3,16 @@
 The words that these loops and who calls them share are here.
 """
 
+TOLERANCE = 1e-8
+"""Of 1 + |w_e|∞ the residual that a distribution may leave, of 1 + |w_e|∞ + τ_min what a tension may lack of its limits.
+
+A thousand times what rounding leaves, a thousandth of what a load cell sees. No upper limit
+counts: a generous one must not change another cable's answer.
+"""
+
+FIXED = TOLERANCE / 10
+"""Of 1 + τ_min: limits closer than this are one number."""
+
 CENTROID, LOWEST, HIGHEST, NOTHING = 0, 1, 2, 3
 """What to pick of a polygon: the area's centroid, the corner of least or largest sum, or no point at all."""
 

@@ -5,22 +5,20 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from . import FOUND, OUT_OF_RANGE, SPENT
+from . import FIXED, FOUND, OUT_OF_RANGE, SPENT, TOLERANCE
 from .jit import compiled, compiled_for_batches
-from .linear_algebra import FREE, HELD, balance, nearest
+from .linear_algebra import FREE, HELD, balance, nearest, wrench_size
 
-# Cables with limits closer than this have no choice; a limit is broken beyond rounding from
-# this on.
-FIXED, BROKEN = 1e-9, 1e-12
+BROKEN = TOLERANCE / 100   # less than this of a cable's scale is rounding
 
 
 @compiled
-def worst_cable(tau: Array, low: Array, high: Array, row: int, held: Any, slack: float) -> int:
-    """The cable that is not held and leaves its limits by most, by more than ``slack``; −1 if all keep them."""
-    worst, excess = -1, slack
+def worst_cable(tau: Array, low: Array, high: Array, row: int, held: Any, size: float) -> int:
+    """The cable that is not held and leaves its limits by most, and by more than rounding; −1 if all keep them."""
+    worst, excess = -1, 0.0
     for j in range(tau.shape[0]):
         over = max(low[row, j] - tau[j], tau[j] - high[row, j])
-        if not held[j] and over > excess:
+        if not held[j] and over > max(excess, BROKEN * (size + low[row, j])):
             worst, excess = j, over
     return worst
 
@@ -42,12 +40,10 @@ def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds:
     wish, held, gram, lam, tau = np.empty(m), np.empty(m, np.bool_), np.empty((m, m)), np.empty(m), np.empty(m)
     for k in range(count):
         row = k if low.shape[0] > 1 else 0
-        largest = 0.0
-        for j in range(m):
-            largest = max(largest, high[row, j])
+        size = wrench_size(w_e, k)
         for j in range(m):
             wish[j] = low[row, j] + share * (high[row, j] - low[row, j])
-            held[j] = high[row, j] - low[row, j] <= FIXED * largest
+            held[j] = high[row, j] - low[row, j] <= FIXED * (1.0 + low[row, j])
         left = rounds
         while True:
             for j in range(m):
@@ -59,7 +55,7 @@ def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds:
                 tau[i] = c[i]
                 for a in range(free):
                     tau[i] += D[i, a] * lam[a]
-            worst = worst_cable(tau, low, high, row, held, BROKEN * largest)
+            worst = worst_cable(tau, low, high, row, held, size)
             found[k] = FOUND
             if not reachable:
                 found[k] = OUT_OF_RANGE if left == rounds else SPENT

@@ -7,7 +7,7 @@ import numpy as np
 from ..arrays import Array
 from . import EMPTY, FOUND
 from .jit import compiled, compiled_for, compiled_for_batches
-from .linear_algebra import FREE, balance, nearest
+from .linear_algebra import FREE, balance, nearest, wrench_size
 from .polygon import polygon
 
 
@@ -58,24 +58,31 @@ def inside(c: Array, D: Array, point: Array, low: Array, high: Array, row: int) 
 @compiled
 def border_point(c: Array, D: Array, corners: Array, first: int, count: int, point: Array) -> None:
     """The point of least ‖c + D λ‖ on the border: on each edge p + s (q − p) the best s, kept from 0 to 1."""
+    for k in range(first, first + count):
+        corners[k, 2] = 0.0
+        for i in range(c.shape[0]):
+            tau = c[i] + D[i, 0] * corners[k, 0] + D[i, 1] * corners[k, 1]
+            corners[k, 2] += tau * tau
     least = np.inf
     before = first + count - 1
     for k in range(first, first + count):
-        x, y = corners[k, 0] - corners[before, 0], corners[k, 1] - corners[before, 1]
-        square, along, steepness = 0.0, 0.0, 0.0
+        near, far = before, k   # from a far end rounding would be felt
+        if corners[k, 2] < corners[before, 2]:
+            near, far = k, before
+        x, y = corners[far, 0] - corners[near, 0], corners[far, 1] - corners[near, 1]
+        along, steepness = 0.0, 0.0
         for i in range(c.shape[0]):
-            start = c[i] + D[i, 0] * corners[before, 0] + D[i, 1] * corners[before, 1]
+            start = c[i] + D[i, 0] * corners[near, 0] + D[i, 1] * corners[near, 1]
             step = D[i, 0] * x + D[i, 1] * y
-            square += start * start
             along -= start * step
             steepness += step * step
         s = 0.0
         if along > 0.0:
             s = min(along / steepness, 1.0)
-        square += s * (s * steepness - 2.0 * along)
+        square = corners[near, 2] + s * (s * steepness - 2.0 * along)
         if square < least:
             least = square
-            point[0], point[1] = corners[before, 0] + s * x, corners[before, 1] + s * y
+            point[0], point[1] = corners[near, 0] + s * x, corners[near, 1] + s * y
         before = k
 
 
@@ -94,16 +101,14 @@ def least_norms(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, A
     corners, point, zero, gram = np.empty((4 * m + 16, 3)), np.empty(2), np.zeros(m), np.empty((2, 2))
     for k in range(count):
         row = k if low.shape[0] > 1 else 0
-        largest = 0.0
         for j in range(m):
             owner[j] = FREE
-            largest = max(largest, high[row, j])
         found[k], spare[k] = balance(W, w_e, k, c, rows, line, owner, c, D)
         point[0] = point[1] = 0.0 if found[k] == FOUND else np.nan
         if found[k] == FOUND:
             nearest(c, D, spare[k], zero, gram, point)
             if not inside(c, D, point, low, high, row):
-                first, sides = polygon(c, D, owner, low, high, row, largest, corners)
+                first, sides = polygon(c, D, owner, low, high, row, wrench_size(w_e, k), corners)
                 if sides == 0:
                     found[k] = EMPTY
                     point[0] = np.nan

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from . import FOUND, OUT_OF_RANGE, TOO_REDUNDANT
+from . import FOUND, OUT_OF_RANGE, TOLERANCE, TOO_REDUNDANT
 from .jit import compiled
 
 FREE, HELD, CARRIED = -1, -2, -3
@@ -19,7 +19,15 @@ FREE, HELD, CARRIED = -1, -2, -3
 # A row this much smaller than it was depends on those before it: elimination leaves about 1e-15
 # of it.
 DEPENDENT = 1e-12
-OFF_RANGE = 1e-8
+
+
+@compiled
+def wrench_size(w_e: Array, k: int) -> float:
+    """1 + |w_e|∞ of pose k: what tolerances are shares of."""
+    size = 1.0
+    for i in range(w_e.shape[1]):
+        size = max(size, 1.0 + abs(w_e[k, i]))
+    return size
 
 
 @compiled
@@ -34,10 +42,9 @@ def balance(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: Arr
     TOO_REDUNDANT or FOUND; and how many λ there are, one per free cable.
     """
     n, m = rows.shape[0], c.size
-    size = 1.0
+    size = wrench_size(w_e, k)
     for i in range(n):
         rows[i, m] = -w_e[k, i]
-        size = max(size, 1.0 + abs(w_e[k, i]))
         for j in range(m):
             rows[i, j] = W[k, i, j]
             if owner[j] == HELD:
@@ -51,7 +58,7 @@ def balance(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: Arr
             if owner[j] == FREE and abs(rows[i, j]) > largest:
                 pivot, largest = j, abs(rows[i, j])
         if largest <= DEPENDENT * before:
-            agree = agree and abs(rows[i, m]) <= OFF_RANGE * size
+            agree = agree and abs(rows[i, m]) <= TOLERANCE * size
             continue
         owner[pivot] = i
         scale = 1.0 / rows[i, pivot]

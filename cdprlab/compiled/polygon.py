@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from . import CENTROID, EMPTY, FOUND, LOWEST, NOTHING
+from . import CENTROID, EMPTY, FOUND, LOWEST, NOTHING, TOLERANCE
 from .jit import compiled, compiled_for_batches
-from .linear_algebra import FREE, balance
+from .linear_algebra import FREE, balance, wrench_size
 
 # Limits are met when missed by rounding only; and if nothing meets them, by half of what the
 # result's check forgives.
-ROUNDING, BORDER = 1e-13, 5e-9
+ROUNDING, BORDER = 1e-13, TOLERANCE / 2
 # A polygon of less area than this, relative to its length squared, is a segment: rounding
 # leaves about 1e-16.
 THIN = 1e-12
@@ -34,9 +34,11 @@ def clip(corners: Array, first: int, count: int, limit: float, sign: float, miss
     for now in range(first, first + count):
         over = sign * corners[now, 2] - limit
         if (over > miss) != (over_before > miss):
-            share = over_before / (over_before - over)
+            near, far, share = before, now, over_before / (over_before - over)
+            if share > 0.5:   # from the end that is far, say at 1e12 N, rounding would be felt
+                near, far, share = now, before, over / (over - over_before)
             for a in range(3):
-                corners[to, a] = corners[before, a] + share * (corners[now, a] - corners[before, a])
+                corners[to, a] = corners[near, a] + share * (corners[far, a] - corners[near, a])
             to += 1
         if over <= miss:
             for a in range(3):
@@ -48,14 +50,14 @@ def clip(corners: Array, first: int, count: int, limit: float, sign: float, miss
 
 
 @compiled
-def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, row: int, largest: float,
+def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, row: int, size: float,
             corners: Array) -> tuple[int, int]:
     """Corners, in order, of {λ : low[row] ≤ c + D λ ≤ high[row]}; a segment has 2 or more, a point 1 or more.
 
-    largest : of the upper limits [N]
+    size : `wrench_size`
     Returns where in ``corners`` they begin, and how many they are.
     """
-    slack, miss = 0.0, ROUNDING * largest
+    slack, miss = 0.0, ROUNDING
     for _ in range(2):
         first: Any = np.int64(0)   # for bare literals `clip` would be compiled a second time
         count: Any = np.int64(1)
@@ -66,24 +68,25 @@ def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, row: int, l
                 axis = count // 2
                 for k in range(count):
                     corners[2 * count - 1 - k, 0] = corners[k, 0]
-                    corners[k, axis] = low[row, j] - slack
-                    corners[2 * count - 1 - k, axis] = high[row, j] + slack
+                    corners[k, axis] = low[row, j] - slack * (size + abs(low[row, j]))
+                    corners[2 * count - 1 - k, axis] = high[row, j] + slack * (size + abs(low[row, j]))
                 count *= 2
         for j in range(c.shape[0]):
             for sign in (-1.0, 1.0):
                 if owner[j] == FREE or count == 0:
                     continue
-                limit = slack + (high[row, j] if sign > 0.0 else -low[row, j])
+                scale = size + abs(low[row, j])
+                limit = slack * scale + (high[row, j] if sign > 0.0 else -low[row, j])
                 broken = False
                 for k in range(first, first + count):
                     corners[k, 2] = c[j] + D[j, 0] * corners[k, 0] + D[j, 1] * corners[k, 1]
-                    broken |= sign * corners[k, 2] > limit + miss
+                    broken |= sign * corners[k, 2] > limit + miss * scale
                 if broken:
-                    count = clip(corners, first, count, limit, sign, miss)
+                    count = clip(corners, first, count, limit, sign, miss * scale)
                     first = corners.shape[0] // 2 - first
         if count > 0:
             break
-        slack, miss = BORDER * largest, 0.0   # one last point on the very border is lost to rounding
+        slack, miss = BORDER, 0.0   # one last point on the very border is lost to rounding
     return first, count
 
 
@@ -142,21 +145,21 @@ def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[
     corners, point = np.empty((4 * m + 16, 3)), np.empty(2)
     for k in range(count):
         row = k if low.shape[0] > 1 else 0
-        largest = 0.0
+        size, least = wrench_size(w_e, k), 0.0
         for j in range(m):
             owner[j] = FREE
-            largest = max(largest, high[row, j])
+            least = max(least, low[row, j])
         found[k], spare[k] = balance(W, w_e, k, c, rows, line, owner, c, D)
         point[0] = point[1] = np.nan
         if found[k] == FOUND:
-            first, sides = polygon(c, D, owner, low, high, row, largest, corners)
+            first, sides = polygon(c, D, owner, low, high, row, size, corners)
             if sides == 0:
                 found[k] = EMPTY
             elif pick == CENTROID:
                 centroid(corners, first, sides, point)
             elif pick != NOTHING:
                 corner(D, corners, first, sides, 1.0 if pick == LOWEST else -1.0,
-                       1e-9 * largest, point)
+                       1e-9 * (size + least), point)
         for i in range(m):
             tensions[k, i] = c[i] + D[i, 0] * point[0] + D[i, 1] * point[1]
     return tensions, found, spare

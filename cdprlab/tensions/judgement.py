@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, data_frame, frozen
+from ..arrays import Array, Flags, data_frame, frozen
 from ..errors import InfeasibleTensions
-from .method import RESIDUAL_TOLERANCE, UNREACHABLE, Texts, broken_limit, limit_margin, limits_kept
+from .law import shortfall, weigh
+from .method import PROOFS, UNREACHABLE, Texts
 from .methods import METHODS
 
 
@@ -32,7 +33,6 @@ class TensionDistribution:
     residual : (…, n) W τ + w_e [N, N m]
     margin : (…) distance to the nearest limit, negative outside [N]
     method : its name
-    complete : whether the method finds a distribution whenever one exists
     reason : '' when feasible, else why not; an array in a batch; put into words when first
         asked for
     """
@@ -42,9 +42,21 @@ class TensionDistribution:
     residual: Array
     margin: Any
     method: str
-    complete: bool
     _problem: Problem | None = field(repr=False)
     _said: Any = field(repr=False)
+
+    @cached_property
+    def complete(self) -> Any:
+        """Whether "infeasible" means that no distribution exists, for such a method finds one whenever there is one.
+
+        False where the method does not apply or gave up; an array where that differs within a batch.
+        """
+        if self.method not in METHODS or not METHODS[self.method].complete:
+            return False
+        silent = np.array(~np.asarray(self.feasible))
+        said = np.broadcast_to(np.array(self._said, dtype=object), silent.shape)
+        silent[silent] = [not text.startswith(PROOFS) for text in said[silent]]
+        return ~silent if silent.ndim and silent.any() else not silent.any()
 
     @cached_property
     def reason(self) -> Any:
@@ -53,8 +65,9 @@ class TensionDistribution:
         bad = ~np.asarray(self.feasible)
         if self._problem is not None:
             said = np.broadcast_to(np.array(self._said, dtype=object), bad.shape)[bad]
-            texts[bad] = _reasons(self._problem, self.tensions[bad], self.residual[bad], said,
-                                  ask_program=not self.complete)
+            proven = np.broadcast_to(self.complete, bad.shape)[bad]
+            texts[bad] = _reasons(self._problem, self.tensions[bad], self.residual[bad], np.asarray(self.margin)[bad],
+                                  said, proven)
         return texts if texts.ndim else texts[()]
 
     def __repr__(self) -> str:
@@ -90,26 +103,12 @@ def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions
     Arrays as in `distribute_tensions`; tensions (…, m) with the whole batch shape; reasons :
     str or (…) of str
     """
-    margin = limit_margin(tensions, low, high)
-    inside = margin >= 0
-    if not inside.all():   # first clipped, then weighed: what is returned is what was judged
-        near = limits_kept(margin, high) & ~inside
-        tensions = np.where(near[..., None], np.clip(tensions, low, high), tensions)
-        margin = np.where(near, 0.0, margin)
-        inside = inside | near
-    residual = np.einsum("...ij,...j->...i", W, tensions) + w_e
-    feasible = inside & (_largest(residual) <= RESIDUAL_TOLERANCE * (1 + _largest(w_e)))
+    tensions, residual, margin, feasible = weigh(W, w_e, low, high, tensions)
     problem = None if feasible.all() else _selected(Problem(W, w_e, low, high), ~feasible)
     if tensions.ndim == 1:
         feasible, margin = bool(feasible), float(margin)
-    complete = method in METHODS and METHODS[method].complete
     return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method,
-                               complete, problem, reasons)
-
-
-def _largest(values: Array) -> Any:
-    """max |·| over the last axis, which is short: numpy is several times faster along a long one."""
-    return np.abs(np.ascontiguousarray(values.T)).max(axis=0).T
+                               problem, reasons)
 
 
 def _selected(problem: Problem, bad: Any) -> Problem:
@@ -119,13 +118,12 @@ def _selected(problem: Problem, bad: Any) -> Problem:
                      for part, own in ((W, 2), (w_e, 1), (low, 1), (high, 1))))
 
 
-def _reasons(problem: Problem, tensions: Array, residual: Array, said: Texts, *, ask_program: bool) -> Texts:
+def _reasons(problem: Problem, tensions: Array, residual: Array, margin: Array, said: Texts, proven: Flags) -> Texts:
     texts = said.copy()
     for k in np.flatnonzero(said == ""):
-        missed = f"the wrench is missed by {np.abs(residual[k]).max():.3g} N or N m"
-        texts[k] = broken_limit(tensions[k], problem.low[k], problem.high[k]) or missed
-    if ask_program:
-        asked = np.flatnonzero(texts != UNREACHABLE)
+        texts[k] = shortfall(tensions[k], residual[k], margin[k], problem.low[k], problem.high[k])
+    asked = np.flatnonzero((texts != UNREACHABLE) & ~proven)
+    if asked.size:
         program = METHODS["linear_program"].batch()(*(part[asked] for part in problem))[1]
         texts[asked] += np.where(program == "", "; the LP says a distribution exists",
                                  "; the LP says none exists")

@@ -5,7 +5,8 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import LOWEST
 from .feasible_polygon import polygon_points, unanswered
-from .method import INFEASIBLE, RESIDUAL_TOLERANCE, UNREACHABLE, Answers, BatchSolver, Solution, sharpened, vectorized
+from .law import reachable, tension_scale
+from .method import INFEASIBLE, UNREACHABLE, Answers, BatchSolver, Solution, sharpened, vectorized
 
 
 def batch() -> BatchSolver:
@@ -28,13 +29,14 @@ def batch() -> BatchSolver:
 def _highs(W: Array, w_e: Array, low: Array, high: Array) -> Solution:
     from scipy.optimize import linprog
 
-    found = linprog(np.ones(low.size), A_eq=W, b_eq=-w_e, bounds=np.stack([low, high], axis=1),
+    unit = tension_scale(w_e, low).max()   # HiGHS's tolerances are absolute
+    found = linprog(np.ones(low.size), A_eq=W, b_eq=-w_e / unit, bounds=np.stack([low, high], axis=1) / unit,
                     method="highs-ds")
-    if found.status == 0:
-        return sharpened(W, w_e, low, high, found.x), ""   # HiGHS leaves 1e-7 of equilibrium, ten times the tolerance
-    best = np.linalg.lstsq(W, -w_e, rcond=None)[0]
-    reachable = np.abs(W @ best + w_e).max() <= RESIDUAL_TOLERANCE * (1 + np.abs(w_e).max())
-    return np.full(low.size, np.nan), INFEASIBLE if reachable else UNREACHABLE
+    if found.status == 0:   # it leaves 1e-7 of equilibrium, ten times the tolerance
+        return sharpened(W, w_e, low, high, found.x * unit), ""
+    if not reachable(W, w_e):
+        return np.full(low.size, np.nan), UNREACHABLE
+    return np.full(low.size, np.nan), INFEASIBLE if found.status == 2 else f"HiGHS gave up: {found.message}"
 
 
 METHOD = vectorized(batch, complete=True,

@@ -1,24 +1,20 @@
 """What a tension distribution method is: solved for a batch at once, or built for its limits and solved one by one."""
 
 from collections.abc import Callable
-from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, Flags
-
-# Equilibrium to 1e-8 of the wrench, limits to 1e-8 of the largest: a thousand times what
-# rounding leaves in a well-posed program, a thousandth of what a load cell sees.
-RESIDUAL_TOLERANCE = 1e-8
-LIMIT_TOLERANCE = 1e-8
-
-# Limits closer than a tenth of what the result's check forgives are one number.
-FIXED = LIMIT_TOLERANCE / 10
+from ..compiled import FIXED
+from .law import limits_kept, tension_scale, weigh_one
 
 INFEASIBLE = "no tensions within the limits balance the wrench"
 UNREACHABLE = "the cables cannot exert this wrench at any tension: it lies outside the range of W"
+PROOFS = (INFEASIBLE, UNREACHABLE.split(":")[0])
+"""How the reasons begin that say more than that a method found nothing."""
+
 NOT_FINITE = "the wrench is not finite"
 
 Texts = NDArray[np.object_]
@@ -59,23 +55,17 @@ class Method(NamedTuple):
         return tuple(p.name for p in parameters if p.kind is p.KEYWORD_ONLY)
 
 
-def vectorized(batch: Callable[..., BatchSolver], *, complete: bool, summary: str, judged: bool = True) -> Method:
-    """The method of a batch solver; one wrench is then a batch of one.
-
-    judged : whether breaking a limit is a reason not to use the answer, in a control loop too
-    """
+def vectorized(batch: Callable[..., BatchSolver], *, complete: bool, summary: str) -> Method:
+    """The method of a batch solver; one wrench is then a batch of one, and weighed: a control loop asks nobody else."""
 
     def build(n: int, tension_min: Array, tension_max: Array, **options: Any) -> Solver:
         solve_batch, low, high = batch(**options), tension_min[None], tension_max[None]
 
         def solve(W: Array, w_e: Array) -> Solution:
             tensions, reasons = solve_batch(W[None], w_e[None], low, high)
-            tau, reason = tensions[0], reasons[0]
-            if not reason and not isfinite(tau.sum()):
-                reason = NOT_FINITE
-            elif not reason and judged:
-                reason = broken_limit(tau, tension_min, tension_max)
-            return tau, reason
+            if reasons[0]:
+                return tensions[0], reasons[0]
+            return weigh_one(W, w_e, tension_min, tension_max, tensions[0])
 
         return solve
 
@@ -99,41 +89,21 @@ def no_reasons(count: int) -> Texts:
     return np.full(count, "", dtype=object)
 
 
-def limit_margin(tensions: Array, low: Array, high: Array) -> Any:
-    """(…) distance to the nearest limit, negative outside; NaN tensions have none [N]."""
-    room = np.minimum(tensions - low, high - tensions)
-    # The last axis is short, and numpy several times faster along a long one.
-    return np.ascontiguousarray(room.T).min(axis=0).T
-
-
-def limits_kept(margin: Any, high: Array) -> Any:
-    """(…) whether a `limit_margin` is none or no more than rounding outside."""
-    return margin >= -LIMIT_TOLERANCE * high.max(axis=-1)
-
-
-def broken_limit(tau: Array, low: Array, high: Array) -> str:
-    """The cable that leaves its limits by most, in words; '' if all keep them."""
-    if limits_kept(limit_margin(tau, low, high), high):
-        return ""
-    worst = int(np.minimum(tau - low, high - tau).argmin())
-    return f"cable {worst + 1} would need {tau[worst]:.4g} N, allowed {low[worst]:g} to {high[worst]:g} N"
-
-
 def sharpened(W: Array, w_e: Array, low: Array, high: Array, tau: Array) -> Array:
     """A solver's corner or border point to rounding: cables at a limit are put on it, the others balance the wrench."""
-    close = 1e-6 * (1 + high.max())
+    close = 1e-6 * tension_scale(w_e, low).max()
     at_low, at_high = tau - low < close, high - tau < close
     held = at_low | at_high
     sharp = np.where(at_low, low, np.where(at_high, high, tau))
     sharp[~held] = np.linalg.lstsq(W[:, ~held], -w_e - W[:, held] @ sharp[held], rcond=None)[0]
     clipped = np.clip(tau, low, high)
     better = np.abs(W @ sharp + w_e).max() <= np.abs(W @ clipped + w_e).max()
-    return sharp if better and limits_kept(limit_margin(sharp, low, high), high) else tau
+    return sharp if better and limits_kept(sharp, w_e, low, high) else tau
 
 
 def fixed_cables(low: Array, high: Array) -> NDArray[np.bool_]:
     """Which cables have no choice."""
-    return high - low <= FIXED * high.max(axis=-1, keepdims=True)
+    return high - low <= FIXED * (1 + low)
 
 
 def around_fixed(build: Callable[[Array, Array], Solver], low: Array, high: Array) -> Solver:
@@ -141,9 +111,9 @@ def around_fixed(build: Callable[[Array, Array], Solver], low: Array, high: Arra
 
     build : ``(tension_min, tension_max) → Solver`` for any number of cables
     """
-    if (high - low).min() > FIXED * high.max():
-        return build(low, high)
     fixed, held = fixed_cables(low, high), (low + high) / 2
+    if not fixed.any():
+        return build(low, high)
     free = ~fixed
     inner = build(low[free], high[free]) if free.any() else None
 

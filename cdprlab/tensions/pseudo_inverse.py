@@ -3,17 +3,19 @@
 import numpy as np
 
 from ..arrays import Array
+from .feasible_polygon import closest_tensions
 from .method import Answers, BatchSolver, no_reasons, vectorized
 
 
 def batch() -> BatchSolver:
-    """τ = −W⁺ w_e; the limits only judge it afterwards. In a control loop its log tells where they were broken.
+    """τ = −W⁺ w_e; the limits only judge it afterwards. `infeasible="send"` commands it as it is.
 
     Source: Okoli 2016, eq. (6.26).
     """
 
     def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
-        return -np.einsum("kij,kj->ki", np.linalg.pinv(W), w_e), no_reasons(W.shape[0])
+        nothing = np.zeros((1, W.shape[2]))
+        return closest_tensions(W, w_e, nothing, nothing + 1, 0.0)[0], no_reasons(W.shape[0])
 
     return solve
 

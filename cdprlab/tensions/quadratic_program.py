@@ -5,14 +5,14 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import TOLERANCE
 from ..errors import InvalidInput, needed_by, quoted
 from ..mechanics.optimization import least_quadratic
 from .feasible_polygon import least_norm_points
+from .law import tension_scale
 from .method import (
     INFEASIBLE,
-    LIMIT_TOLERANCE,
     NOT_FINITE,
-    RESIDUAL_TOLERANCE,
     UNREACHABLE,
     Answers,
     BatchSolver,
@@ -71,12 +71,12 @@ class LeastNorm:
         if not np.isfinite(w_e).all():
             return nothing, NOT_FINITE
         rows, values, outside = independent_rows(W, -w_e)
-        if outside > RESIDUAL_TOLERANCE * (1 + np.abs(w_e).max()):
+        if outside > TOLERANCE * (1 + np.abs(w_e).max()):
             return nothing, (f"the cables cannot exert this wrench at any tension: W has rank {len(rows)} of "
                              f"{len(W)}, and {outside:.3g} N or N m lies outside its range")
         found = least_quadratic(*LeastNorm(len(rows), self.low, self.high).program(rows, -values))
         if found is None:   # one last tension on the very border is lost to rounding: half of what the check forgives
-            slack = LIMIT_TOLERANCE / 2 * self.high.max()
+            slack = TOLERANCE / 2 * tension_scale(w_e, self.low)
             wider = LeastNorm(len(rows), self.low - slack, self.high + slack)
             found = least_quadratic(*wider.program(rows, -values))
             if found is None:
@@ -138,7 +138,7 @@ def _other_solver(low: Array, high: Array, solver: str) -> Solver:
 
     def solve(W: Array, w_e: Array) -> Solution:
         rows, values, outside = independent_rows(W, -w_e)
-        reachable = outside <= RESIDUAL_TOLERANCE * (1 + np.abs(w_e).max())
+        reachable = outside <= TOLERANCE * (1 + np.abs(w_e).max())
         found = qpsolvers.solve_qp(np.eye(m), np.zeros(m), A=rows, b=values, lb=np.array(low),
                                    ub=np.array(high),
                                    solver=solver) if reachable else None

@@ -4,21 +4,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array, as_array
+from ..compiled import TOLERANCE
 from ..errors import InvalidInput
 from ..mechanics.optimization import least_quadratic
 from . import quadratic_program
+from .law import limits_kept, tension_scale
 from .method import (
     INFEASIBLE,
     NOT_FINITE,
-    RESIDUAL_TOLERANCE,
     Answers,
     BatchSolver,
     Method,
     Solution,
     Solver,
     around_fixed,
-    limit_margin,
-    limits_kept,
     one_by_one,
 )
 from .quadratic_program import LeastNorm
@@ -67,20 +66,21 @@ def _relaxed(scale: Array, low: Array, high: Array) -> Solver:
             return tau, ""
         if not np.isfinite(w_e).all():
             return np.full(low.size, np.nan), NOT_FINITE
-        tau, movable = _least_error(W * scale[:, None], -w_e * scale, low, high)
+        tau, movable = _least_error(W * scale[:, None], -w_e * scale, low, high, w_e)
         if movable.any():   # of all tensions that give this wrench the least
             columns = W[:, movable]
             least, lost = LeastNorm(scale.size, low[movable], high[movable])(columns, -(columns @ tau[movable]))
             if not lost:   # to rounding
                 tau[movable] = least
         left = float(np.abs(W @ tau + w_e).max())
-        balanced = left <= RESIDUAL_TOLERANCE * (1 + float(np.abs(w_e).max()))
+        balanced = left <= TOLERANCE * (1 + float(np.abs(w_e).max()))
         return tau, "" if balanced else f"{INFEASIBLE}; {left:.3g} N or N m is left"
 
     return solve
 
 
-def _least_error(rows: Array, goal: Array, low: Array, high: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _least_error(rows: Array, goal: Array, low: Array, high: Array,
+                 w_e: Array) -> tuple[Array, NDArray[np.bool_]]:
     """min ‖rows τ − goal‖ inside the limits, and which cables the error leaves a choice; none if it is the only point.
 
     The program finds the cables at a limit, the free ones are then solved anew without its
@@ -92,13 +92,13 @@ def _least_error(rows: Array, goal: Array, low: Array, high: Array) -> tuple[Arr
     limits = np.concatenate([identity, -identity], axis=1)
     found = least_quadratic(gram, rows.T @ goal, limits, np.concatenate([low, -high]))
     assert found is not None, "limits are in order"
-    at_limit = 1e-7 * (1 + high - low)
+    at_limit = 1e-6 * tension_scale(w_e, low)   # a thousand times the ridge
     at_low, at_high = found <= low + at_limit, found >= high - at_limit
     free = ~(at_low | at_high)
     tau = np.where(at_low, low, np.where(at_high, high, found))
     tau[free], _, rank, _ = np.linalg.lstsq(rows[:, free], goal - rows[:, ~free] @ tau[~free],
                                             rcond=None)
-    sharp = limits_kept(limit_margin(tau, low, high), high)
+    sharp = limits_kept(tau, w_e, low, high)
     tau = np.clip(tau if sharp else found, low, high)
     # A cable that the error pulls against its limit stays there, whatever the others do.
     pull = np.abs(rows.T @ (rows @ tau - goal))

@@ -1,0 +1,79 @@
+"""What makes tensions an answer, whoever gave them: they balance the wrench, and each cable keeps its own limits."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import TOLERANCE
+
+
+class Weighed(NamedTuple):
+    """Tensions and what the law says of them.
+
+    tensions : (…, m) clipped to limits that are missed by rounding only [N]
+    residual : (…, n) W τ + w_e [N, N m]
+    margin : (…) distance to the nearest limit, negative outside; NaN tensions have none [N]
+    feasible : (…)
+    """
+
+    tensions: Array
+    residual: Array
+    margin: Any
+    feasible: Any
+
+
+def weigh(W: Array, w_e: Array, low: Array, high: Array, tensions: Array) -> Weighed:
+    """The law of every tension distribution: results and control loops ask it here.
+
+    |W τ + w_e|∞ ≤ 1e-8 (1 + |w_e|∞), and each limit is kept to 1e-8 (1 + |w_e|∞ + τ_min): a cable's generous τ_max
+    changes nothing for the others.
+
+    W : (…, n, m); w_e : (…, n); low, high : (…, m); tensions : (…, m) with the whole batch shape
+
+    >>> found = weigh(np.array([[1.0, -1.0]]), np.zeros(1), np.ones(2), np.full(2, 9.0), np.array([3.0, 3.0]))
+    >>> bool(found.feasible), float(found.margin)
+    (True, 2.0)
+    """
+    from ..compiled.weighing import weigh
+
+    batch = tensions.shape[:-1]
+    if not batch:
+        return Weighed(*(part[0] for part in weigh(W[None], w_e[None], low[None], high[None], tensions[None])))
+    flat = (np.broadcast_to(part, (*batch, *part.shape[part.ndim - own:])).reshape(-1, *part.shape[part.ndim - own:])
+            for part, own in ((W, 2), (w_e, 1), (low, 1), (high, 1), (tensions, 1)))
+    return Weighed(*(part.reshape(batch + part.shape[1:]) for part in weigh(*flat)))
+
+
+def weigh_one(W: Array, w_e: Array, low: Array, high: Array, tensions: Array) -> tuple[Array, str]:
+    """The same of one wrench in a control loop: its tensions, and '' or why they are no answer."""
+    found = weigh(W, w_e, low, high, tensions)
+    return found.tensions, "" if found.feasible else shortfall(*found[:3], low, high)
+
+
+def tension_scale(w_e: Array, low: Array) -> Array:
+    """(m,) 1 + |w_e|∞ + τ_min of one wrench: what tolerances of its tensions are shares of [N]."""
+    return np.asarray(1 + np.abs(w_e).max() + low)
+
+
+def limits_kept(tensions: Array, w_e: Array, low: Array, high: Array) -> bool:
+    """Whether one wrench's tensions keep the limits to the law's tolerance."""
+    room = np.minimum(tensions - low, high - tensions)
+    return bool((room >= -TOLERANCE * tension_scale(w_e, low)).all())
+
+
+def reachable(W: Array, w_e: Array) -> bool:
+    """Whether some tensions, of any size and sign, balance one wrench."""
+    best = np.linalg.lstsq(W, -w_e, rcond=None)[0]
+    return bool(np.abs(W @ best + w_e).max() <= TOLERANCE * (1 + np.abs(w_e).max()))
+
+
+def shortfall(tensions: Array, residual: Array, margin: float, low: Array, high: Array) -> str:
+    """Why one wrench's tensions are no answer: the cable that leaves its limits by most, or what is missed."""
+    if not np.isfinite(tensions).all():
+        return "there are no finite tensions"
+    if margin < 0:
+        worst = int(np.minimum(tensions - low, high - tensions).argmin())
+        return (f"cable {worst + 1} would need {tensions[worst]:.4g} N, allowed {low[worst]:g} to "
+                f"{high[worst]:g} N")
+    return f"the wrench is missed by {np.abs(residual).max():.3g} N or N m"
