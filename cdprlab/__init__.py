@@ -12,6 +12,7 @@ from .errors import CdprError
 from .mechanics.cables import cable_directions, cable_lengths, cable_vectors
 from .mechanics.kinematics import base_jacobian, forward_kinematics, jacobian
 from .mechanics.redundancy import TwistResolution, resolve_twist
+from .mechanics.rest import equilibrium
 from .mechanics.statics import gravity_wrench, stiffness, tipping_moments, tipping_rows, wrench_matrix
 from .mechanics.trajectory import Reference, Trajectory, hold, quintic
 from .robot import Base, Cable, Platform, Robot
@@ -53,7 +54,7 @@ __all__ = [
     "available_twist_set", "available_wrench_set", "base_jacobian", "cable_directions",
     "cable_lengths",
     "cable_vectors", "classify_configurations", "compare_tensions", "distribute_tensions",
-    "errors",
+    "equilibrium", "errors",
     "forward_kinematics", "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator",
     "place_bases",
     "plan_configurations", "plot", "quintic", "resolve_twist", "run", "stiffness",

@@ -41,14 +41,27 @@ def test_stiffness_is_the_derivative_of_the_cables_wrench(name, seed, axial_stif
     tau = np.random.default_rng(seed).uniform(50, 500, robot.n_cables)
     lengths = cl.cable_lengths(robot, pose)
 
-    def wrench(x):
+    def wrench(x):   # Hooke's law T = EA (l − l₀) / l₀ with l₀ = EA l / (EA + τ) as it is, written for EA = 0 too
         there = moved(robot, pose, x)
-        return cl.wrench_matrix(robot, there) @ (tau + axial_stiffness / lengths
-                                                 * (cl.cable_lengths(robot, there) - lengths))
+        return cl.wrench_matrix(robot, there) @ ((axial_stiffness + tau) * cl.cable_lengths(robot, there) / lengths
+                                                 - axial_stiffness)
 
     expected = -differences(wrench, robot.n_dof, 1e-5)
     # third derivatives up to 1e5 times h²/6, rounding 1e-13 * 1e3 / 1e-5
     np.testing.assert_allclose(cl.stiffness(robot, pose, tau, axial_stiffness), expected, atol=2e-5)
+
+
+def test_stiffness_with_the_weight_is_symmetric_at_rest():
+    """With the center of mass off P the cables' own part is not: it differs by the moment they exert."""
+    caroca = cl.load_world("caroca")
+    robot = caroca.robot.with_payload(50.0, [0.2, -0.1, 0.15])
+    pose = cl.Pose([0.3, 0.2, 1.0], rpy=[0.1, -0.05, 0.2])
+    weight = cl.gravity_wrench(robot, pose)
+    tau = cl.distribute_tensions(cl.wrench_matrix(robot, pose), weight, robot.tension_min, robot.tension_max).tensions
+    own, whole = (cl.stiffness(robot, pose, tau, 1e5, weight=on) for on in (False, True))
+    size = np.abs(own).max()
+    assert np.abs(whole - whole.T).max() < 1e-12 * size < np.abs(own - own.T).max()
+    np.testing.assert_allclose(np.abs(own - own.T).max(), np.abs(weight[3:]).max(), rtol=1e-6)
 
 
 def test_stiffness_of_a_batch_and_of_unequal_cables():

@@ -4,7 +4,7 @@ The words that these loops and who calls them share are here.
 """
 
 TOLERANCE = 1e-8
-"""Of 1 + |w_e|∞ the residual that a distribution may leave, of 1 + |w_e|∞ + τ_min what a tension may lack of its limits.
+"""Of 1 + |w_e|∞ the residual that a distribution may leave, of 1 + |w_e|∞ + τ_min what a tension may lack.
 
 A thousand times what rounding leaves, a thousandth of what a load cell sees. No upper limit
 counts: a generous one must not change another cable's answer.

@@ -1,6 +1,6 @@
 """First-order kinematics: Jacobian, base Jacobian, and forward kinematics from cable lengths."""
 
-from typing import Literal
+from typing import Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +12,12 @@ from ..robot.pose import Pose, rotation_from_vector, rotation_vector_jacobian
 from .cables import cable_directions, cable_lengths, cables_at, check_dimension
 
 Pivot = Literal["base", "world"]
+
+_STARTS = 20
+"""From where other assemblies are sought."""
+
+_DISTINCT = 1e-5
+"""[m], and of rotation matrices: solutions closer than this are one; a double root is found to about 1e-7."""
 
 
 @checked
@@ -57,8 +63,19 @@ def base_jacobian(robot: Robot, pose: Pose, pivot: Pivot = "base") -> Array:
     return columns
 
 
+@overload
+def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance: float = ..., *,
+                       all_solutions: Literal[False] = ...) -> Pose: ...
+
+
+@overload
+def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance: float = ..., *,
+                       all_solutions: Literal[True]) -> list[Pose]: ...
+
+
 @checked
-def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance: float = 1e-9) -> Pose:
+def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance: float = 1e-9, *,
+                       all_solutions: bool = False) -> Pose | list[Pose]:
     """The pose whose cable lengths fit best: min ‖l(pose) − l‖², from a guess (Levenberg–Marquardt, analytic J).
 
     robot : m cables
@@ -66,8 +83,10 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance:
     guess : where to start; one pose, or one per set of lengths
     tolerance : largest residual accepted [m]; ``inf`` returns the least-squares pose whatever
         is left
-    Returns Pose. Motions the lengths say nothing about keep the guess's value (2R3T: the turn
-    about x′).
+    all_solutions : list the distinct poses found from the guess, and from 20 seeded starts within
+        1 m and 1 rad of it: other assemblies; one guess and one set of lengths only
+    Returns Pose, or the list of poses, that from the guess first. Motions the lengths say
+    nothing about keep the guess's value (2R3T: the turn about x′).
     Raises NoConvergence, carrying the residuals, if one exceeds ``tolerance``.
     Source: Pott 2018, Cable-Driven Parallel Robots, sec. 4.3.
 
@@ -84,6 +103,10 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance:
         raise InvalidInput(f"tolerance must be positive [m], got {quoted(tolerance)}")
     check_dimension(robot, guess)
     batch = common_batch("lengths", measured.shape[:-1], "a guess", guess.batch_shape)
+    if all_solutions:
+        if batch:
+            raise InvalidInput(f"all_solutions takes one guess and one set of lengths, got a batch of shape {batch}")
+        return _assemblies(robot, measured, guess, tolerance)
     position = np.array(np.broadcast_to(guess.position, (*batch, robot.dimension)))
     rotation = np.array(np.broadcast_to(guess.rotation,
                                         (*batch, robot.dimension, robot.dimension)))
@@ -114,11 +137,40 @@ def moved(robot: Robot, start: Pose, x: Array) -> Pose:
 
 def moved_slope(robot: Robot, start: Pose, x: Array) -> Array:
     """∂l/∂x (m, n) of the cable lengths at `moved`: ω = J_l(r) ṙ for the turn r = S_ω x, in the plane ω = ṙ."""
+    return jacobian(robot, moved(robot, start, x)) @ moved_rates(robot, start, x)
+
+
+def moved_rates(robot: Robot, start: Pose, x: Array) -> Array:
+    """∂t/∂ẋ (n, n) of the twist t at `moved`, in the motion pattern's rows there."""
     pose, S, d = moved(robot, start, x), robot.pattern.basis(start.rotation), robot.dimension
     rates = np.eye(S.shape[0])
     if d == 3:
         rates[d:, d:] = rotation_vector_jacobian(S[d:] @ x)
-    return jacobian(robot, pose) @ robot.pattern.basis(pose.rotation).T @ rates @ S
+    return robot.pattern.basis(pose.rotation).T @ rates @ S
+
+
+def _assemblies(robot: Robot, lengths: Array, guess: Pose, tolerance: float) -> list[Pose]:
+    """Distinct poses with these lengths; raises as the fit from the guess does where there are none."""
+    rng, straight = np.random.default_rng(0), robot.n_dof - len(robot.pattern.turn_axes)
+    found: list[Pose] = []
+    failure: NoConvergence | None = None
+    for k in range(_STARTS + 1):
+        away = np.zeros(robot.n_dof)
+        for part in (away[:straight], away[straight:]) if k else ():
+            way = rng.normal(size=part.size)
+            part[:] = way * (rng.uniform() / max(float(np.linalg.norm(way)), 1e-300))
+        try:
+            pose = _fit_pose(robot, lengths, moved(robot, guess, away), tolerance)
+        except NoConvergence as error:
+            failure = failure or error
+            continue
+        near = [np.abs(pose.position - other.position).max() + np.abs(pose.rotation - other.rotation).max()
+                for other in found]
+        if min(near, default=np.inf) > _DISTINCT:
+            found.append(pose)
+    if failure and not found:
+        raise failure
+    return found
 
 
 def _fit_pose(robot: Robot, lengths: Array, start: Pose, tolerance: float) -> Pose:

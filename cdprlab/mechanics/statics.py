@@ -54,14 +54,19 @@ def gravity_wrench(robot: Robot, pose: Pose) -> Array:
 
 
 @checked
-def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: ArrayLike) -> Array:
+def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: ArrayLike, *,
+              weight: bool = False) -> Array:
     """K with dw = −K dx for the cables' wrench w = W τ at constant unstrained lengths.
 
-    K = W diag(EA/l) Wᵀ + Σ τ_i K_i, the second (geometric) part from the turning of each cable.
+    K = W diag((EA + τ)/l) Wᵀ + Σ τ_i K_i, the second (geometric) part from the turning of each
+    cable, the first k_i = EA/l_0i = (EA + τ_i)/l_i. It is symmetric where the cables' moment at
+    P is zero, as it is at rest with the center of mass at P; else K − Kᵀ holds that moment.
 
     robot, pose : single or batched
     tensions : (…, m) [N]
     axial_stiffness : EA, a number or (m,) [N]
+    weight : add what the weight's moment changes by when the platform turns; at equilibrium the
+        whole is symmetric
     Returns (…, n, n) in the twist's axes at the pose [N/m, N, N m/rad].
     Source: Behzadipour and Khajepour 2006; Okoli 2016, eq. (2.25)–(2.28).
 
@@ -77,9 +82,11 @@ def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: Ar
     if (ea < 0).any():
         raise InvalidInput(f"axial_stiffness must not be negative [N], got {float(ea.min()):g}")
     directions, lengths, W = cables_at(robot, pose)
-    elastic = (W * (ea / lengths)[..., None, :]) @ np.swapaxes(W, -1, -2)
+    elastic = (W * ((ea + tau) / lengths)[..., None, :]) @ np.swapaxes(W, -1, -2)
     basis = robot.pattern.basis(pose.rotation)
     geometric = _geometric_stiffness(anchor_offsets(robot, pose), directions, tau, lengths)
+    if weight:
+        geometric = geometric + _weight_stiffness(robot, pose)
     return elastic + np.swapaxes(basis, -1, -2) @ geometric @ basis
 
 
@@ -202,6 +209,16 @@ def _geometric_stiffness(r: Array, u: Array, tau: Array, lengths: Array) -> Arra
     full = np.swapaxes(moves, -1, -2) @ swing @ moves
     full[..., d:, d:] -= tau[..., None, None] * moment_slope(r, u)
     return full.sum(axis=-3)
+
+
+def _weight_stiffness(robot: Robot, pose: Pose) -> Array:
+    """−d w_g / dx in full twist coordinates: the weight's arm turns with the platform."""
+    d, n = robot.dimension, 3 * (robot.dimension - 1)
+    force = np.zeros(d)
+    force[-1] = -robot.mass * robot.gravity
+    full = np.zeros((*pose.batch_shape, n, n))
+    full[..., d:, d:] = -moment_slope(pose.rotation @ robot.platform.center_of_mass, force)
+    return full
 
 
 def _edges(base: Base) -> tuple[Array, Array]:

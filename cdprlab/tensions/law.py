@@ -7,6 +7,8 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import TOLERANCE
 
+NOT_FINITE = "the wrench is not finite"
+
 
 class Weighed(NamedTuple):
     """Tensions and what the law says of them.
@@ -71,7 +73,7 @@ def reachable(W: Array, w_e: Array) -> bool:
 def shortfall(tensions: Array, residual: Array, margin: float, low: Array, high: Array) -> str:
     """Why one wrench's tensions are no answer: the cable that leaves its limits by most, or what is missed."""
     if not np.isfinite(tensions).all():
-        return "there are no finite tensions"
+        return NOT_FINITE
     if margin < 0:
         worst = int(np.minimum(tensions - low, high - tensions).argmin())
         return (f"cable {worst + 1} would need {tensions[worst]:.4g} N, allowed {low[worst]:g} to "

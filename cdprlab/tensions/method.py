@@ -15,8 +15,6 @@ UNREACHABLE = "the cables cannot exert this wrench at any tension: it lies outsi
 PROOFS = (INFEASIBLE, UNREACHABLE.split(":")[0])
 """How the reasons begin that say more than that a method found nothing."""
 
-NOT_FINITE = "the wrench is not finite"
-
 Texts = NDArray[np.object_]
 
 Solution = tuple[Array, str]

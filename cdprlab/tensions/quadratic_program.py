@@ -9,10 +9,9 @@ from ..compiled import TOLERANCE
 from ..errors import InvalidInput, needed_by, quoted
 from ..mechanics.optimization import least_quadratic
 from .feasible_polygon import least_norm_points
-from .law import tension_scale
+from .law import NOT_FINITE, tension_scale
 from .method import (
     INFEASIBLE,
-    NOT_FINITE,
     UNREACHABLE,
     Answers,
     BatchSolver,

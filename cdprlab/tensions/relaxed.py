@@ -8,10 +8,9 @@ from ..compiled import TOLERANCE
 from ..errors import InvalidInput
 from ..mechanics.optimization import least_quadratic
 from . import quadratic_program
-from .law import limits_kept, tension_scale
+from .law import NOT_FINITE, limits_kept, tension_scale
 from .method import (
     INFEASIBLE,
-    NOT_FINITE,
     Answers,
     BatchSolver,
     Method,

@@ -5,7 +5,8 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..mechanics.optimization import least_quadratic
-from .method import INFEASIBLE, NOT_FINITE, Solution
+from .law import NOT_FINITE
+from .method import INFEASIBLE, Solution
 from .quadratic_program import LeastNorm
 
 

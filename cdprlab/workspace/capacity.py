@@ -14,7 +14,15 @@ from ..sets.zonotope import hyperplane_shifting
 from .margins import margin_by_program, tension_margins
 
 ROUNDING = 1e-9
-"""Of the largest limit: margins this far below zero are rounding."""
+"""Of the wrench, and of the least τ_min: margins this far below zero are rounding."""
+
+
+def not_negative(margins: Array, w_e: Array, low: Array) -> Flags:
+    """Whether margins (N,) are not negative but by rounding; no upper limit counts.
+
+    w_e : (N, n) [N, N m]; low : (m,) [N]
+    """
+    return np.asarray(margins >= -ROUNDING * (1 + np.abs(w_e).max(axis=-1) + low.min()))
 
 
 def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> tuple[Array, Array]:
@@ -39,7 +47,7 @@ def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
         _, found, _ = polygons(*map(plain, (W, w_e, low[None], high[None])), NOTHING)
         inside, many = np.asarray(found == FOUND), np.asarray(found == TOO_REDUNDANT)
     if many.any():
-        inside[many] = tension_margins(W[many], w_e[many], low, high) >= -ROUNDING * high.max()
+        inside[many] = not_negative(tension_margins(W[many], w_e[many], low, high), w_e[many], low)
     return inside
 
 
@@ -96,7 +104,9 @@ def _one_by_one(W: Array, w_e: Array, loads: Array, half: Array, low: Array, hig
         margins = tension_margins(np.broadcast_to(W, (len(corners), *W.shape)),
                                   w_e + corners, low, high)
         return float(min(0.0, margins.min())), np.full(n, np.nan)
-    normals, offsets = hyperplane_shifting(W @ (high + low) / 2, W * (high - low) / 2)
+    normals, _ = hyperplane_shifting(W @ (high + low) / 2, W * (high - low) / 2)
+    along = normals @ W
+    offsets = np.maximum(along * low, along * high).sum(axis=1)
     left = (offsets - (normals @ -(w_e + loads).T).max(axis=1)) - np.abs(normals) @ half
     worst = int(np.argmin(left))
     return float(left[worst]), normals[worst]

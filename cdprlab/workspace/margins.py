@@ -55,16 +55,19 @@ def _of_one_rank(rank: int, u: Array, sizes: Array, vt: Array, w_e: Array, low: 
     # Cable by cable, with all poses in a row.
     c = np.einsum("kr,krm->mk", along[:, :rank] / sizes[:, :rank], vt[:, :rank])
     D = np.moveaxis(vt[:, rank:], 0, -1)
-    half, shift = (high - low) / 2, ((high + low) / 2)[:, None] - c
+    half = (high - low) / 2
     s = np.full(len(u), half.min() if at_high else 2 * half.min())   # what each cable's own limits leave
     for cables in combinations(range(m), m - rank + 1):
         y = cofactors(D[:, cables])
         size = np.abs(y).sum(axis=0)
-        room = half[list(cables)] @ np.abs(y)
-        move = (y * shift[list(cables)]).sum(axis=0)
+        chosen = list(cables)
+        over, under = high[chosen, None] - c[chosen], c[chosen] - low[chosen, None]
+        pull, ease = np.maximum(y, 0.0), np.maximum(-y, 0.0)
+        above, below = (pull * over + ease * under).sum(axis=0), (pull * under + ease * over).sum(axis=0)
+        missed = -NOUGHT * (size + np.abs(y * c[chosen]).sum(axis=0) + low[chosen] @ np.abs(y))
         up = size if at_high else (size - y.sum(axis=0)) / 2
         down = size if at_high else size - up
-        s = np.minimum(s, bound(room + move, room - move, up, down))
+        s = np.minimum(s, bound(above, below, up, down, missed))
     return np.where(off, -np.inf, s)
 
 
@@ -80,13 +83,12 @@ def cofactors(D: Array) -> Array:
         ahead, behind = a[[1, 2, 0]] * b[[2, 0, 1]], a[[2, 0, 1]] * b[[1, 2, 0]]
         y = ahead - behind
         size = np.maximum(np.abs(ahead), np.abs(behind)).max(axis=0)
-    return np.where(np.abs(y).max(axis=0) > PARALLEL * size, y, 0.0)
+    return np.where(np.abs(y) > PARALLEL * size, y, 0.0)   # one by one: a generous limit would make much of rounding
 
 
-def bound(above: Array, below: Array, up: Array, down: Array) -> Array:
-    """The largest s with s up ≤ above and s down ≤ below; a sum that does not depend on s is kept or not."""
+def bound(above: Array, below: Array, up: Array, down: Array, missed: Array) -> Array:
+    """The largest s with s up ≤ above and s down ≤ below; a sum without s is kept, to rounding, or not."""
     nought = NOUGHT * (up + down)
-    missed = -NOUGHT * (above + below)
     with np.errstate(divide="ignore", invalid="ignore"):
         most = np.minimum(np.where(up > nought, above / up, np.inf),
                           np.where(down > nought, below / down, np.inf))

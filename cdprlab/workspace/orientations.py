@@ -1,4 +1,4 @@
-"""Workspaces over several orientations: total orientation asks for all of them, reachable for any."""
+"""Workspaces over several orientations: total orientation asks for all of them, inclusive orientation for any."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -52,9 +52,12 @@ class AllOrientations(Criterion):
 
 
 class AnyOrientation(AllOrientations):
-    """Reachable: the criterion holds at one of the given orientations at least; arguments as `AllOrientations`.
+    """Inclusive orientation: the criterion holds at one of the given orientations at least; arguments as before.
+
+    As `AllOrientations`, which asks for all of them.
 
     margin : the largest
+    Source: Merlet 2006, Parallel Robots, sec. 7 (inclusive orientation workspace).
     """
 
     join = (np.logical_or, np.maximum)

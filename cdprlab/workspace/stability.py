@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import Array, as_number, checked
 from ..errors import InvalidInput
-from ..mechanics.statics import gravity_wrench, moment_slope, stiffness, wrench_matrix
+from ..mechanics.statics import gravity_wrench, stiffness, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..tensions import distribute_tensions
@@ -74,19 +74,8 @@ def smallest_stiffness(robot: Robot, poses: Pose, tensions: Array,
                                "`cable: {axial_stiffness: …}` to it")
         axial_stiffness = robot.elasticity.axial_stiffness
     arm = as_number(length, "length", "m", positive=True)
-    K = stiffness(robot, poses, tensions, axial_stiffness) + weight_stiffness(robot, poses)
+    K = stiffness(robot, poses, tensions, axial_stiffness, weight=True)
     scale = np.where(np.arange(robot.n_dof) < robot.n_dof - len(robot.pattern.turn_axes),
                      1.0, 1.0 / arm)
     symmetric = (K + np.swapaxes(K, -1, -2)) / 2 * scale[:, None] * scale
     return np.asarray(np.linalg.eigvalsh(symmetric)[..., 0])
-
-
-def weight_stiffness(robot: Robot, poses: Pose) -> Array:
-    """−d w_g / dx: what the weight adds when the platform turns and its center of mass is not at P (…, n, n)."""
-    d, n = robot.dimension, 3 * (robot.dimension - 1)
-    weight = np.zeros(d)
-    weight[-1] = -robot.mass * robot.gravity
-    full = np.zeros((*poses.batch_shape, n, n))
-    full[..., d:, d:] = -moment_slope(poses.rotation @ robot.platform.center_of_mass, weight)
-    basis = robot.pattern.basis(poses.rotation)
-    return np.asarray(np.swapaxes(basis, -1, -2) @ full @ basis)

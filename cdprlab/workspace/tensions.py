@@ -18,6 +18,7 @@ from .capacity import (
     capacity_margins,
     external_wrenches,
     feasible,
+    not_negative,
     standing_margin,
 )
 from .criterion import Criterion, Judgement, unknown
@@ -28,9 +29,10 @@ from .margins import tension_margins
 class WrenchClosure(Criterion):
     """Every wrench can be exerted by tensions large enough: W has full rank and an all-positive null vector.
 
-    margin : the largest s with W τ = 0, s ≤ τ_i ≤ 1, the smallest over the largest entry at
-        best; 0 where there is none
-    Source: Pham et al. 2006; Gouttefarde and Gosselin 2006.
+    margin : the tension factor: the largest s with W τ = 0, s ≤ τ_i ≤ 1, the smallest over the
+        largest tension at best; 0 where there is none, no unit
+    Source: Gouttefarde and Gosselin 2006 (wrench-closure workspace, WCW); Pham, Yeo, Yang and
+    Chen 2009 (tension factor).
     """
 
     unit = ""
@@ -55,11 +57,11 @@ class WrenchFeasible(Criterion):
     by : "tensions", or "facets" of the available wrench set, which take a box of wrenches at
         the price of one; default the facets for a box
     margin : by tensions the largest s with τ_min + s ≤ τ ≤ τ_max − s, the smallest over the
-        wrenches; by facets the smallest distance of a wrench from a facet, 1 N m counting as
-        1 N [N]
+        wrenches [N]; by facets the capacity margin, the smallest distance of a wrench from a
+        facet [N, N and N m added with weight 1]
     Raises InvalidInput for half widths that are negative, or another ``by``.
-    Source: Bosscher et al. 2006; tension margin: Ruiz et al. 2015 with all cables alike;
-    capacity margin: Guay et al. 2014.
+    Source: Bosscher et al. 2006 (wrench-feasible workspace, WFW); capacity margin: Guay et al.
+    2014, Ruiz et al. 2015.
     """
 
     wrenches: ArrayLike | None = None
@@ -74,7 +76,8 @@ class WrenchFeasible(Criterion):
         loads = external_wrenches(self.wrenches, robot.n_dof)
         half = box_half_widths(self.half_widths, robot.n_dof, "N, N m")
         if self._by_facets():
-            found = _kept(capacity_margins(W, weight, loads, half, low, high, exact=margin)[0], high)
+            s = capacity_margins(W, weight, loads, half, low, high, exact=margin)[0]
+            found = Judgement(not_negative(s, weight, low), s)
             return found if margin else unknown(found.inside)
         return _balanced(robot, W, [weight + load for load in box_loads(loads, half)], margin)
 
@@ -84,13 +87,16 @@ class WrenchFeasible(Criterion):
         return self.by == "facets" or (self.by is None and self.half_widths is not None)
 
 
+BOUNDLESS = 1e9
+"""Weights: a cable that needs more is flat to double precision."""
+
+
 @dataclass(frozen=True)
 class StaticEquilibrium(Criterion):
-    """Cables that only pull, however hard, balance the weight.
+    """Cables that only pull, however hard, balance the weight: no tension is too large for the verdict.
 
-    margin : the smallest tension at best, at most that at which the others reach a hundred
-        weights [N]
-    Source: Pusey et al. 2004 (static equilibrium workspace).
+    margin : the smallest tension at best while none exceeds a hundred weights, 0 where one must [N]
+    Source: Pusey et al. 2004 (static equilibrium workspace, SEW).
     """
 
     unit = "N"
@@ -98,18 +104,22 @@ class StaticEquilibrium(Criterion):
     @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
-        most = np.full(robot.n_cables, 100 * robot.mass * max(robot.gravity, 1.0))
-        return _kept(tension_margins(W, weight, np.zeros(robot.n_cables), most, at_high=False), most)
+        none, heavy = np.zeros(robot.n_cables), np.full(robot.n_cables, robot.mass * max(robot.gravity, 1.0))
+        free = tension_margins(W, weight, none, BOUNDLESS * heavy, at_high=False)
+        inside = not_negative(free, weight, none)
+        bounded = tension_margins(W, weight, none, 100 * heavy, at_high=False)
+        return Judgement(inside, np.where(inside, np.maximum(bounded, 0.0), free))
 
 
 @checked
 @dataclass(frozen=True, eq=False)
 class DynamicEquilibrium(Criterion):
-    """Tensions within the limits give the platform, at rest, every acceleration of a box.
+    """Dynamic feasible: tensions within the limits give the platform, at rest, every acceleration of a box.
 
     accelerations : (n,) half widths of the box, in the motion pattern's rows [m/s², rad/s²]
-    margin : as `WrenchFeasible`, the smallest over the box's corners [N]
-    Source: Barrette and Gosselin 2005 (dynamic workspace).
+    margin : as `WrenchFeasible` by tensions, the smallest over the box's corners [N]
+    Source: Gagliardini, Gouttefarde and Caro 2016 (dynamic feasible workspace, DFW). That which
+    some motion reaches (Barrette and Gosselin 2005) is larger.
     """
 
     accelerations: ArrayLike
@@ -152,10 +162,6 @@ def _balanced(robot: Robot, W: Array, wanted: list[Array], margin: bool) -> Judg
     """Whether tensions within the limits balance all wrenches that are wanted."""
     low, high = robot.tension_min, robot.tension_max
     if margin:
-        return _kept(np.min([tension_margins(W, w_e, low, high) for w_e in wanted], axis=0), high)
+        s = np.array([tension_margins(W, w_e, low, high) for w_e in wanted])
+        return Judgement(np.asarray(not_negative(s, np.array(wanted), low).all(axis=0)), s.min(axis=0))
     return unknown(np.logical_and.reduce([feasible(W, w_e, low, high) for w_e in wanted]))
-
-
-def _kept(margins: Array, high: Array) -> Judgement:
-    """Inside where margins are not negative but by rounding."""
-    return Judgement(margins >= -ROUNDING * high.max(), margins)

@@ -1,0 +1,95 @@
+"""Where a load comes to rest on cables of given lengths: fewer cables than freedoms, or slack ones, included."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array, checked, frozen
+from ..errors import InvalidInput, NoConvergence
+from ..robot import Robot
+from ..robot.pose import Pose
+from .cables import cable_lengths, check_dimension
+from .kinematics import moved, moved_rates, moved_slope
+from .statics import gravity_wrench, wrench_matrix
+
+_TAUT = 1e-6
+"""[m] a cable that much shorter than its length is slack."""
+
+_STILL = 1e-9
+"""Of the weight and of a metre: what may be left of equilibrium and of taut cables' lengths."""
+
+
+class AtRest(NamedTuple):
+    """A pose at rest, and the (m,) tensions that hold it there, 0 of slack cables [N]."""
+
+    pose: Pose
+    tensions: Array
+
+
+@checked
+def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose) -> AtRest:
+    """Where the load hangs still: the least potential energy min −w_g · x with l(x) ≤ lengths, near a guess.
+
+    At rest W τ + w_g = 0 with τ ≥ 0, and τ_i = 0 where l_i is below its length: cables do not
+    stretch, and only pull. Where more are taut than the pose has freedoms, τ is one of many.
+
+    robot : m cables, with gravity
+    lengths : (m,) of the cables [m]
+    guess : single pose to descend from
+    Returns AtRest: ``(pose, tensions)``.
+    Raises InvalidInput; NoConvergence where no pose near the guess is at rest.
+    Source: Carricato and Merlet 2013 (geometrico-static problem of underconstrained robots).
+
+    >>> import cdprlab as cl
+    >>> world = cl.load_world("caroca")
+    >>> pose, tensions = equilibrium(world.robot, cl.cable_lengths(world.robot, world.pose) + 0.01, world.pose)
+    >>> bool(pose.position[2] < world.pose.position[2] and (tensions >= 0).all())
+    True
+    """
+    from scipy.optimize import least_squares, minimize, nnls
+
+    allowed = as_array(lengths, "lengths", (robot.n_cables,), "m")
+    if (allowed <= 0).any():
+        raise InvalidInput(f"cable lengths must be positive [m], got {float(allowed.min()):g}")
+    check_dimension(robot, guess)
+    if guess.batch_shape:
+        raise InvalidInput("equilibrium descends from one pose, not from a batch")
+    if robot.gravity <= 0:
+        raise InvalidInput("without gravity nothing hangs: the robot's gravity must be positive [m/s²]")
+    weight, n = robot.mass * robot.gravity, robot.n_dof
+
+    def height(x: Array) -> float:
+        pose = moved(robot, guess, x)
+        return float((pose.position + pose.rotation @ robot.platform.center_of_mass)[-1])
+
+    def slope(x: Array) -> Array:
+        return -gravity_wrench(robot, moved(robot, guess, x)) @ moved_rates(robot, guess, x) / weight
+
+    def spare(x: Array) -> Array:
+        return allowed - cable_lengths(robot, moved(robot, guess, x))
+
+    kept = {"type": "ineq", "fun": spare, "jac": lambda x: -moved_slope(robot, guess, x)}
+    x = minimize(height, np.zeros(n), jac=slope, constraints=[kept], method="SLSQP",
+                 options={"maxiter": 1000, "ftol": 1e-14}).x
+    # The program says which cables carry; equilibrium and their lengths then say exactly where.
+    taut = spare(x) < _TAUT
+    pulls = np.zeros(robot.n_cables)
+    W, w_g = wrench_matrix(robot, moved(robot, guess, x)), gravity_wrench(robot, moved(robot, guess, x))
+    pulls[taut] = nnls(W[:, taut] / weight, -w_g / weight)[0] if taut.any() else 0.0
+    carrying = pulls > 0
+
+    def unrest(z: Array) -> Array:
+        pose = moved(robot, guess, z[:n])
+        missed = wrench_matrix(robot, pose)[:, carrying] @ z[n:] + gravity_wrench(robot, pose) / weight
+        return np.concatenate([missed, (cable_lengths(robot, pose) - allowed)[carrying]])
+
+    tight = 4 * np.finfo(float).eps
+    found = least_squares(unrest, np.concatenate([x, pulls[carrying]]), xtol=tight, ftol=tight, gtol=tight)
+    pose, tensions = moved(robot, guess, found.x[:n]), np.zeros(robot.n_cables)
+    tensions[carrying] = weight * found.x[n:]
+    over = cable_lengths(robot, pose) - allowed
+    if np.abs(unrest(found.x)).max() > _STILL or over.max() > _TAUT or tensions.min() < 0:
+        raise NoConvergence("no pose near the guess is at rest on cables of these lengths; check the lengths, or "
+                            "start nearer to where the load should hang", over)
+    return AtRest(pose, frozen(tensions))
