@@ -100,7 +100,9 @@ def test_all_solutions_are_distinct_and_begin_with_the_plain_one():
         np.testing.assert_allclose(cl.cable_lengths(robot, pose), lengths, atol=1e-9)
     two = ROBOTS["2T"]()
     two = dataclasses.replace(two, cables=two.cables[:2])
-    at = cl.Pose([0.2, 1.0])
+    A, B = two.exit_points
+    above = np.array([A[1] - B[1], B[0] - A[0]]) / np.linalg.norm(B - A)   # a point has its mirror image
+    at = cl.Pose(0.4 * A + 0.6 * B + 0.4 * above)
     poses = cl.forward_kinematics(two, cl.cable_lengths(two, at), at, all_solutions=True)
     assert len(poses) == 2
     apart = [np.abs(a.position - b.position).max() for i, a in enumerate(poses) for b in poses[:i]]
