@@ -59,7 +59,8 @@ def test_one_generous_limit_changes_no_verdict(criterion, huge):
 
 def test_no_tension_is_too_large_for_static_equilibrium():
     """Two cables at (±2, 3): y = 2.99 m takes 100 weights; closure has static equilibrium, too."""
-    document = {"name": "two", "motion_pattern": "2T", "platform": {"mass": 10.0, "size": [0.2, 0.2], "pose": {"position": [0, 1]}},
+    document = {"name": "two", "motion_pattern": "2T",
+                "platform": {"mass": 10.0, "size": [0.2, 0.2], "pose": {"position": [0, 1]}},
                 "cables": [{"exit_point": [x, 3.0], "anchor_point": [0, 0], "tension": [0, 100]} for x in (-2.0, 2.0)]}
     robot = cl.World.from_dict(document).robot
     inside, margin = cl.workspace(robot, cl.Pose([[0.0, 2.99], [0.0, 2.99999], [0.0, 3.01], [0.5, 1.0]]),
