@@ -108,7 +108,8 @@ def test_an_executed_lesson_shows_numbers_pictures_and_explorers(site: Path):
     page = html.unescape((site / "lessons" / f"{RUN}.html").read_text(encoding="utf-8"))
     words = _Words(site / "lessons" / f"{RUN}.html").text
     assert words.count(" is right: ") == 2 * 3   # in the checks' code and in what they print
-    assert "Set to time [s] 0" in words and "position error" in words   # the player, its slider and its numbers
+    assert "Set to x [m] 0.9" in words and "hardest pull" in words   # an explorer, its sliders and its numbers
+    assert "colored by tension" in page and "tracking error, largest" in words   # the player
     assert len(re.findall(r'<img [^>]*src="\.\./_images/00_first_flight-', page)) >= 6
     assert [mark for mark in ("Traceback", "HBox(", "VBox(", "<Figure size", "widget-view") if mark in page] == []
 

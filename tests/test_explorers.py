@@ -12,7 +12,7 @@ from PIL import Image
 
 import cdprlab as cl
 from cdprlab import course
-from cdprlab.course import Choice, Explorer, Slider, pose_explorer, run_player
+from cdprlab.course import Choice, Explorer, Slider, play, pose_explorer, run_player
 from cdprlab.course.explorers.posing import ROW_NAMES
 from cdprlab.course.explorers.since_start import with_changes
 from cdprlab.course.text_table import text_table
@@ -316,8 +316,7 @@ def test_closing_leaves_nothing_behind():
     living = ipywidgets.widgets.widget._instances
     before = set(living)
     makers = (Spring, lambda: pose_explorer(ROBOTS["1R2T"]()),
-              *(lambda view=view: run_player(kinematic_run(cl.load_world("caroca")), view)
-                for view in ("picture", "scene")))
+              lambda: run_player(kinematic_run(cl.load_world("caroca"))))
     for make in makers:
         explorer = make()
         explorer.close()
@@ -465,68 +464,29 @@ def test_pose_explorer_refuses_what_it_cannot_show(subject, start):
         pose_explorer(subject, start)
 
 
-# --- the run player -----------------------------------------------------------------------------------------------
-@pytest.mark.parametrize(("name", "view"), [("planar", "picture"), ("caroca", "picture"), ("caroca", "scene")])
-def test_the_player_tells_the_log_at_every_time(name, view):
+# --- the player -----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("name", RUNS)
+def test_the_player_tells_the_run_in_text(name):
     run = kinematic_run(RUNS[name]())
-    player = run_player(run, view)
-    for values in extremes(player, 6, seed=2):
-        player.set(**values)
-        k = int(np.flatnonzero(run.time <= player.values["t"] + 1e-9)[-1])
-        head, table = player.text.split("\n\n")
-        assert f"{run.time[k]:.3f} s" in head and f"{1e3 * run.position_errors[k]:.3f} mm" in head
-        assert ("NO feasible" in head) == (not run.feasible[k])
-        rows = np.array([line.split()[:3] for line in table.splitlines()[1:]], float)
-        np.testing.assert_allclose(rows[:, 1], run.measured_tensions[k], atol=0.051)  # one decimal
-        np.testing.assert_allclose(rows[:, 2], run.commanded_tensions[k], atol=0.051)
-        bars = [bar.get_width() for bar in player.bars.bars]
-        np.testing.assert_allclose(bars, run.measured_tensions[k])
+    player = run_player(run)
+    assert player.run is run and all(value in player.text for value in run.table().values())
+    assert f"{run.world.robot.n_cables} cables" in player.alt_text and "2.00 s" in player.alt_text
     player.close()
 
 
-@pytest.mark.parametrize("name", RUNS)
-def test_time_changes_the_picture(name):
-    player = run_player(kinematic_run(RUNS[name]()))
-    before = player.picture
-    player.set(t=player.end)
-    assert player.picture != before and "2.000 s" in player.text
+def test_states_of_an_engine_play_too():
+    world = planar_world()
+    with cl.open_simulator(world) as engine:
+        states = []
+        for _ in range(5):
+            engine.step(np.full(4, 200.0))
+            states.append(engine.state())
+    player = play(states, title="By hand", notes=["", "", "now", "", ""])
+    assert "By hand" in player.alt_text and '"now"' in player.scene.plot.additional_js_code
+    player.close()
 
 
-def test_the_play_button_and_the_slider_follow_each_other():
-    player = run_player(kinematic_run(planar_world()))
-    player.play.value = player.play.max
-    assert player.values["t"] == pytest.approx(player.end)
-    player.set(t=1.0)
-    assert player.play.value == 10 and player.values["t"] == 1.0
-    player.play.value = 0
-    assert player.values["t"] == 0.0
-
-
-def test_slack_and_cut_cables_are_told():
-    from dataclasses import replace
-
-    run = kinematic_run(cl.load_world("caroca"))
-    tau = np.array(run.measured_tensions)
-    tau[:, 0], tau[:, 1], tau[-1] = np.nan, 0.0, np.nan
-    for view in ("picture", "scene"):
-        player = run_player(replace(run, measured_tensions=tau), view)
-        assert player.text.count("slack") == 2
-        player.set(t=player.end)
-        assert player.text.count("slack") == 8
-        player.close()
-
-
-def test_a_run_of_one_step_plays():
-    run = kinematic_run(planar_world(), steps=1)
-    player = run_player(run)
-    player.set(t=player.controls["t"].high)
-    assert "0.000 s" in player.text
-
-
-def test_the_player_refuses_what_it_cannot_play():
-    with pytest.raises(InvalidInput, match="takes a Run"):
-        run_player(42)
-    with pytest.raises(InvalidInput, match="one of picture, scene"):
-        run_player(kinematic_run(planar_world()), "film")
-    with pytest.raises(InvalidInput, match="planar"):
-        run_player(kinematic_run(planar_world()), "scene")
+@pytest.mark.parametrize("what", [42, "caroca", [1, 2]])
+def test_the_player_refuses_what_it_cannot_play(what):
+    with pytest.raises(InvalidInput, match="takes a Run or a list of engine states"):
+        run_player(what)

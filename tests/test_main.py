@@ -32,9 +32,9 @@ def test_worlds_lists_them(capsys):
 def test_run_writes_everything(tmp_path, capsys):
     out = tmp_path / "flight"
     assert main(["run", "caroca", "--duration", "0.4", "--out", str(out)]) == 0
-    assert {p.name for p in out.iterdir()} == {"film.gif", "log.csv", "log.npz", "settings.json", "tensions.png",
-                                               "tracking.png", "world.yaml"}
-    assert (out / "film.gif").stat().st_size < 3e6
+    assert {p.name for p in out.iterdir()} == {"film.gif", "log.csv", "log.npz", "scene.html", "settings.json",
+                                               "tensions.png", "tracking.png", "world.yaml"}
+    assert (out / "film.gif").stat().st_size < 3e6 and (out / "scene.html").stat().st_size < 3e6
     printed = capsys.readouterr().out
     for quantity in ("tracking error, largest", "real-time factor", "infeasible steps"):
         assert quantity in printed

@@ -1,87 +1,108 @@
-"""The k3d scene: the robot's geometry, tensions as color and as number, objects changed in place."""
+"""The k3d scene: the robot's geometry over time, tensions as color and as number, a page that needs nothing else."""
+
+import json
+import re
 
 import numpy as np
 import pytest
-from test_explorers import planar_world
+from test_explorers import kinematic_run, planar_world
 
 import cdprlab as cl
-from cdprlab.course.explorers.scene import RobotScene, legend_html
 from cdprlab.errors import InvalidInput
-from cdprlab.view.style import OBSTACLE, SLACK_COLOR, tension_colors
+from cdprlab.view import save_scene
+from cdprlab.view.scene import MotionScene, states_of
+from cdprlab.view.style import OBSTACLE
 
-SPATIAL = [name for name in cl.world_names() if cl.load_world(name).robot.dimension == 3]
-TENSIONS = np.linspace(20.0, 400.0, 8)
-
-
-def rgb(number):
-    return [number >> 16 & 255, number >> 8 & 255, number & 255]
+LARGEST_PAGE = 3_000_000
 
 
-@pytest.mark.parametrize("name", SPATIAL)
-def test_cables_run_from_exits_to_anchors(name):
-    world = cl.load_world(name)
-    opened = RobotScene(world)
-    pose = cl.Pose(world.pose.position + 0.1, rpy=[0.1, -0.2, 0.3])
-    opened.move(pose, np.full(world.robot.n_cables, 100.0))
-    vectors = np.array([line.vertices[0] - line.vertices[1] for line in opened.cables])
-    np.testing.assert_allclose(vectors, cl.cable_vectors(world.robot, pose), atol=1e-5)  # k3d holds float32
-    np.testing.assert_allclose(opened.platform.model_matrix[:3, :3], pose.rotation, atol=1e-6)
-    corners = opened.platform.vertices
-    np.testing.assert_allclose(np.ptp(corners, axis=0), world.robot.platform.size, rtol=1e-6)
-    opened.close()
+def flown(name="caroca", **changed):
+    from dataclasses import replace
+
+    run = kinematic_run(planar_world() if name == "planar" else cl.load_world(name))
+    return replace(run, **changed)
 
 
-def test_a_move_changes_the_same_objects():
-    opened = RobotScene(cl.load_world("caroca"), tensions=TENSIONS)
-    before = [(thing.id, id(thing)) for thing in opened.plot.objects]
-    vertices, legend = opened.cables[0].vertices.copy(), opened.legend.text
-    opened.move(cl.Pose([0.3, 0, 1]), TENSIONS[::-1])
-    assert [(thing.id, id(thing)) for thing in opened.plot.objects] == before
-    assert (opened.cables[0].vertices != vertices).any() and opened.legend.text != legend
+def played(scene):
+    """What the player in the page is told."""
+    return json.loads(re.search(r"const motion = (\{.*?\});", scene.plot.additional_js_code).group(1))
 
 
-def test_colors_and_numbers_are_the_tensions():
-    tau = np.array([*TENSIONS[:6], 0.0, np.nan])
-    opened = RobotScene(cl.load_world("caroca"), tensions=tau, limits=(0.0, 400.0))
-    colors = [rgb(line.color) for line in opened.cables]
-    np.testing.assert_array_equal(colors, tension_colors(tau, (0.0, 400.0)))
-    assert tuple(colors[6]) == tuple(colors[7]) == SLACK_COLOR
-    words = opened.legend.text.split("<br>")
-    assert "[N]: 0 " in words[0] and " 400, slack" in words[0]
-    assert [word.split(": ")[-1] for word in words[1:]] == [*(f"{t:.1f}" for t in TENSIONS[:6]), "slack", "slack"]
+@pytest.mark.parametrize("name", ["caroca", "mobile_four_bases", "planar"])
+def test_cables_run_from_exits_to_anchors_at_every_frame(name):
+    run = flown(name)
+    scene = MotionScene(states_of(run))
+    assert len(scene.cables.vertices) == len(scene.times) == len(run.time)
+    for time, points in scene.cables.vertices.items():
+        k = int(np.argmin(np.abs(run.time - float(time))))
+        ends = points.reshape(run.world.robot.n_cables, -1, 3)
+        vectors = ends[:, 0] - ends[:, -1]
+        if name == "planar":
+            assert np.abs(vectors[:, 1]).max() == 0.0   # the plane y = 0
+            vectors = vectors[:, [0, 2]]
+        np.testing.assert_allclose(vectors, cl.cable_vectors(run.world.robot, run.poses[k]), atol=1e-5)  # float32
 
 
-def test_without_tensions_cables_are_grey_and_nothing_is_claimed():
-    opened = RobotScene(cl.load_world("caroca"))
-    assert {tuple(rgb(line.color)) for line in opened.cables} == {SLACK_COLOR}
-    assert "<br>" not in legend_html(np.full(8, np.nan), (0.0, 1.0))
+def test_slack_cables_hang_are_grey_and_say_so():
+    tau = np.array(flown().measured_tensions)
+    tau[:, 0], tau[:, 1] = np.nan, 0.0
+    scene = MotionScene(states_of(flown(measured_tensions=tau)))
+    ropes = next(iter(scene.cables.vertices.values())).reshape(8, -1, 3)
+    for k, rope in enumerate(ropes):
+        straight = np.linspace(rope[0], rope[-1], len(rope))
+        below = (straight - rope)[:, 2].max()
+        assert (below > 0.05) == (k < 2)
+    shades = next(iter(scene.cables.attribute.values())).reshape(8, -1)
+    assert (shades[:2] < 0).all() and (shades[2:] > 0).all()
+    assert all(row[:2] == [0.0, 0.0] for row in played(scene)["tensions"])
+
+
+def test_the_player_is_told_the_log():
+    run = flown()
+    told = played(MotionScene(states_of(run), notes=[f"row {k}" for k in range(len(run.time))]))
+    np.testing.assert_allclose(told["times"], run.time, atol=5e-4)
+    np.testing.assert_allclose(told["tensions"], run.measured_tensions, atol=0.051)
+    assert told["notes"][3] == "row 3" and told["largest"] == pytest.approx(run.measured_tensions.max(), rel=0.01)
+
+
+def test_long_runs_are_thinned_and_end_where_they_end():
+    run = flown()
+    states = [state._replace(time=0.01 * k) for k, state in enumerate(100 * states_of(run))]
+    scene = MotionScene(states)
+    assert len(scene.times) <= 160 and scene.times[-1] == pytest.approx(states[-1].time)
+
+
+def test_bases_that_drive_and_boxes_that_are_carried_move():
+    world = cl.load_world("planar_mcdpr")
+    driven = []
+    with cl.open_simulator(world, cables="length") as engine:
+        for _ in range(20):
+            engine.drive(np.array([0.0, 0.5, 0.0, 0.0, 0.0, 0.0]))
+            engine.wind(cl.cable_lengths(engine.robot, world.pose))
+            driven.append(engine.state())
+    scene = MotionScene(driven)
+    moving = [thing for thing in scene.plot.objects if thing.type == "Mesh" and isinstance(thing.vertices, dict)]
+    ways = [np.ptp([points[:, 0].mean() for points in thing.vertices.values()]) for thing in moving]
+    assert max(ways) > 1e-3
 
 
 def test_boxes_of_the_scene_are_solid():
     document = cl.load_world("caroca").to_dict()
     wall = {"position": [0, -1.95, 1.75], "size": [7, 0.02, 3.5]}
     world = cl.World.from_dict({**document, "scene": {**document["scene"], "obstacles": [wall]}})
-    solid, = (thing for thing in RobotScene(world).plot.objects
+    solid, = (thing for thing in MotionScene(states_of(kinematic_run(world, steps=2))).plot.objects
               if thing.type == "Mesh" and thing.color == int(OBSTACLE.removeprefix("#"), 16))
     np.testing.assert_allclose(np.ptp(solid.vertices, axis=0), [7, 0.02, 3.5], rtol=1e-5)
 
 
-def test_faces_look_outwards():
-    opened = RobotScene(cl.load_world("caroca"))
-    corners, faces = opened.platform.vertices, opened.platform.indices.reshape(-1, 3)
-    volume = np.einsum("ij,ij->i", corners[faces[:, 0]], np.cross(corners[faces[:, 1]], corners[faces[:, 2]])).sum() / 6
-    assert abs(volume) == pytest.approx(np.prod(opened.robot.platform.size), rel=1e-5)  # all the same way round
+def test_the_page_needs_nothing_else_and_stays_small(tmp_path):
+    path = save_scene(flown(), tmp_path / "scene.html")
+    page = path.read_text(encoding="utf-8")
+    assert path.stat().st_size <= LARGEST_PAGE
+    assert not re.findall(r"<(?:script|link)[^>]+(?:src|href)=", page.replace("\n", " "))
+    assert 'class="cdprlab-still"' in page and 'alt="CAROCA' in page
 
 
-def test_planar_worlds_and_wrong_poses_are_refused():
-    with pytest.raises(InvalidInput, match="planar"):
-        RobotScene(planar_world())
-    opened = RobotScene(cl.load_world("caroca"))
-    with pytest.raises(InvalidInput, match="single spatial Pose"):
-        opened.move(cl.Pose([0, 0]), TENSIONS)
-
-
-def test_closing_twice_is_safe():
-    opened = RobotScene(cl.load_world("caroca"))
-    opened.close()
-    opened.close()
+def test_no_states_are_refused():
+    with pytest.raises(InvalidInput, match="one state at least"):
+        MotionScene([])

@@ -139,7 +139,8 @@ def _fly(options: argparse.Namespace, world: World) -> None:
         _write(options, folder, flown.save, lambda: print_table(flown.table()), {
             "tracking.png": lambda path: view.save_figure(view.plot_tracking(flown), path),
             "tensions.png": lambda path: view.save_figure(view.plot_tensions(flown), path),
-            "film.gif": lambda path: view.save_film(flown, path)})
+            "film.gif": lambda path: view.save_film(flown, path),
+            "scene.html": lambda path: view.save_scene(flown, path)})
 
 
 def _compare(options: argparse.Namespace, world: World) -> None:
@@ -174,7 +175,8 @@ def _pick_and_place(options: argparse.Namespace, world: World) -> None:
 
         _write(options, folder, job.save, tell,
                {"job.png": lambda path: view.save_figure(plot_job(job), path),
-                "film.gif": lambda path: save_job_film(job, path)})
+                "film.gif": lambda path: save_job_film(job, path),
+                "scene.html": lambda path: view.save_scene(job, path)})
 
 
 def _mission(options: argparse.Namespace, world: World) -> None:

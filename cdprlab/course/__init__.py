@@ -17,7 +17,7 @@ _EXPORTS = {
     "answers.fallback": ("fallback",),
     "explorers.explorer": ("Choice", "Explorer", "Slider"),
     "explorers.posing": ("pose_explorer",),
-    "explorers.player": ("run_player",),
+    "explorers.player": ("play", "run_player"),
     "explorers.hanging": ("hanging_explorer",),
     "explorers.balance": ("equilibrium_explorer",),
     "explorers.forward_kinematics": ("forward_kinematics_explorer",),

@@ -1,5 +1,6 @@
 """What explorers and the designer share in a notebook: a widget that shows itself, and pictures with words."""
 
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -46,3 +47,12 @@ def dismiss(widget: Any) -> None:
     for model in (getattr(widget, "style", None), widget.layout, widget):
         if model is not None:
             model.close()
+
+
+def boxed(parts: Sequence[Any], name: str = "") -> Any:
+    """A box of widgets as widgets.css lays it out: "head", "columns", "picture", "beside", "controls", or the whole."""
+    import ipywidgets
+
+    box = ipywidgets.VBox(list(parts))
+    box.add_class(f"cdprlab-{name}" if name else "cdprlab")
+    return box

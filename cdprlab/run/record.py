@@ -93,6 +93,10 @@ class Run:
         return robot.with_bases({base.name: pose
                                  for base, pose in zip(robot.bases, self.base_poses[index])})
 
+    def boxes_at(self, index: int) -> tuple[tuple[Pose, Array], ...]:
+        """Pose and size [m] of each loose box at one control step: a plain run has none."""
+        return ()
+
     @property
     def position_errors(self) -> Array:
         """(N,) distance from the reference [m]."""

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 _HOMES = {"draw": ".film", "plot_tensions": ".plots", "plot_tracking": ".plots",
           "save_figure": ".plots",
-          "save_film": ".film", "still": ".film"}
+          "save_film": ".film", "save_scene": ".scene", "still": ".film"}
 """Name → its file."""
 
 __all__ = ["plot", *_HOMES]

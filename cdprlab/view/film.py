@@ -12,7 +12,6 @@ from PIL.PngImagePlugin import PngInfo
 
 from ..arrays import Array
 from ..errors import InvalidInput
-from ..robot.pose import Pose
 from ..simulate.state import State
 from ..world.files import checked_path, replaced
 from ..world.model import Scene
@@ -113,13 +112,9 @@ class RunScreen(RobotScreen):
         if run.base_poses is not None:
             self.drawing.drive(run.robot_at(k))
         self.drawing.move(run.poses[k], run.measured_tensions[k], _rope_lengths(run, k),
-                          self.loads(k),
+                          run.boxes_at(k),
                           run.poses.position[np.unique(np.linspace(0, k, 50).astype(int))])
         return self.words(k)
-
-    def loads(self, index: int) -> Sequence[tuple[Pose, Array]]:
-        """Loose boxes at a control step: where they are, and their sizes."""
-        return ()
 
     def words(self, index: int) -> str:
         """What is done at a control step."""

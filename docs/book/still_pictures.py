@@ -8,11 +8,12 @@ from matplotlib.figure import Figure
 
 from cdprlab.course import Explorer
 from cdprlab.course.designer.panel import RobotDesigner
+from cdprlab.course.explorers.player import MotionPlayer
 
 
 def install(shell):
     """Change what a kernel's outputs are made of."""
-    for kind in (Explorer, RobotDesigner):
+    for kind in (Explorer, RobotDesigner, MotionPlayer):
         shell.display_formatter.mimebundle_formatter.for_type(kind, still)
     # As a method: what is said to IPython about figures, matplotlib's inline backend makes it forget.
     Figure._repr_pretty_ = lambda figure, printer, _: printer.text(describe(figure))

@@ -19,7 +19,7 @@ from ...world import World
 from ..pictures.configuration_plan import WIDE_MARGIN, draw_room, fill_sequence, fill_triplet, in_words
 from ..text_table import in_brackets
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
-from .player import RunPlayer
+from .player import MotionPlayer
 from .posing import checked_world
 
 _LISTED = 6
@@ -52,7 +52,7 @@ class ConfigurationExplorer(Explorer):
         self.world, self.robot = world, world.robot
         self.names = triplets(self.robot)
         self.run: Run | None = None
-        self._player: RunPlayer | None = None
+        self._player: MotionPlayer | None = None
         super().__init__(_controls(world, uncertain),
                          f"{world.title}: configurations from S to G",
                          size=(6.2, 3.4))
@@ -103,7 +103,7 @@ class ConfigurationExplorer(Explorer):
         speed = 0.8 * self.robot.speed_max.min()
         run = follow_sequence(self.world, sequence, slack=self.values["slack"], speed=speed,
                               reeling=min(REELING, speed))
-        self._show_player(RunPlayer(run))
+        self._show_player(MotionPlayer(run))
         self.run = run
         return run
 
@@ -188,7 +188,7 @@ class ConfigurationExplorer(Explorer):
         finally:
             self.button.disabled, self.button.description = False, "Play in the engine"
 
-    def _show_player(self, player: RunPlayer | None) -> None:
+    def _show_player(self, player: MotionPlayer | None) -> None:
         if self._player is not None:
             self._player.close()
         self._player = player

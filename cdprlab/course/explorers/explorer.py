@@ -22,7 +22,7 @@ from ...errors import CdprError, InvalidInput, quoted
 from ...view.notebook import picture_tag
 from ...view.picture import Picture
 from ...view.style import house_style
-from ..shown import Shown, style
+from ..shown import Shown, boxed, style
 from .since_start import with_changes
 
 _DOTS_PER_INCH = 126
@@ -395,13 +395,6 @@ class Explorer(Shown):
 
     def _tell(self, mistake: str) -> None:
         self.mistake.value = f'<div role="alert">{html.escape(mistake)}</div>'
-
-
-def boxed(parts: Sequence[Any], name: str = "") -> Any:
-    """A box of widgets as widgets.css lays it out: "head", "columns", "picture", "beside", "controls", or the whole."""
-    box = ipywidgets.VBox(list(parts))
-    box.add_class(f"cdprlab-{name}" if name else "cdprlab")
-    return box
 
 
 def rounded_up(value: float, digits: int) -> float:

@@ -51,6 +51,9 @@ class Job(Chronicle, Run):
         assert isinstance(task, PickAndPlace)
         return task
 
+    def boxes_at(self, index: int) -> tuple[tuple[Pose, Array], ...]:
+        return ((self.box_poses[index], self.work.box_size),)
+
     @property
     def box_error(self) -> float:
         """Distance of the box from its place at the end [m]."""

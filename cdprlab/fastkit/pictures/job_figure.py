@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ...arrays import Array, checked
-from ...robot.pose import Pose
 from ...view.film import Frame, RunScreen, save_gif
 from ...view.plots import Figure, draw_lines, label_ends, mark_level, spread_apart
 from ...view.style import AXIS_STYLES, BLUE, GREY, INK, VERMILION, LineStyle, cable_style, house_style
@@ -78,9 +77,6 @@ def film_moments(job: Job, frames: int) -> list[float]:
 
 class JobScreen(RunScreen):
     """The pictures of a job's film: a run's, with the box and in words what is done."""
-
-    def loads(self, index: int) -> Sequence[tuple[Pose, Array]]:
-        return [(self.run.box_poses[index], self.run.work.box_size)]
 
     def words(self, index: int) -> str:
         state = self.run.state_at(index)
