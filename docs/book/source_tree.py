@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import shutil
+import tomllib
 from pathlib import Path
 from string import Template
 
@@ -32,6 +34,7 @@ def assemble(tree: Path, executed: Path, run: str) -> Path:
     shutil.rmtree(tree, ignore_errors=True)
     for path in (path for pattern in FILES for path in sorted(CHECKOUT.glob(pattern)) if path.is_file()):
         _copy(path, tree / path.relative_to(CHECKOUT))
+    _front_page(tree / "README.md")
     _lessons(tree / "lessons", executed, run)
     api_pages.write(tree / "api")
     _written_pages(tree)
@@ -42,6 +45,14 @@ def math(site: Path) -> None:
     """MathJax into the site, from a package: pages must show formulas without a network."""
     shutil.copytree(Path(jupyter_server_mathjax.__file__).parent / "static", site / "_static" / "mathjax",
                     ignore=shutil.ignore_patterns(*NOT_NEEDED), dirs_exist_ok=True)
+
+
+def _front_page(readme: Path) -> None:
+    """Its links lead to the repository, for who reads it elsewhere; here to this site's pages, without badges."""
+    home = tomllib.loads((CHECKOUT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["urls"]["Homepage"]
+    lines = [line for line in readme.read_text(encoding="utf-8").splitlines() if not line.startswith("[![")]
+    text = re.sub(rf"{re.escape(home)}/(blob|raw)/main/", "", "\n".join(lines))
+    readme.write_text(f"{text}\n", encoding="utf-8")
 
 
 def _lessons(folder: Path, executed: Path, run: str) -> None:

@@ -13,7 +13,7 @@ FOLDER = "cdprlab"
 
 PATTERNS = (
     "README.md", "LICENSE", "NOTICE.md", "CITATION.cff", "Makefile", "pyproject.toml", "requirements.txt",
-    "cdprlab/**/*", "worlds/*.yaml", "lessons/[0-9][0-9]_*.ipynb", "docs/world_file.md",
+    "cdprlab/**/*", "worlds/*.yaml", "lessons/[0-9][0-9]_*.ipynb", "docs/world_file.md", "docs/install.md",
     "docs/caroca.png", "environment.yml",
 )
 _LONG_AGO = (2020, 1, 1, 0, 0, 0)  # the same files make the same bytes
