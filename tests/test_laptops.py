@@ -61,7 +61,6 @@ FEATURES = {
     "pymunk": PLANAR,
     "matplotlib": f"cl.plot({PLANAR})",
     "ipywidgets": "__import__('cdprlab.course').course.pose_explorer(cl.load_world('planar_rigid'))",
-    "k3d": "__import__('cdprlab.course').course.run_player(cl.run(cl.load_world('caroca'), duration=0.01))",
     "qpsolvers": "cl.distribute_tensions([[1.0, -1.0]], [0.0], 1.0, 9.0, solver='osqp')",
 }
 
