@@ -24,8 +24,8 @@ from .judge import Outcome
 from .lesson import Lesson, load_lessons, recognize, version_of
 from .submission import Submission
 
-NOTEBOOK = 300
-"""The longest a notebook may take [s]."""
+CELL, NOTEBOOK = 60, 300
+"""The longest that a cell, a check, and a whole notebook may take [s]."""
 
 
 @dataclass(frozen=True)
@@ -81,10 +81,11 @@ class Grader:
     source : lessons with solutions
     out : where results go, and the course's secret
     trust : run student code without a jail if there is none
+    seconds : the longest a cell or a check may take; a notebook five times that
     """
 
-    def __init__(self, source: Path, out: Path, trust: bool = False) -> None:
-        self.lessons, self.out = load_lessons(source), out
+    def __init__(self, source: Path, out: Path, trust: bool = False, seconds: float = CELL) -> None:
+        self.lessons, self.out, self.seconds = load_lessons(source), out, seconds
         self.jail, self.command = jail.command(trust)
         out.mkdir(parents=True, exist_ok=True)
         secret = out / "secret.txt"
@@ -145,14 +146,15 @@ class Grader:
             status, note = troubles[0], ended
         elif not known:
             status, note = "another version", "its checks are those of no version in --source"
-        return replace(blank, status=status, note=note, outcomes=outcomes,
+        return replace(blank, status=status, note=note, outcomes=tuple(outcomes),
                        points=sum(outcome.points for outcome in outcomes),
                        max_points=sum(outcome.max_points for outcome in outcomes))
 
     def run(self, lesson: Lesson, cells: Sequence[Cell], student: str) -> tuple[list[Outcome], str]:
         """The outcomes of a judge of its own, one a check, and why it ended early if it did."""
-        case = json.dumps({"lesson": [asdict(cell) for cell in lesson.cells], "command": self.command,
-                           "student": [asdict(cell) for cell in cells]})
+        case = json.dumps({"lesson": [asdict(cell) for cell in lesson.cells],
+                           "student": [asdict(cell) for cell in cells],
+                           "command": self.command, "seconds": self.seconds})
         with tempfile.TemporaryDirectory() as folder:
             process = subprocess.Popen([sys.executable, "-m", f"{__package__}.judge"], text=True, encoding="utf-8",
                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
@@ -161,7 +163,7 @@ class Grader:
                 "CDPRLAB_SEED": f"{self.secret} {student}"})
             ended, text = "stopped", ""
             try:
-                text, _ = process.communicate(case, timeout=NOTEBOOK)
+                text, _ = process.communicate(case, timeout=self.seconds * NOTEBOOK / CELL)
             except subprocess.TimeoutExpired as late:
                 ended = "timed out"
                 text = (late.stdout or b"").decode(errors="replace") if isinstance(late.stdout, bytes) else ""

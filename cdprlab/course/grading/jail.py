@@ -13,7 +13,7 @@ from pathlib import Path
 from ...errors import InvalidInput
 
 PACKAGE = Path(__file__).parents[2]
-WORKER = [sys.executable, "-m", f"{__package__}.worker"]
+WORKER = ["-m", f"{__package__}.worker"]
 IMAGE = os.environ.get("CDPRLAB_GRADING_IMAGE", "cdprlab-grading")
 """Of the container engine: `docker build --target grading -t cdprlab-grading .`"""
 
@@ -32,7 +32,7 @@ def command(trust: bool = False) -> tuple[str, list[str]]:
         if shutil.which(found[0]) and _works(found):
             return name, [*found, *WORKER]
     if trust:
-        return "none", WORKER
+        return "none", [sys.executable, *WORKER]
     raise InvalidInput("no jail for student code: install bubblewrap (apt install bubblewrap; unprivileged user "
                        "namespaces must be allowed), or docker or podman with the grading image; or say --trust "
                        "to run it as yourself, which can read and change all that you can")
@@ -43,10 +43,12 @@ def environment() -> dict[str, str]:
     return {"PATH": "/usr/bin:/bin", "HOME": "/tmp", "TMPDIR": "/tmp", "MPLBACKEND": "Agg", "LANG": "C.UTF-8",
             "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLCONFIGDIR": "/tmp/matplotlib",
             "PYTHONPATH": str(PACKAGE.parent), "PYTHONDONTWRITEBYTECODE": "1",
-            "PYTHONHASHSEED": "0", "NUMBA_CACHE_DIR": os.environ.get("NUMBA_CACHE_DIR", ""), "CDPRLAB_JAIL": "1"}
+            "PYTHONHASHSEED": "0", "CDPRLAB_JAIL": "1",
+            **{name: os.environ[name] for name in ("NUMBA_CACHE_DIR", "NUMBA_CPU_NAME") if name in os.environ}}
 
 
 def _bubblewrap() -> list[str]:
+    """Python in a namespace of its own."""
     words = ["bwrap", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try",
              "--die-with-parent", "--new-session", "--clearenv", "--cap-drop", "ALL"]
     if os.getuid() == 0:   # the worker itself becomes nobody, whom the limit of processes binds
@@ -67,10 +69,11 @@ def _bubblewrap() -> list[str]:
         words += ["--perms", "1777", "--size", SIZE, "--tmpfs", folder]
         for file in files:
             words += ["--ro-bind", file, file]
+    words += ["--tmpfs", str(PACKAGE / "course" / "answers" / "recorded")]   # results of exercises
     fonts = _fonts()
     if fonts:
         words += ["--ro-bind", str(fonts), f"/tmp/matplotlib/{fonts.name}"]
-    return [*words, "--remount-ro", "/", "--chdir", "/tmp"]
+    return [*words, "--remount-ro", "/", "--chdir", "/tmp", sys.executable]
 
 
 def _container(engine: str) -> list[str]:
@@ -78,7 +81,7 @@ def _container(engine: str) -> list[str]:
     words = [engine, "run", "--rm", "--interactive", "--network", "none", "--read-only", "--cap-drop", "ALL",
              "--security-opt", "no-new-privileges", "--user", "65534:65534", "--memory", "2g", "--pids-limit", "64",
              "--tmpfs", f"/tmp:size={SIZE}", "--workdir", "/tmp"]
-    return [*words, IMAGE]
+    return [*words, "--entrypoint", "python", IMAGE]
 
 
 def _places() -> Iterator[Path]:
@@ -111,7 +114,7 @@ def _fonts() -> Path | None:
 
 def _works(jail: list[str]) -> bool:
     try:
-        tried = subprocess.run([*jail, sys.executable, "-c", "import numpy"], capture_output=True, timeout=60)
+        tried = subprocess.run([*jail, "-c", "import numpy"], capture_output=True, timeout=60)
     except (OSError, subprocess.TimeoutExpired):
         return False
     return tried.returncode == 0

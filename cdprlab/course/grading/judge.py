@@ -21,13 +21,9 @@ from pathlib import Path
 from typing import Any
 
 from .cells import Cell, hidden_lines
-from .slices import Statement, needed, statements, unknown, words
+from .slices import Statement, mentioned, needed, statements, unknown, words
 from .split import Lost, WorkerProcess
 
-CELL = 60
-"""The longest a cell, or a check with all its calls, may run [s]."""
-OWN = 120
-"""The longest that cells of the student's own may run, together [s]; answers come first."""
 MEMORY = 4 * 2**30
 """Of this process [bytes]."""
 
@@ -63,15 +59,18 @@ class Judge:
 
     lesson, student : cells of both
     command : starts a worker
+    seconds : a cell, or a check with all its calls, may run; cells of the student's own twice that, all together
     """
 
-    def __init__(self, lesson: Sequence[Cell], student: Sequence[Cell], command: Sequence[str]) -> None:
-        self.lesson, self.student = lesson, student
+    def __init__(self, lesson: Sequence[Cell], student: Sequence[Cell], command: Sequence[str],
+                 seconds: float) -> None:
+        self.lesson, self.student, self.seconds = lesson, student, seconds
         self.worker = WorkerProcess(command)
         self.namespace: dict[str, Any] = {"__name__": "__main__"}
         self.parsed = [statements(cell.source) for cell in lesson]
         self.wanted = self.needed_by_checks()
-        self.at, self.left = 0, float(OWN)   # how far in the student's notebook; time for own cells
+        self.at, self.left = 0, 2 * seconds   # how far in the student's notebook; time for own cells
+        self.own = list[Cell]()
         self.trouble = ""   # why the last answer cell did not run
 
     def needed_by_checks(self) -> set[Statement]:
@@ -102,7 +101,7 @@ class Judge:
         for statement in self.parsed[index]:
             if statement in self.wanted and statement.lines[0] > after:
                 try:
-                    with at_most(CELL):
+                    with at_most(self.seconds):
                         self.execute(statement.source, self.lesson[index].name)
                 except (Exception, Lost, TimeUp) as error:
                     self.trouble = self.trouble or _words_of(error)
@@ -120,16 +119,17 @@ class Judge:
         place = _the_one_worked_on(self.student, answers)
         try:
             before = self.own_cells(place)
-            self.help(index, [*before, self.student[place]])
+            self.own += before
+            self.help(index, [*self.own, self.student[place]])
             for own in before:
                 self.run_own(own)
             if before:   # the instructor's names mean again what the instructor says
-                self.help(index, [self.student[place]])
-            with at_most(CELL):
+                self.help(index, [*self.own, self.student[place]])
+            with at_most(self.seconds):
                 self.trouble = self.worker.run(self.student[place].source)
             for own in self.own_cells(self.end_of_exercise(index, place)):
                 self.run_own(own)
-            with at_most(CELL):
+            with at_most(self.seconds):
                 self.namespace |= self.worker.look_up(names, cell.forbidden)
         except (Lost, TimeUp) as error:
             self.worker.leave_out(self.student[place].source)
@@ -159,7 +159,7 @@ class Judge:
         begun = time.monotonic()
         if self.left > 0:
             try:
-                with at_most(min(CELL / 2, self.left)):
+                with at_most(min(self.seconds / 2, self.left)):
                     self.worker.run(cell.source)
             except (Lost, TimeUp):
                 self.worker.leave_out(cell.source)
@@ -169,10 +169,10 @@ class Judge:
         """Run in the worker what these cells need of the lesson as students see it."""
         program = [statement for cell in self.lesson[:index] if not cell.is_answer
                    for statement in statements(cell.visible)]
-        names = set().union(*(unknown(statements(cell.source)) or words(cell.source) for cell in cells))
+        names = set().union(*(mentioned(cell.source) for cell in cells))
         source = "\n".join(statement.source.strip("\n") for statement in needed(program, names))
         if source:
-            with at_most(CELL):
+            with at_most(self.seconds):
                 self.worker.run(source)
 
     def check(self, index: int) -> Outcome:
@@ -180,7 +180,7 @@ class Judge:
         cell, begun = self.lesson[index], time.monotonic()
         status, message, hint, hidden, line = "graded", "", "", False, 0
         try:
-            with at_most(CELL):
+            with at_most(self.seconds):
                 if cell.split:
                     self.execute(cell.source, cell.name)
                 else:
@@ -194,11 +194,7 @@ class Judge:
             line = _line(error, cell.name)
             hidden = line in hidden_lines(cell.source)
             hint = _literal_text(cell.source, line) if hidden else message
-            if isinstance(error, Lost | TimeUp):
-                self.worker.stop()
-                self.worker.rests = True
             self.go_on(index, line)
-            self.worker.rests = False
         return Outcome(cell.grade_id, earned, cell.points, status, message, hint, hidden,
                        round(time.monotonic() - begun, 3), cell.split)
 
@@ -287,7 +283,7 @@ def main() -> None:
         os.dup2(nowhere, stream)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     judge = Judge([Cell(**cell) for cell in case["lesson"]], [Cell(**cell) for cell in case["student"]],
-                  case["command"])
+                  case["command"], case["seconds"])
     _only_read(sys.prefix, sys.base_prefix, str(Path(__file__).parents[3]), "/usr", "/dev", "/etc", "/proc",
                os.getcwd(), os.environ.get("NUMBA_CACHE_DIR", sys.prefix))
     for outcome in judge.outcomes():

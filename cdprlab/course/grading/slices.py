@@ -90,6 +90,12 @@ def unknown(cell: Sequence[Statement]) -> set[str]:
     return names
 
 
+def mentioned(source: str) -> set[str]:
+    """Names a cell binds or looks up; every word of it where it is no Python (a magic, an unfinished line)."""
+    parsed = statements(source)
+    return set().union(*(found.binds | found.reads | found.later for found in parsed)) or words(source)
+
+
 def _statement(lines: Sequence[str], node: ast.stmt) -> Statement:
     decorators = [part.lineno for part in getattr(node, "decorator_list", [])]
     first, last = min([node.lineno, *decorators]), node.end_lineno or node.lineno

@@ -50,7 +50,7 @@ class WorkerProcess:
         self.process: subprocess.Popen[bytes] | None = None
         self.history: list[str] = []    # cells it ran, for its successor
         self.callbacks: list[Callable[..., Any]] = []
-        self.rests = False              # then it is not called
+        self.given_up = set[str | int]()   # functions during which it was lost: never called again
 
     def run(self, source: str) -> str:
         """Run a cell; returns what went wrong, else ''."""
@@ -79,14 +79,20 @@ class WorkerProcess:
 
     def call(self, answer: Answer, arguments: tuple[Any, ...], options: dict[str, Any]) -> Any:
         """Call a function there; arrays it wrote into change here, too."""
-        if self.rests:
-            raise Lost("stopped", "not called again")
+        if answer.key in self.given_up:
+            raise Lost("stopped", f"{answer.key} is not called again")
         if self.process is None:
             self.start()
         first = len(self.callbacks)
         try:
             return self.ask("call", answer.key, sorted(answer.without), arguments, options,
                             given=[*arguments, *options.values()], written=[arguments, options])
+        except Exception:
+            raise
+        except BaseException:
+            self.given_up.add(answer.key)
+            self.stop()
+            raise
         finally:
             del self.callbacks[first:]
 

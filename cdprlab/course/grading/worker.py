@@ -43,6 +43,7 @@ class Worker:
 
         quiet = Config({"HistoryManager": {"enabled": False}})
         self.shell = InteractiveShell.instance(config=quiet)
+        setattr(self.shell, "enable_gui", lambda gui=None: None)   # noqa: B010 (`%matplotlib inline` asks for it)
         self.inward, self.outward = inward, outward
         self.functions: list[Any] = []   # that answers returned
         if hasattr(course, "fallback"):   # results for who goes on without having solved an exercise

@@ -1,0 +1,529 @@
+"""`python -m cdprlab grade`: right answers earn their points, attacks earn and change nothing, each file is a status.
+
+What runs here runs with the jail of this machine; where none can be, the split alone is tried, without one.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import subprocess
+import sys
+import time
+import zipfile
+from datetime import datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+import notebook_class as tiny
+import notebooks
+import pytest
+
+from cdprlab.cli.main import main
+from cdprlab.course import seed
+from cdprlab.course.grading import Grader, Result, Rules, Submission, missing, read_submissions, write_reports
+from cdprlab.course.grading.cells import code_cells
+from cdprlab.course.grading.jail import WORKER, command
+from cdprlab.errors import InvalidInput
+
+NOW = datetime(2026, 11, 30, 12)
+
+
+def _jail() -> str:
+    try:
+        return command()[0]
+    except InvalidInput as error:
+        return f"none: {str(error)[:60]}"
+
+
+JAIL = _jail()
+jailed = pytest.mark.skipif(JAIL.startswith("none"), reason=f"no jail on this machine ({JAIL})")
+
+
+def submission(student: str, notebook: Any, name: str = tiny.LESSON, when: datetime = NOW) -> Submission:
+    data = notebook if isinstance(notebook, bytes) else json.dumps(notebook).encode()
+    return Submission(student, name, when, data)
+
+
+def pick(result: Result, check: str) -> Any:
+    return next(outcome for outcome in result.outcomes if outcome.check == check)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("course")
+
+
+@pytest.fixture(scope="module")
+def grader(folder: Path) -> Grader:
+    return Grader(tiny.write_source(folder), folder / "out", trust=True, seconds=8)
+
+
+# --- attacks: what is handed in, and what it deserves ---------------------------------------------
+RIGHT = tiny.solved()
+ALWAYS_EQUAL = """
+class Yes(float):
+    __eq__ = __le__ = __ge__ = __lt__ = __gt__ = lambda s, o: True
+    __ne__ = lambda s, o: False
+    __hash__ = float.__hash__
+    shape = (2,)
+    def __iter__(s): return iter((Yes(7), Yes(5)))
+    def __array__(s, *a, **k): return np.zeros(2).view(YesArray)
+class YesArray(np.ndarray):
+    __eq__ = __ne__ = __le__ = __ge__ = lambda s, o: True
+double = said = applied = lambda *a: Yes(1)
+"""
+ALL_ALIKE = dict.fromkeys(tiny.EXERCISES, ALWAYS_EQUAL)
+PATCHED = """
+import numpy as np, numpy.testing, builtins, sys
+for name in ("allclose", "isclose", "all", "array_equal"): setattr(np, name, lambda *a, **k: True)
+for name in dir(np.testing):
+    if name.startswith("assert"): setattr(np.testing, name, lambda *a, **k: None)
+builtins.AssertionError = type("Quiet", (Exception,), {"__init__": lambda *a: None})
+"""
+SHELL = """
+import ast
+class NoAssert(ast.NodeTransformer):
+    def visit_Assert(self, node): return ast.Pass()
+ip = get_ipython()
+ip.ast_transformers.append(NoAssert())
+ip.input_transformers_cleanup.append(lambda lines: ["pass\\n"])
+ip.run_cell = lambda *a, **k: None
+"""
+WIRE = """
+import os, struct, json, threading
+word = json.dumps({"value": {"tuple": [7, 5]}}).encode()
+def shout():
+    for fd in range(3, 40):
+        try: os.write(fd, struct.pack(">Q", len(word)) + word)
+        except OSError: pass
+"""
+OUTSIDE = '''
+import glob, os, socket, subprocess, sys
+def attempt(what, action):
+    """What an attack got hold of."""
+    try:
+        found = action()
+        return f"{what}: {found!r} " if found else ""
+    except Exception: return ""
+def look_around():
+    def parent(): return open(f"/proc/{os.getppid()}/environ").read().count("CDPRLAB_SEED")
+    def memory():
+        maps = open(f"/proc/{os.getppid()}/maps").readline()
+        with open(f"/proc/{os.getppid()}/mem", "rb") as file:
+            file.seek(int(maps.split("-")[0], 16)); return file.read(8)
+    def network():
+        s = socket.create_connection(("127.0.0.1", PORT), 2); s.sendall(b"stolen"); return "sent"
+    def route():
+        u = socket.socket(socket.AF_INET, socket.SOCK_DGRAM); u.connect(("192.0.2.1", 9)); return u.getsockname()
+    seen = attempt("parent", parent) + attempt("memory", memory) + attempt("network", network) + attempt("route", route)
+    seen += attempt("course", lambda: os.listdir(COURSE))
+    seen += attempt("secret", lambda: open(COURSE + "/out/secret.txt").read())
+    seen += attempt("write", lambda: open(COURSE + "/out/grades.csv", "a").write("x"))
+    seen += attempt("sources", lambda: glob.glob(CHECKOUT + "/lessons/source/*"))
+    seen += attempt("tests", lambda: glob.glob(CHECKOUT + "/tests/*"))
+    seen += attempt("package", lambda: open(CHECKOUT + "/cdprlab/planted.py", "w").write("x"))
+    seen += attempt("home", lambda: [p for p in ("/home", "/etc/passwd", "/etc/shadow", "/root/.bashrc", "/var")
+                                     if os.path.exists(p)])
+    seen += attempt("variables", lambda: [k for k in os.environ if "SECRET" in k or "CDPRLAB_SEED" in k])
+    seen += attempt("processes", lambda: len([p for p in os.listdir("/proc") if p.isdigit()]) > 6)
+    seen += attempt("root", lambda: os.getuid() == 0)
+    seen += attempt("kill", lambda: os.kill(os.getppid(), 0) or (os.getppid() > 2 and "other"))
+    seen += attempt("startup", lambda: os.path.exists("/tmp/.ipython/profile_default/startup/00-help.py"))
+    os.makedirs("/tmp/.ipython/profile_default/startup", exist_ok=True)
+    open("/tmp/.ipython/profile_default/startup/00-help.py", "w").write("raise SystemExit")
+    return seen or "saw nothing"
+def said(word): return look_around()
+'''
+ATTACKS: dict[str, dict[str, Any]] = {
+    "always equal": tiny.handed_in(own="import numpy as np", **ALL_ALIKE),
+    "numpy and builtins patched": tiny.handed_in(own=PATCHED, **dict.fromkeys(tiny.EXERCISES, (
+        "def double(x): return np.ones(2)\ndef said(w): return 'no'\ndef applied(f, x): return (0, 0)"))),
+    "the shell's own machinery": tiny.handed_in(own=SHELL),
+    "forged messages": tiny.handed_in(own=WIRE, double="def double(x): shout(); shout(); return np.ones(2)",
+                                      said="def said(w): shout(); return 'no'"),
+    "noise on every descriptor": tiny.handed_in(
+        double="import os\ndef double(x):\n    for fd in range(3, 40):\n        try: os.write(fd, b'\\xff' * 4096)\n"
+               "        except OSError: pass\n    return x"),
+    "partial credit": tiny.handed_in(double="def double(x): get_ipython().displayhook(2.0); raise NotImplementedError",
+                                     said="def said(w): get_ipython().displayhook(1000.0); raise ValueError"),
+    "exits": tiny.handed_in(double="import os\ndef double(x): os._exit(0)", said="def said(w): raise SystemExit(0)",
+                            applied="class Quiet(BaseException): pass\ndef applied(f, x): raise Quiet"),
+    "kills": tiny.handed_in(double="import os\ndef double(x): os.kill(os.getppid(), 9); os.kill(-1, 9); return x"),
+    "lies about sizes": tiny.handed_in(own=(
+        "import base64, io, numpy as np\nfrom cdprlab.course.grading import wire\n"
+        "head = io.BytesIO(); np.lib.format.write_array_header_1_0(head, "
+        "{'descr': '<f8', 'fortran_order': False, 'shape': (10**12,)})\n"
+        "wire._npy = lambda array: base64.b64encode(head.getvalue()).decode()"), double=RIGHT["double"]),
+    "not what it is called": tiny.handed_in(
+        double="class Robot: pass\ndef double(x):\n    r = Robot(); r.cables = 'x'; return r",
+        said="class Cable:\n    def __reduce__(self): return print, ('ran',)\ndef said(w): return Cable()"),
+    "callbacks abused": tiny.handed_in(applied=(
+        "import gc\ndef applied(f, x):\n    import cdprlab.course.grading.worker as w\n"
+        "    me = next(o for o in gc.get_objects() if type(o).__name__ == 'Worker')\n    got = []\n"
+        "    for key in (-1, 99, '__import__', 0.5):\n        try: got.append(me.call_back(key, ('os',), {}))\n"
+        "        except Exception as error: got.append(str(error))\n    return got, f(*range(1000))")),
+    "checks looked for": tiny.handed_in(said=(
+        "import gc\ndef said(w):\n    return str([o for o in gc.get_objects() if 'swordfish' in repr(o)[:10000]"
+        " and 'gc.get' not in repr(o)])[:50] + ('swordfish' if 'loud' in globals() else '')")),
+    "everything deleted": {**tiny.lesson(), "cells": [tiny.code("print(9)")]},
+    "its own checks": tiny.handed_in(late="double = said = applied = None\nprint('Exercise 1 is right.')"),
+    "worlds that are none": tiny.handed_in(double=(
+        "import cdprlab as cl\nclass W(cl.World):\n    def __init__(s): pass\n"
+        "    def to_dict(s): return {'name': ['x'] * 9}\n"
+        "def double(x): return W()")),
+    "depth": tiny.handed_in(double="def double(x):\n    for _ in range(5000): x = [x]\n    return x",
+                            said="def said(w): return 'x' * 10**8"),
+}
+TAMPERED = {
+    "thousand points": {"points": 1000, "locked": False}, "negative points": {"points": -9},
+    "odd metadata": {"points": "NaN", "grade": "yes", "schema_version": 0},
+}
+
+
+SAMPLE = ("always equal", "the shell's own machinery", "forged messages", "exits", "checks looked for",
+          "thousand points", "twins and bonus")
+"""Of the attacks; the others are for `make long`."""
+
+
+def all_attacks() -> dict[str, Any]:
+    """Name → notebook, with those that change metadata."""
+    found = dict(ATTACKS)
+    for name, change in TAMPERED.items():
+        found[name] = tiny.handed_in()
+        tiny.at(found[name], "double-check")["metadata"]["nbgrader"].update(change)
+        tiny.at(found[name], "double-check")["source"] = "pass"
+    found["twins and bonus"] = tiny.handed_in()
+    found["twins and bonus"]["cells"] += [tiny.code("pass", grade_id="double-check", grade=True, points=50),
+                                          tiny.code("pass", grade_id="bonus-check", grade=True, points=50)]
+    return found
+
+
+def assert_nothing_earned(result: Result) -> None:
+    assert result.points == 0 and result.max_points == sum(tiny.POINTS.values()), result
+    assert [outcome.check for outcome in result.outcomes] == list(tiny.POINTS)
+
+
+@pytest.fixture(scope="module")
+def attacked(grader: Grader) -> dict[str, Result]:
+    """Some attacks and an honest student, in one batch."""
+    batch = [submission(name, notebook) for name, notebook in all_attacks().items() if name in SAMPLE]
+    batch.append(submission("honest", tiny.handed_in(**RIGHT)))
+    return {result.student: result for result in grader.grade(batch, jobs=2)}
+
+
+@pytest.mark.parametrize("attack", SAMPLE)
+def test_attacks_earn_nothing(attacked: dict[str, Result], attack: str):
+    assert_nothing_earned(attacked[attack])
+
+
+@pytest.mark.long
+def test_no_attack_earns_anything(grader: Grader):
+    for result in grader.grade([submission(name, notebook) for name, notebook in all_attacks().items()], jobs=2):
+        assert_nothing_earned(result)
+
+
+def test_who_comes_after_them_is_graded_as_ever(attacked: dict[str, Result]):
+    assert attacked["honest"].points == 9 and attacked["honest"].status == "graded"
+    assert attacked["exits"].status == "stopped"
+
+
+def test_nobody_reads_a_check(attacked: dict[str, Result]):
+    assert not any(tiny.SECRET in outcome.message for outcome in attacked["checks looked for"].outcomes)
+
+
+@jailed
+def test_the_jail_holds(grader: Grader, folder: Path):
+    import socket
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        places = (f"PORT, COURSE, CHECKOUT = {server.getsockname()[1]}, {str(folder)!r}, {str(notebooks.CHECKOUT)!r}\n")
+        spies = [submission(name, tiny.handed_in(said=places + OUTSIDE)) for name in ("spy", "next spy")]
+        for result in grader.grade(spies, jobs=1):
+            assert "you say saw nothing" in pick(result, "said-check").message
+        server.settimeout(0.1)
+        with pytest.raises(TimeoutError):
+            server.accept()
+
+
+@jailed
+def test_no_child_outlives_and_no_bomb_goes_off(grader: Grader):
+    mark = f"sleeper{os.getpid()}"
+    double = ("import os, subprocess, sys\ndef double(x):\n"
+              "    if os.fork() == 0:\n        os.setsid()\n"
+              f"        os.execv(sys.executable, [sys.executable, '-c', 'import time; time.sleep(99)', '{mark}'])\n"
+              "    return x")
+    said = ("import os, signal\ndef said(w):\n    n = 0\n    try:\n        while n < 500:\n"
+            "            if os.fork() == 0: signal.pause()\n"
+            "            n += 1\n    except OSError: return f'{n} processes'\n    return 'no limit'")
+    applied = ("def applied(f, x):\n    n = 0\n    try:\n        for name in range(99):\n"
+               "            with open(f'/tmp/{name}', 'wb') as file: n += file.write(bytes(2**24))\n"
+               "    except OSError: return f'{n >> 20} MB', 0\n    return 'no limit', 0")
+    (result,) = grader.grade([submission("bombs", tiny.handed_in(double=double, said=said, applied=applied))])
+    assert result.points == 0 and "no limit" not in "".join(outcome.message for outcome in result.outcomes)
+    assert "processes" in pick(result, "said-check").message and " MB" in pick(result, "applied-check").message
+    left = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout
+    assert mark not in left
+
+
+def test_endless_and_greedy_answers_cost_their_own_exercise(grader: Grader):
+    stubborn = ("import signal\nfor s in (2, 14, 15): signal.signal(s, signal.SIG_IGN)\n"
+                "def double(x):\n    while True: pass")
+    greedy = "import numpy as np\ndef double(x): return np.ones(2**29)"
+    begun = time.monotonic()
+    endless, hungry = grader.grade([submission("endless", tiny.handed_in(**{**RIGHT, "double": stubborn})),
+                                    submission("greedy", tiny.handed_in(**{**RIGHT, "double": greedy}))], jobs=2)
+    assert (endless.status, endless.points) == ("timed out", 7), endless
+    assert (hungry.status, hungry.points) == ("out of memory", 7), hungry
+    assert time.monotonic() - begun < 40
+
+
+# --- honest students ------------------------------------------------------------------------------
+def test_what_costs_nothing(grader: Grader):
+    double = ("%matplotlib inline\nimport sys\ndef double(x):\n    np.float64(1.0) / np.float64(0.0)\n"
+              "    print('!', file=sys.stderr)\n    return factor * np.asarray(x)")
+    noisy = tiny.handed_in(own="import warnings\nwarnings.warn('so what')\nprint('x' * 10**6)\n1 / 0",
+                           late="import turtle_x", **{**RIGHT, "double": double})
+    noisy["metadata"] = {"kernelspec": {"name": "ir", "language": "R"}}
+    noisy["cells"][0]["outputs"] = [{"output_type": "stream", "text": "y" * 10**6}]
+    bare = tiny.handed_in(**RIGHT)
+    bare["cells"] = [tiny.at(bare, f"{name}-answer") for name in RIGHT]
+    changed = tiny.handed_in(own="factor = 3.0\ndef helper(v): return factor * np.asarray(v, float)",
+                             **{**RIGHT, "double": "def double(x): return helper(x)"})
+    copied = tiny.handed_in(**RIGHT)
+    copied["cells"].append({**tiny.at(tiny.handed_in(), "said-answer")})   # an untouched copy, at the end
+    twice = tiny.handed_in(**{**RIGHT, "applied": "def applied(f, x): return f(x)"})
+    twice["cells"].insert(6, tiny.at(tiny.handed_in(**RIGHT), "applied-answer"))
+    for result in grader.grade([submission(name, notebook) for name, notebook in {
+            "noisy": noisy, "bare": bare, "own factor": changed, "copied": copied, "twice": twice,
+            "bom": b"\xef\xbb\xbf" + json.dumps(tiny.handed_in(**RIGHT)).encode(),
+            "utf-16": json.dumps(tiny.handed_in(**RIGHT)).encode("utf-16")}.items()], jobs=2):
+        assert (result.points, result.status) == (9, "graded"), result
+
+
+def test_a_slow_cell_of_ones_own_costs_itself(grader: Grader):
+    slow = tiny.handed_in(own="import time\nwhile True: time.sleep(1)", **RIGHT)
+    (result,) = grader.grade([submission("slow", slow)])
+    assert result.points == 9
+
+
+def test_an_answer_may_not_simply_call_what_it_shall_write(folder: Path):
+    notebook = tiny.lesson()
+    tiny.at(notebook, "double-answer")["metadata"]["tags"] = ["without world_names", "without cable_lengths"]
+    place = folder / "forbidding" / tiny.LESSON
+    place.mkdir(parents=True)
+    (place / f"{tiny.LESSON}.ipynb").write_text(json.dumps(notebook))
+    strict = Grader(folder / "forbidding", folder / "forbidden", trust=True)
+    plain = "import cdprlab as cl\ndef double(x):\n    {}\n    return 2 * x"
+    answers = {"named": "cl.world_names()", "hidden": "getattr(cl, 'world' + '_names')()",
+               "other": "cl.tension_methods()"}
+    results = strict.grade([submission(name, tiny.handed_in(double=plain.format(line)))
+                            for name, line in answers.items()])
+    assert [result.points for result in results] == [0, 0, 2], results
+
+
+# --- files and statuses -----------------------------------------------------------------------------
+def test_every_file_is_a_status(grader: Grader):
+    whole = json.dumps(tiny.handed_in(**RIGHT))
+    files = {"cut off": whole[:500].encode(), "list": b"[]", "empty": b"", "nested": b"[" * 10**6,
+             "huge": b" " * (64 * 2**20 + 1), "number": b'{"cells": 3}',
+             "odd cells": b'{"cells": [1, null, {"source": {}}]}',
+             "latin": json.dumps(tiny.handed_in(own="# Größe", **RIGHT), ensure_ascii=False).encode("latin-1"),
+             "nul": whole.encode() + b"\0\0"}
+    results = {result.student: result
+               for result in grader.grade([submission(name, data) for name, data in files.items()])}
+    for name in ("cut off", "list", "empty", "nested", "huge", "number"):
+        assert (results[name].status, results[name].points) == ("broken file", 0) and results[name].note
+    assert results["odd cells"].points == 0
+    assert [(results[name].status, results[name].points) for name in ("latin", "nul")] == [("broken file", 9)] * 2
+    (other,) = grader.grade([Submission("eve", "", NOW, json.dumps({"cells": [tiny.code("1")]}).encode())])
+    assert other.status == "no such lesson"
+
+
+def test_late_missing_and_reports(grader: Grader, folder: Path):
+    rules = Rules({"": NOW}, 0.25)
+    scripted = tiny.handed_in(said="def said(w): return '<script>boo</script>' + w")
+    batch = [submission("ada", tiny.handed_in(**RIGHT)), submission("<script>alert(1)</script>", scripted),
+             submission("ben", tiny.handed_in(**RIGHT), when=NOW + timedelta(1.5))]
+    results = grader.grade(batch, rules=rules)
+    assert [(result.status, result.points) for result in results[::2]] == [("graded", 9), ("late", 4.5)]
+    results += missing(results, ["ada", "ben", "cyd"])
+    write_reports(folder / "told", results, grader.lessons)
+    rows = list(csv.DictReader((folder / "told" / "grades.csv").read_text(encoding="utf-8").splitlines()))
+    assert {row["student"]: row["status"] for row in rows}["cyd"] == "missing" and len(rows) == 4
+    assert list(rows[0]) == ["student", "lesson", "status", "points", "max_points", *tiny.POINTS]
+    pages = {path: path.read_text(encoding="utf-8") for path in (folder / "told").rglob("*.html")}
+    assert not any("<script" in page for page in pages.values())
+    assert any("&lt;script&gt;boo" in page for page in pages.values())
+    assert "cyd" in pages[folder / "told" / "class.html"]
+
+
+def test_hidden_parts_and_what_they_hold_come_back_only_when_revealed(grader: Grader, folder: Path):
+    telltale = {"double": "def double(x):\n    if x[0] == 3.5: raise ValueError(f'given {x}')\n    return 2 * x",
+                "said": "def said(w): return 'so!' if w == 'so' else 'asked for ' + w"}
+    results = grader.grade([submission("telltale", tiny.handed_in(**telltale))])
+    for reveal in (False, True):
+        write_reports(folder / "told", results, grader.lessons, reveal)
+        page = (folder / "told" / "feedback" / "telltale" / f"{tiny.LESSON}.html").read_text(encoding="utf-8")
+        assert [word in page for word in ("7.25", "asked for mellon", tiny.SECRET)] == [reveal] * 3
+
+
+def test_what_was_graded_stays_graded(grader: Grader, monkeypatch: pytest.MonkeyPatch):
+    batch = [submission("ada", tiny.handed_in(**RIGHT)), submission("fay", tiny.handed_in(said=RIGHT["said"]))]
+    first = grader.grade(batch)
+    kept = {result.student: grader.place(result).read_bytes() for result in first}
+    ran: list[str] = []
+    monkeypatch.setattr(Grader, "run", lambda self, lesson, cells, student: ran.append(student) or ([], ""))
+    assert grader.grade(batch) == first and ran == []
+    assert {result.student: grader.place(result).read_bytes() for result in first} == kept
+    grader.place(first[1]).write_text('{"half": ')   # as a killed writer would leave it, if it did not write whole
+    grader.grade(batch)
+    assert ran == ["fay"]
+
+
+def test_versions(folder: Path):
+    source = folder / "versions" / tiny.LESSON
+    source.mkdir(parents=True)
+    old, new = tiny.lesson(), json.loads(json.dumps(tiny.lesson()).replace("A word, please.", "One word, please."))
+    tiny.at(new, "double-check")["source"] += "\nassert double([9.0]).shape == (1,)"
+    (source / f"{tiny.LESSON}.ipynb").write_text(json.dumps(new))
+    (source / "before.ipynb").write_text(json.dumps(old))
+    strange = tiny.handed_in(**RIGHT)
+    for cell in strange["cells"]:
+        if cell["metadata"]:
+            cell["metadata"]["nbgrader"]["checksum"] = "0" * 32
+            cell["source"] += "\n# changed"
+    answers = {**RIGHT, "double": "def double(x): return 2 * x"}    # the new check hands over a list
+    results = Grader(folder / "versions", folder / "kept", trust=True).grade(
+        [submission("old copy", tiny.handed_in(**answers)), submission("strange", strange)])
+    assert [(result.status, result.points) for result in results] == [("graded", 9), ("another version", 9)]
+
+
+def test_a_lesson_whose_solutions_fail_grades_nobody(folder: Path):
+    notebook = tiny.lesson()
+    tiny.at(notebook, "said-check")["source"] += "\nassert 1 == 2, 'never'"
+    place = folder / "failing" / tiny.LESSON
+    place.mkdir(parents=True)
+    (place / f"{tiny.LESSON}.ipynb").write_text(json.dumps(notebook))
+    with pytest.raises(InvalidInput, match="own solution fails said-check"):
+        Grader(folder / "failing", folder / "none", trust=True).grade([submission("ada", tiny.handed_in())])
+
+
+def test_checksums_are_nbgraders():
+    for name in notebooks.names()[:3]:
+        released = {grader["grade_id"]: grader["checksum"] for cell in notebooks.read_copy(name).cells
+                    if (grader := notebooks.grader(cell)).get("grade")}
+        source = code_cells(json.loads((notebooks.SOURCE / name / f"{name}.ipynb").read_text(encoding="utf-8")))
+        assert {cell.grade_id: cell.version for cell in source if cell.is_check} == released
+
+
+def test_seeds(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.delenv("CDPRLAB_SEED", raising=False)
+    assert seed(7) == 7
+    drawn = []
+    for key in ("secret ada", "secret ben", "secret ada", "other ada"):
+        monkeypatch.setenv("CDPRLAB_SEED", key)
+        drawn.append(seed(7))
+    assert drawn[0] == drawn[2] and len(set(drawn)) == 3
+
+
+# --- what platforms hand over -------------------------------------------------------------------------
+def test_names_of_platforms_and_zips_that_are_traps(tmp_path: Path):
+    with zipfile.ZipFile(tmp_path / "canvas.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("lovelaceada_LATE_123_456_00_first_flight-1.ipynb", "{}")
+        archive.writestr("Ben Okri_77_assignsubmission_file_/01_geometry.ipynb", "{}")
+        archive.writestr("Ben Okri_78_assignsubmission_file_/01_geometry.ipynb", "{}")
+        archive.writestr("../../../evil/02_wrench_matrix.ipynb", "{}")
+        archive.writestr("bomb.ipynb", bytes(200 * 2**20))
+    (tmp_path / "cyd").mkdir()
+    (tmp_path / "cyd" / "00_first_flight (2).ipynb").write_text("{}")
+    (tmp_path / "dan.ipynb").write_text("{}")
+    (tmp_path / "eve.ipynb").symlink_to("/etc/passwd")
+    before = set(tmp_path.parent.rglob("*"))
+    found = {(one.student, one.name): one for one in read_submissions(tmp_path)}
+    assert set(found) == {("lovelaceada", "00_first_flight"), ("Ben Okri 77", "01_geometry"),
+                          ("Ben Okri 78", "01_geometry"), ("bomb", ""), ("cyd", "00_first_flight"), ("dan", "")}
+    assert found["lovelaceada", "00_first_flight"].late and len(found["bomb", ""].data) == 64 * 2**20 + 1
+    assert set(tmp_path.parent.rglob("*")) == before
+    (tmp_path / "half.zip").write_bytes(b"PK\x03\x04")
+    with pytest.raises(InvalidInput, match=r"cannot read .*half\.zip"):
+        read_submissions(tmp_path)
+
+
+@pytest.mark.parametrize("arguments, message", [
+    (["grade", "nowhere"], "there is no nowhere"),
+    (["grade", "{empty}"], "no notebooks in"),
+    (["grade", "{here}", "--source", "{here}"], "no lessons in"),
+    (["grade", "{here}", "--due", "tomorrow"], "--due takes a date"),
+    (["grade", "{here}", "--roster", "none.csv"], "cannot read the roster"),
+    (["grade", "{here}", "--lesson", "99_x", "--trust", "--source", "{source}"], "there is no lesson '99_x'"),
+])
+def test_wrong_use_is_one_line(arguments, message, tmp_path, monkeypatch, capsys, grader, folder):
+    monkeypatch.chdir(tmp_path)
+    here = tmp_path / "here"
+    here.mkdir()
+    (here / "ada.ipynb").write_text("{}")
+    (tmp_path / "empty").mkdir()
+    places = {"here": str(here), "empty": str(tmp_path / "empty"), "source": str(folder / "source")}
+    assert main([part.format(**places) for part in arguments]) == 2
+    error = capsys.readouterr().err
+    assert message in error and len(error.strip().splitlines()) == 1
+
+
+# --- the lessons themselves ---------------------------------------------------------------------------
+@pytest.fixture(scope="module")
+def course(folder: Path) -> Grader:
+    return Grader(notebooks.SOURCE, folder / "course", trust=True)
+
+
+def answered(name: str, **answers: str) -> dict[str, Any]:
+    """A student's copy of a lesson with its solutions, but for some answers."""
+    copy, source = notebooks.read_copy(name), notebooks.read_source(name)
+    for answer, index in notebooks.answers(copy).items():
+        copy.cells[index].source = answers.get(answer) or source.cells[notebooks.answers(source)[answer]].source
+    return copy
+
+
+def _full_marks(course: Grader, name: str) -> None:
+    (result,) = course.grade([submission("solver", answered(name), name)])
+    assert result.points == result.max_points > 0, result
+    assert all(outcome.split for outcome in result.outcomes)
+
+
+def _wrong_answers_earn_nothing(course: Grader, name: str, most: int | None = None) -> None:
+    planted = [(answer, what, code) for answer, mistakes in notebooks.wrong_answers(name).items()
+               for what, code in mistakes][:most]
+    results = course.grade([submission(f"{name} {i}", answered(name, **{answer: code}), name)
+                            for i, (answer, _, code) in enumerate(planted)])
+    for (answer, what, _), result in zip(planted, results, strict=True):
+        assert pick(result, notebooks.check_of(answer)).points == 0, f"{answer}, {what}"
+
+
+@pytest.mark.parametrize("name", ["03_forward_kinematics", "12_interval_analysis"])
+def test_solutions_earn_full_marks_through_the_split(course: Grader, name: str):
+    _full_marks(course, name)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", notebooks.names())
+def test_every_lesson_through_the_split(course: Grader, name: str):
+    pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
+    _full_marks(course, name)
+    _wrong_answers_earn_nothing(course, name)
+
+
+def test_the_split_needs_no_jail(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    """Where no jail can be the rest is tried at least: a worker as an ordinary process."""
+    alone = Grader(folder / "source", folder / "alone", trust=True)
+    alone.command = [sys.executable, *WORKER]
+    results = alone.grade([submission("ada", tiny.handed_in(**RIGHT)), submission("eve", ATTACKS["always equal"])])
+    assert [result.points for result in results] == [9, 0]
+
+
+def test_what_is_no_message_earns_nothing(folder: Path):
+    """A worker that only makes noise: it earns nothing, and the judge goes on."""
+    alone = Grader(folder / "source", folder / "alone", trust=True)
+    alone.command = [sys.executable, "-c", "import sys; sys.stdout.buffer.write(bytes(99))"]
+    outcomes, _ = alone.run(alone.lessons[tiny.LESSON][0], code_cells(tiny.handed_in(**RIGHT)), "eve")
+    assert [outcome.points for outcome in outcomes] == [0, 0, 0]
