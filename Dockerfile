@@ -32,6 +32,13 @@ RUN pip install --no-cache-dir "jupyterhub==$JUPYTERHUB.*"
 USER student
 CMD ["jupyterhub-singleuser"]
 
+# Where `python -m cdprlab grade` runs students' code if there is no bubblewrap: --target grading -t cdprlab-grading
+FROM base AS grading
+USER nobody
+WORKDIR /tmp
+ENTRYPOINT ["python"]
+CMD ["-m", "cdprlab.course.grading.worker"]
+
 FROM base AS lab
 USER student
 CMD ["jupyter", "lab", "--ip=0.0.0.0", "--no-browser", "--notebook-dir=my_lessons"]

@@ -26,7 +26,7 @@ ifneq ($(and $(PYTHON),$(wildcard $(BIN)/python)),)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help run test long mutants lab designer lessons student-zip docs book bench requirements clean
+.PHONY: help run test long mutants lab designer lessons student-zip grade docs book bench requirements clean
 run test long mutants bench: export OMP_NUM_THREADS = 1
 
 help:  ## this list
@@ -67,6 +67,9 @@ lessons: $(VENV)/.tests  ## for instructors: the lessons without their solutions
 
 student-zip: lessons  ## for instructors: what students get, dist/cdprlab-students.zip
 	$(BIN)/python lessons/source/student_zip.py
+
+grade: $(VENV)/.students  ## for instructors: what students handed in, FOLDER=submissions OPTIONS="--roster names.csv"
+	$(BIN)/python -m cdprlab grade "$(or $(FOLDER),submissions)" $(OPTIONS)
 
 docs: $(VENV)/.students  ## figures and tables of the pages in docs/, made anew
 	set -e; for page in docs/*.md; do script="$${page%.md}.py"; if test -f "$$script"; then $(BIN)/python "$$script"; fi; done

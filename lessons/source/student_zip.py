@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import zipfile
 from collections.abc import Iterator
@@ -16,6 +17,9 @@ PATTERNS = (
     "cdprlab/**/*", "worlds/*.yaml", "lessons/[0-9][0-9]_*.ipynb", "docs/world_file.md", "docs/install.md",
     "docs/caroca.png", "environment.yml",
 )
+KEPT = ("help", "run", "lab", "designer", "clean", "$(VENV)/.students")
+"""Of the Makefile's targets: the others need what is not handed out."""
+
 _LONG_AGO = (2020, 1, 1, 0, 0, 0)  # the same files make the same bytes
 
 
@@ -38,8 +42,22 @@ def write(target: Path, checkout: Path = CHECKOUT) -> int:
         for path in files:
             entry = zipfile.ZipInfo(f"{FOLDER}/{path.relative_to(checkout).as_posix()}", _LONG_AGO)
             entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
-            archive.writestr(entry, path.read_bytes())
+            archive.writestr(entry, students_makefile(path.read_text(encoding="utf-8")) if path.name == "Makefile"
+                             else path.read_bytes())
     return len(files)
+
+
+def students_makefile(text: str) -> str:
+    """The Makefile without targets that need what students do not get.
+
+    text : the repository's; a rule ends at an empty line
+    """
+    rules, kept = text.split("\n\n"), []
+    for rule in rules:
+        target = re.match(r"(\$\(VENV\)/\.\w+|[a-z-]+): ", rule)
+        if target is None or target.group(1) in KEPT:
+            kept.append(re.sub(r"^\.PHONY:.*", ".PHONY: " + " ".join(KEPT[:-1]), rule, flags=re.MULTILINE))
+    return "\n\n".join(kept).rstrip("\n") + "\n"
 
 
 if __name__ == "__main__":

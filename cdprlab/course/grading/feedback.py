@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
+import os
+import sys
+import warnings
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
@@ -119,8 +122,10 @@ def fill_gradebook(database: Path, results: Iterable[Result]) -> int:
     except ImportError:
         raise MissingDependency("filling a gradebook takes nbgrader: pip install 'cdprlab[grading]'") from None
 
+    # It calls alembic by its name, which is beside Python.
+    os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
     count = 0
-    with Gradebook(f"sqlite:///{database}") as book:
+    with warnings.catch_warnings(action="ignore"), Gradebook(f"sqlite:///{database}") as book:
         for result in results:
             if result.outcomes:
                 book.update_or_create_assignment(result.lesson)
