@@ -11,8 +11,8 @@ SOURCES = Path(__file__).parents[2] / "lessons" / "source"
 LARGEST = 60_000  # bytes: notebooks stay quick to open and to compare
 
 
-def attach(lesson: str, name: str, png: bytes) -> None:
-    """Put a picture into the first cell of a lesson's source, as the attachment of that name.
+def attach(lesson: str, name: str, png: bytes, cell: int = 0) -> None:
+    """Put a picture into a cell of a lesson's source, the first if not told, as the attachment of that name.
 
     lesson : such as "07_mobile_bases"; name : as in ``![…](attachment:name)``
     """
@@ -20,6 +20,6 @@ def attach(lesson: str, name: str, png: bytes) -> None:
         raise SystemExit(f"{name} has {len(png)} bytes, more than {LARGEST}")
     path = SOURCES / lesson / f"{lesson}.ipynb"
     notebook = nbformat.read(path, as_version=nbformat.NO_CONVERT)
-    notebook.cells[0]["attachments"] = {name: {"image/png": base64.b64encode(png).decode()}}
+    notebook.cells[cell]["attachments"] = {name: {"image/png": base64.b64encode(png).decode()}}
     text = nbformat.writes(notebook, version=nbformat.NO_CONVERT).rstrip("\n") + "\n"
     path.write_text(text, encoding="utf-8", newline="\n")
