@@ -21,14 +21,12 @@ from typing import Any, BinaryIO, NamedTuple
 import numpy as np
 
 from ... import errors
-from ...robot import Base, Cable, Platform, Robot
 from ...robot.pose import Pose
 from ...world import World
 
 LARGEST = 64 * 2**20
 """Of one message [bytes]."""
 
-_RECORDS = {kind.__name__: kind for kind in (Cable, Platform, Base, Robot)}
 _LENGTH = struct.Struct(">Q")
 
 
@@ -134,8 +132,6 @@ def encode(value: Any, given: Sequence[Any] = (),
             return kind(value)
     if isinstance(value, complex):
         return {"complex": [value.real, value.imag]}
-    if type(value).__name__ in _RECORDS:
-        return {type(value).__name__: {name: inner(part) for name, part in vars(value).items()}}
     if isinstance(value, Pose):
         return {"Pose": [_npy(value.position), _npy(value.rotation)]}
     if isinstance(value, World):
@@ -173,8 +169,6 @@ def decode(message: Any, given: Sequence[Any] = (),
         return [inner(part) for part in message]
     try:
         ((kind, body),) = message.items()
-        if kind in _RECORDS:
-            return _RECORDS[kind](**{str(name): inner(part) for name, part in body.items()})
         if kind == "World":
             return World.from_dict(body)
         if kind == "function" and function is not None:
