@@ -7,19 +7,31 @@
 """
 
 from . import errors
-from .configurations import ConfigurationSequence, classify_configurations, plan_configurations
+from .arrays import Array as Array
+from .arrays import Flags as Flags
+from .arrays import Progress as Progress
+from .configurations import Configuration, ConfigurationSequence, classify_configurations, plan_configurations
 from .errors import CdprError
 from .mechanics.cables import cable_directions, cable_lengths, cable_vectors
+from .mechanics.kinematics import Pivot as Pivot
 from .mechanics.kinematics import base_jacobian, forward_kinematics, jacobian
 from .mechanics.redundancy import TwistResolution, resolve_twist
+from .mechanics.rest import AtRest as AtRest
 from .mechanics.rest import equilibrium
+from .mechanics.statics import TippingRows as TippingRows
 from .mechanics.statics import gravity_wrench, stiffness, tipping_moments, tipping_rows, wrench_matrix
 from .mechanics.trajectory import Reference, Trajectory, hold, quintic
+from .mechanics.winch import Friction as Friction
 from .robot import Base, Cable, Platform, Robot
+from .robot.parts import Elasticity as Elasticity
+from .robot.parts import Winch as Winch
+from .robot.pattern import MotionPattern as MotionPattern
 from .robot.pose import Pose
 from .run import Run, run
 from .run.compare import TensionComparison, compare_tensions
 from .run.controllers import ComputedTorque
+from .run.controllers import Controller as Controller
+from .run.start import Cuts as Cuts
 from .run.winches import TorqueControl, VelocityControl
 from .sets import Polytope, available_twist_set, available_wrench_set
 from .simulate import Simulator, open_simulator
@@ -27,8 +39,11 @@ from .simulate.state import State
 from .tensions import TensionDistribution, distribute_tensions, tension_methods
 from .view import plot
 from .workspace import (
+    Criterion,
     DynamicEquilibrium,
     InterferenceFree,
+    Judgement,
+    PoseGrid,
     StaticallyStable,
     StaticEquilibrium,
     TippingSafe,
@@ -39,13 +54,17 @@ from .workspace import (
 )
 from .workspace.placement import place_bases
 from .world import World, load_world, world_names, world_schema
+from .world.model import Box as Box
+from .world.model import Scene as Scene
+from .world.model import Task as Task
 
 __version__ = "0.2.0"
 
 __all__ = [
-    "Base", "Cable", "CdprError", "ComputedTorque", "ConfigurationSequence",
-    "DynamicEquilibrium", "InterferenceFree",
-    "Platform", "Polytope", "Pose", "Reference", "Robot", "Run", "Simulator", "State",
+    "Base", "Cable", "CdprError", "ComputedTorque", "Configuration",
+    "ConfigurationSequence", "Criterion",
+    "DynamicEquilibrium", "InterferenceFree", "Judgement",
+    "Platform", "Polytope", "Pose", "PoseGrid", "Reference", "Robot", "Run", "Simulator", "State",
     "StaticEquilibrium",
     "StaticallyStable", "TensionComparison", "TensionDistribution", "TippingSafe",
     "TorqueControl", "Trajectory",

@@ -16,6 +16,8 @@ from .errors import InvalidInput, Location, needed_by, quoted
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
+Progress = Callable[[int, int], Any]
+"""Called now and then as (done, in all)."""
 
 LARGEST = 1e30
 """No length, mass or force of a robot is beyond it, and products of several such numbers are still float64."""

@@ -1,5 +1,7 @@
 """Which triplets hold a point mass at a position: certainly, perhaps, or certainly not."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,5 +1,7 @@
 """Sequences of cable configurations along a straight way: where to change, how good each is, which is safest."""
 
+from __future__ import annotations
+
 import logging
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,5 +1,7 @@
 """First-order kinematics: Jacobian, base Jacobian, and forward kinematics from cable lengths."""
 
+from __future__ import annotations
+
 from typing import Literal, overload
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Where a load comes to rest on cables of given lengths: fewer cables than freedoms, or slack ones, included."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Forces in balance: wrench matrix, gravity wrench, stiffness, and the moments that tip mobile bases."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

@@ -1,5 +1,7 @@
 """References over time: quintic motions between poses, and poses held."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import NamedTuple
 

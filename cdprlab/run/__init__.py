@@ -3,8 +3,7 @@
 from ..simulate import WOUND
 from .distributor import INFEASIBLE
 from .log import Log, save_record
-from .loop import Progress
 from .record import Run
 from .start import Cuts, run
 
-__all__ = ["INFEASIBLE", "WOUND", "Cuts", "Log", "Progress", "Run", "run", "save_record"]
+__all__ = ["INFEASIBLE", "WOUND", "Cuts", "Log", "Run", "run", "save_record"]

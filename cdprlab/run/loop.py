@@ -8,16 +8,13 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ..arrays import as_answer
+from ..arrays import Progress, as_answer
 from ..mechanics.trajectory import Reference
 from ..robot import Robot
 from ..simulate import Simulator
 from .controllers import Controller
 from .distributor import Distributor
 from .log import Columns, Log
-
-Progress = Callable[[int, int], Any]
-"""``(steps done, steps in all)``, called about a hundred times in a run."""
 
 Record = TypeVar("Record")
 

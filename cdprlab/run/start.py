@@ -1,5 +1,7 @@
 """A run from its request: checked, given an engine, commanded, and logged."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -8,7 +10,7 @@ from warnings import warn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_answer, as_number, checked, frozen
+from ..arrays import Array, Progress, as_answer, as_number, checked, frozen
 from ..errors import CdprWarning, InvalidInput, quoted
 from ..mechanics.cables import cable_lengths
 from ..mechanics.statics import wrench_matrix
@@ -19,7 +21,7 @@ from ..world import World
 from .controllers import ComputedTorque, Controller
 from .distributor import Distributor
 from .drive import Drive
-from .loop import Flight, LengthCommand, Progress, TensionCommand, counted, fly
+from .loop import Flight, LengthCommand, TensionCommand, counted, fly
 from .record import Run
 
 Cuts = Mapping[float, ArrayLike]

@@ -1,5 +1,7 @@
 """Available twist set: how fast the platform can move at a pose, with the bases standing or driving."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from functools import partial
 from math import comb

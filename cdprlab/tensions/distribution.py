@@ -1,5 +1,7 @@
 """The one door to all methods."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

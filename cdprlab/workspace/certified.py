@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Flags, as_array, as_number
+from ..arrays import Array, Flags, Progress, as_array, as_number
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
 from ..mechanics.intervals import Intervals
@@ -14,7 +14,6 @@ from ..robot import Robot
 from ..robot.pose import Pose
 from .capacity import best_tensions, capacity_margins, external_wrenches
 from .interval_statics import PoseBoxes, certainly_inside, certainly_outside
-from .sweep import Progress
 
 _MOST_BOXES, _CHUNK = 2_000_000, 4096
 

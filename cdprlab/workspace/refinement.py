@@ -5,12 +5,12 @@ from itertools import product
 
 import numpy as np
 
-from ..arrays import Array, Flags, checked
+from ..arrays import Array, Flags, Progress, checked
 from ..errors import InvalidInput
 from ..robot import Robot
 from .criterion import Criterion
 from .grids import PoseGrid
-from .sweep import Progress, workspace
+from .sweep import workspace
 
 _MOST_CELLS = 2_000_000
 

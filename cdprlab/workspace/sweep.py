@@ -2,14 +2,14 @@
 
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..arrays import as_count, checked
+from ..arrays import Progress, as_count, checked
 from ..errors import InvalidInput, quoted
 from ..mechanics.cables import cable_lengths
 from ..robot import Robot
@@ -17,10 +17,6 @@ from ..robot.pose import Pose
 from .checkpoint import Checkpoint
 from .criterion import Criterion, Judgement
 from .grids import PoseGrid
-
-Progress = Callable[[int, int], None]
-"""Called with (poses done, poses in all)."""
-
 
 Poses = Pose | PoseGrid
 """A batch of poses, or a grid that makes them when asked."""

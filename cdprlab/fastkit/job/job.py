@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import Array, checked, frozen
+from ...arrays import Array, Progress, checked, frozen
 from ...errors import InvalidInput
 from ...mechanics.dynamics import pose_error
 from ...mechanics.trajectory import Reference, Trajectory, hold, quintic, rest_to_rest
 from ...robot.pose import Pose
 from ...run import Log
-from ...run.loop import Flight, Progress, fly
+from ...run.loop import Flight, fly
 from ...run.start import control_steps
 from ...run.winches import WinchControl, winch_control
 from ...simulate.spatial import SpatialSimulator

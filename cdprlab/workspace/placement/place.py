@@ -1,5 +1,7 @@
 """Placing bases: the present poses, a proof that none serve, a search, and the reason why it found none."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 
