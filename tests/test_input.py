@@ -41,6 +41,7 @@ GOOD: dict[str, dict[str, Any]] = {
                                 "exit_uncertainty": 0.02, "form": "corners"},
     "distribute_tensions": {"W": W, "w_e": W_E, "tension_min": 50.0, "tension_max": 1e4,
                             "method": "quadratic_program"},
+    "equilibrium": {"robot": CAROCA.robot, "lengths": LENGTHS, "guess": CAROCA.pose},
     "forward_kinematics": {"robot": CAROCA.robot, "lengths": LENGTHS, "guess": CAROCA.pose, "tolerance": 1e-9},
     "gravity_wrench": {"robot": CAROCA.robot, "pose": CAROCA.pose},
     "hold": {"pose": CAROCA.pose, "duration": 1.0},
@@ -71,10 +72,12 @@ GOOD: dict[str, dict[str, Any]] = {
 
 LEFT_OUT = {
     "made by functions, not by hand": {
-        "Configuration", "ConfigurationSequence", "Judgement", "Polytope", "PoseGrid", "Reference", "Run", "Simulator", "State", "TensionComparison",
+        "Configuration", "ConfigurationSequence", "Judgement", "Polytope", "PoseGrid", "Reference", "Run",
+        "Simulator", "State", "TensionComparison",
         "TensionDistribution", "Trajectory", "TwistResolution"},
     "judged with `workspace`, or flown": {
-        "ComputedTorque", "Criterion", "DynamicEquilibrium", "InterferenceFree", "StaticEquilibrium", "StaticallyStable",
+        "ComputedTorque", "Criterion", "DynamicEquilibrium", "InterferenceFree", "StaticEquilibrium",
+        "StaticallyStable",
         "TippingSafe", "TorqueControl", "TwistFeasible", "VelocityControl", "WrenchClosure", "WrenchFeasible"},
     "without arguments, or no function": {"CdprError", "errors", "tension_methods", "world_names", "world_schema"},
 }

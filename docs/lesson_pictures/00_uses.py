@@ -68,7 +68,8 @@ def facade(axes: Axes) -> None:
     axes.fill([-0.8, 0.8, 0.8, -0.8], [0, 0, 1.1, 1.1], color=PALE, ec=GREY)
     for x in (-0.6, -0.2, 0.2, 0.6):
         for y in (0.15, 0.5, 0.85):
-            axes.fill(x + np.array([-0.1, 0.1, 0.1, -0.1]), y + np.array([-0.08, -0.08, 0.1, 0.1]), color="white", ec=GREY)
+            axes.fill(x + np.array([-0.1, 0.1, 0.1, -0.1]), y + np.array([-0.08, -0.08, 0.1, 0.1]),
+                      color="white", ec=GREY)
     corners = [(-0.1, 0.42), (0.3, 0.42), (0.3, 0.56), (-0.1, 0.56)]
     cables(axes, ((-0.8, 0), corners[0]), ((0.8, 0), corners[1]), ((0.8, 1.1), corners[2]), ((-0.8, 1.1), corners[3]))
     axes.fill(*np.transpose(corners), color=INK)
