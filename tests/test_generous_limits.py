@@ -57,6 +57,44 @@ def test_one_generous_limit_changes_no_verdict(criterion, huge):
     np.testing.assert_allclose(found.margin, known.margin, rtol=1e-6, atol=1e-3)
 
 
+@pytest.mark.parametrize("huge", HUGE)
+@pytest.mark.parametrize("world, cable", [("planar_rigid", 1), ("caroca", 0), ("caroca", 5), ("planar_point", 2)])
+def test_one_generous_limit_moves_no_facet_of_the_others(world, cable, huge):
+    loaded = cl.load_world(world)
+
+    def available(most):
+        cables = [dataclasses.replace(one, tension_min=5.0, tension_max=most if k == cable else 700.0)
+                  for k, one in enumerate(loaded.robot.cables)]
+        return cl.available_wrench_set(dataclasses.replace(loaded.robot, cables=tuple(cables)), loaded.pose)
+
+    known, found = available(700.0), available(huge)
+    pull = cl.wrench_matrix(loaded.robot, loaded.pose)[:, cable]
+    assert len(known.normals) == len(found.normals) and len(known.vertices) == len(found.vertices)
+    # Facets across which the cable does not help, in the one set and the other.
+    calm = known.normals @ pull < 1e-9
+    assert calm.sum() >= len(calm) / 2
+    for normal, offset in zip(known.normals[calm], known.offsets[calm]):
+        assert np.abs(np.c_[found.normals - normal, found.offsets - offset]).max(axis=1).min() < 1e-7
+    np.testing.assert_allclose(found.support(known.normals[calm]), known.offsets[calm], rtol=1e-9, atol=1e-7)
+    touching = known.vertices @ known.normals.T > known.offsets - 1e-6
+    for facet in np.flatnonzero(calm):
+        middle = known.vertices[touching[:, facet]].mean(axis=0)
+        assert found.contains(middle - 1e-4 * known.normals[facet])
+        assert not found.contains(middle + 1e-4 * known.normals[facet])
+    reach, before = found.component_range(), known.component_range()
+    np.testing.assert_allclose(reach[pull >= 0, 0], before[pull >= 0, 0], rtol=1e-9, atol=1e-7)
+    np.testing.assert_allclose(reach[pull <= 0, 1], before[pull <= 0, 1], rtol=1e-9, atol=1e-7)
+
+
+def test_one_generous_speed_is_no_tolerance():
+    robot, poses, *_ = problems(40, 3)
+    cables = [dataclasses.replace(one, speed_max=1e12 if k == 0 else 1.0) for k, one in enumerate(robot.cables)]
+    generous = dataclasses.replace(robot, cables=tuple(cables))
+    inside, margin = cl.workspace(generous, poses, cl.TwistFeasible([1.05, 0, 0, 0, 0, 0]))
+    np.testing.assert_array_equal(inside, margin >= -1e-8)
+    assert 0 < inside.sum() < 40
+
+
 def test_no_tension_is_too_large_for_static_equilibrium():
     """Two cables at (±2, 3): y = 2.99 m takes 100 weights; closure has static equilibrium, too."""
     document = {"name": "two", "motion_pattern": "2T",

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, Indices
+from ..arrays import Array, Flags, Indices
 from ..errors import NotListable
 from .frame import Frame
 from .simplex import maximize
@@ -76,12 +76,10 @@ def meetings(normals: Array, offsets: Array) -> Array:
     return _from_dual(hull(normals / offsets[:, None]).equations)
 
 
-def tips(points: Array, normals: Array, offsets: Array) -> Array:
-    """(v, k) those of the points (p, k) at which planes of full rank meet."""
-    on = (points @ normals.T >= offsets - SAME).astype(float)
-    spread = np.einsum("pf,fi,fj->pij", on, normals, normals)
-    found = points[np.linalg.eigvalsh(spread)[:, 0] > _FULL_RANK]
-    return found[first_of_each(found, SAME)]
+def meet(on: Array, normals: Array) -> Flags:
+    """(p,) whether the planes on which a point lies, ``on`` (p, f), have it in common with no other point."""
+    spread = np.einsum("pf,fi,fj->pij", on.astype(float), normals, normals)
+    return np.asarray(np.linalg.eigvalsh(spread)[:, 0] > _FULL_RANK)
 
 
 def asked_hull(support_point: Callable[[Array], Array], k: int) -> Planes:

@@ -19,10 +19,10 @@ from ..arrays import Array, Flags, as_array, checked, frozen
 from ..errors import InvalidInput, NotListable, quoted
 from .elimination import eliminate
 from .frame import Frame, affine_hull
-from .listing import Planes, asked_hull, candidates, hull, meetings, tips, without_superfluous
+from .listing import SAME, Planes, asked_hull, candidates, hull, meet, meetings, without_superfluous
 from .simplex import TOLERANCE, Program, maximize
-from .subspace import null_space, solve
-from .zonotope import MOST_COMBINATIONS, hyperplane_shifting, zonotope_volume
+from .subspace import RANK, null_space, solve
+from .zonotope import ALONG, MOST_COMBINATIONS, hyperplane_shifting, products, zonotope_volume
 
 _MOST_SIGNS = 12
 """Generators up to which a zonotope's corners are sought among all 2ᵏ sign combinations."""
@@ -350,17 +350,45 @@ class Zonotope(Polytope):
         high, low = self.limits.reshape(2, -1)
         return frozen(self.map * ((high + low) / 2))
 
+    @cached_property
+    def _box(self) -> tuple[Array, Array]:
+        """Lower and upper limits (k,)."""
+        high, low = self.limits.reshape(2, -1)
+        return frozen(-low), frozen(high.copy())
+
     @property
     def is_empty(self) -> bool:
         return False
 
     def support(self, direction: ArrayLike) -> Array:
         d = self._points(direction, "direction")
-        return np.asarray(d @ self.center + np.abs(d @ self.generators).sum(axis=-1))
+        along, (low, high) = products(d, self.map), self._box
+        return np.asarray(d @ self.shift + np.maximum(along * low, along * high).sum(axis=-1))
 
     def support_point(self, direction: ArrayLike) -> Array:
-        d = self._points(direction, "direction")
-        return np.asarray(self.center + np.where(d @ self.generators < 0, -1.0, 1.0) @ self.generators.T)
+        along = products(self._points(direction, "direction"), self.map)
+        low, high = self._box
+        return np.asarray(self.shift + np.where(along > 0, high, low) @ self.map.T)
+
+    def contains(self, x: ArrayLike) -> Flags:
+        """Whether some q gives x, to 1e-9 of what the limits make of each facet.
+
+        x : (…, n)
+        Returns (…) of bool.
+        """
+        try:
+            normals, offsets = self._facets
+        except NotListable:
+            return super().contains(x)
+        points = self._points(x, "x")
+        low, high = self._box
+        along = products(normals, self.map)
+        reach = np.abs(along * np.where(along > 0, high, low)).sum(axis=1)
+        far = np.abs(points).max(axis=-1)[..., None] + np.abs(self._frame.center).max()
+        # Across a flat set nothing but the point itself has a size.
+        flat = np.arange(len(normals)) >= len(normals) - 2 * self._frame.missing.shape[1]
+        room = TOLERANCE * reach + np.where(flat, TOLERANCE, ALONG) * far
+        return np.asarray((points @ normals.T <= offsets + room).all(axis=-1))[()]
 
     @property
     def volume(self) -> float:
@@ -369,16 +397,37 @@ class Zonotope(Polytope):
             return zonotope_volume(self.generators)
         return super().volume
 
+    @cached_property
+    def _edges(self) -> Array:
+        """(n, k) how far each q moves the point, those that do."""
+        low, high = self._box
+        sizes = np.linalg.norm(self.map, axis=0)
+        return frozen((self.map * (high - low))[:, (sizes > ALONG * sizes.max(initial=0.0)) & (high > low)])
+
+    @cached_property
+    def _frame(self) -> Frame:
+        """From the corner of all lower limits: generators count by their directions alone."""
+        unit = self._edges / np.linalg.norm(self._edges, axis=0)
+        sizes = np.linalg.norm(unit, axis=1)
+        scales = np.where(sizes > RANK * sizes.max(initial=0.0), sizes, 1.0)
+        u, s, _ = np.linalg.svd(unit / scales[:, None])
+        rank = int((s > RANK * s.max(initial=0.0)).sum())
+        return Frame(*map(frozen, (self.shift + self.map @ self._box[0], scales, u[:, :rank],
+                                   np.linalg.qr(u[:, rank:] / scales[:, None])[0])))
+
     def _list(self, at: Frame) -> Planes:
-        return Planes(*hyperplane_shifting(at.inside(self.center), at.back @ self.generators))
+        return Planes(*hyperplane_shifting(np.zeros(at.dimension), at.back @ self._edges, least=0.0))
 
     def _meetings(self, found: Planes) -> Array:
-        k = self.generators.shape[1]
+        at, k = self._frame, self._edges.shape[1]
         if k > _MOST_SIGNS:
-            return super()._meetings(found)
-        signs = np.array(list(product((-1.0, 1.0), repeat=k)))
-        return tips(self._frame.inside(self.center + signs @ self.generators.T), found.normals,
-                    found.offsets)
+            inner = at.inside(self.center)
+            return meetings(found.normals, found.offsets - found.normals @ inner) + inner
+        edges = at.back @ self._edges
+        way = found.normals @ (edges / np.linalg.norm(edges, axis=0))
+        ends = np.array(list(product((0.0, 1.0), repeat=k)))
+        on = ends @ (way < -SAME).T + (1 - ends) @ (way > SAME).T == 0   # farthest of all that way
+        return np.asarray(ends[meet(on, found.normals)] @ edges.T)
 
 
 def _limits(value: ArrayLike, name: str, count: int) -> Array:

@@ -10,19 +10,22 @@ from ..arrays import Array, Indices
 from ..errors import NotListable
 
 PARALLEL = 1e-9
-"""Unit normals this close together are one; generators shorter than this share of the longest are none."""
+"""Unit normals this close together are one."""
+
+ALONG = 1e-13
+"""Cosines below this between a plane's normal and a generator are rounding: the plane is parallel to it."""
 
 MOST_COMBINATIONS = 100_000
 """Of generators, before a listing is called too long."""
 
 
-def hyperplane_shifting(center: Array, generators: Array) -> tuple[Array, Array]:
-    """Rows (N, d) with {center + G z : |z| ≤ 1} = {x : N x ≤ d}, one row a facet; G must have full row rank.
+def hyperplane_shifting(center: Array, generators: Array, least: float = -1.0) -> tuple[Array, Array]:
+    """Rows (N, d) with {center + G z : least ≤ z ≤ 1} = {x : N x ≤ d}, one row a facet; G must have full row rank.
 
     Every facet is parallel to n − 1 independent generators; its plane is shifted outwards along
-    its normal n by Σ |n·g_i|.
+    its normal n by Σ max(n·g_i, least n·g_i), which is Σ |n·g_i| where |z| ≤ 1.
 
-    center : (n,); generators : G, (n, k)
+    center : (n,); generators : G, (n, k); least : of every z, −1 or 0
     Raises NotListable where the choices of n − 1 generators are more than
     ``MOST_COMBINATIONS``.
     Source: Gouttefarde and Krut 2010; Bouchard et al. 2010.
@@ -31,31 +34,43 @@ def hyperplane_shifting(center: Array, generators: Array) -> tuple[Array, Array]
     >>> len(normals), float(offsets.max().round(6))
     (6, 2.0)
     """
+    normals, along = facet_normals(generators)
+    both = np.concatenate([normals, -normals])
+    along = np.concatenate([along, -along])
+    return both, np.maximum(along, least * along).sum(axis=1) + both @ center
+
+
+def facet_normals(generators: Array) -> tuple[Array, Array]:
+    """One unit normal (f, n) a pair of opposite facets, orthogonal to n − 1 generators; its products (f, k) with all.
+
+    Generators count by their directions, however long or short they are.
+    """
     n, k = generators.shape
     count = comb(k, n - 1)
     if count > MOST_COMBINATIONS:
         raise NotListable(f"{k} cables in {n} dimensions make {count} candidate planes, more than "
                           f"{MOST_COMBINATIONS}; ask contains and support instead, of a workspace by='tensions'")
-    normals = np.ones((1, 1)) if n == 1 else _shifting_normals(generators)
-    reach = np.abs(normals @ generators).sum(axis=1)
-    middle = normals @ center
-    return np.concatenate([normals, -normals]), np.concatenate([reach + middle, reach - middle])
-
-
-def _shifting_normals(generators: Array) -> Array:
-    """(f, n) one unit normal a pair of opposite facets: orthogonal to n − 1 independent columns of G."""
-    n, k = generators.shape
     lengths = np.linalg.norm(generators, axis=0)
-    unit = (generators / np.where(lengths > PARALLEL * lengths.max(), lengths, np.inf)).T
-    # One normal a choice of n − 1 generators: R of the transposed choice is triangular, its
-    # last row's null vector follows from cofactors; QR by columns is what LAPACK batches best.
-    chosen = unit[choices(k, n - 1)]
-    q, r = np.linalg.qr(np.swapaxes(chosen, -1, -2), mode="complete")
-    pivots = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
-    normals = q[pivots.min(axis=-1) > PARALLEL, :, -1]
-    # Each line once, its first entry that is not small positive.
-    normals = normals * np.sign(np.take_along_axis(normals, (np.abs(normals) > 1e-7).argmax(axis=1)[:, None], axis=1))
-    return normals[first_of_each(normals)]
+    unit = (generators / np.where(lengths > 0, lengths, 1.0)).T
+    normals = np.ones((1, 1))
+    if n > 1:
+        # R of the transposed choice is triangular, its last row's null vector follows from
+        # cofactors; QR by columns is what LAPACK batches best.
+        q, r = np.linalg.qr(np.swapaxes(unit[choices(k, n - 1)], -1, -2), mode="complete")
+        pivots = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
+        normals = q[pivots.min(axis=-1) > PARALLEL, :, -1]
+        # Each line once, its first entry that is not small positive.
+        first = (np.abs(normals) > 1e-7).argmax(axis=1)[:, None]
+        normals = normals * np.sign(np.take_along_axis(normals, first, axis=1))
+        normals = normals[first_of_each(normals)]
+    return normals, products(normals, generators)
+
+
+def products(directions: Array, generators: Array) -> Array:
+    """(…, k) d·g, nought where it is rounding: a generator of any length says nothing across itself."""
+    found = directions @ generators
+    sizes = np.linalg.norm(directions, axis=-1)[..., None] * np.linalg.norm(generators, axis=0)
+    return np.where(np.abs(found) > ALONG * sizes, found, 0.0)
 
 
 def zonotope_volume(generators: Array) -> float:

@@ -10,7 +10,7 @@ from ..compiled import CENTROID, FOUND, NOTHING, OUT_OF_RANGE, TOO_REDUNDANT
 from ..errors import InvalidInput
 from ..mechanics.optimization import largest_last
 from ..robot import Robot
-from ..sets.zonotope import hyperplane_shifting
+from ..sets.zonotope import facet_normals, products
 from .margins import margin_by_program, tension_margins
 
 ROUNDING = 1e-9
@@ -104,8 +104,9 @@ def _one_by_one(W: Array, w_e: Array, loads: Array, half: Array, low: Array, hig
         margins = tension_margins(np.broadcast_to(W, (len(corners), *W.shape)),
                                   w_e + corners, low, high)
         return float(min(0.0, margins.min())), np.full(n, np.nan)
-    normals, _ = hyperplane_shifting(W @ (high + low) / 2, W * (high - low) / 2)
-    along = normals @ W
+    normals, _ = facet_normals(W)
+    normals = np.concatenate([normals, -normals])
+    along = products(normals, W)
     offsets = np.maximum(along * low, along * high).sum(axis=1)
     left = (offsets - (normals @ -(w_e + loads).T).max(axis=1)) - np.abs(normals) @ half
     worst = int(np.argmin(left))

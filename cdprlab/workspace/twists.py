@@ -57,8 +57,8 @@ class TwistFeasible(Criterion):
                               for j, b in zip(J, B)])
         else:
             spare = (robot.speed_max - np.abs(J @ wanted.T).max(axis=-1) - np.abs(J) @ half).min(axis=-1)
-        limited = robot.speed_max[np.isfinite(robot.speed_max)]
-        return Judgement(spare >= -ROUNDING * limited.max(initial=1.0), spare)
+        asked = (np.abs(J @ wanted.T).max(axis=-1) + np.abs(J) @ half).max(axis=-1)
+        return Judgement(spare >= -ROUNDING * (1 + asked), spare)   # no speed limit is a tolerance
 
 
 def speed_margin(rates: Array, B: Array, cables: Array, bases: Array) -> float:
