@@ -111,7 +111,7 @@ def test_a_cable_without_length_has_no_rate():
 def test_what_cannot_drive_is_named():
     with pytest.raises(InvalidInput, match="'caroca' has no base that can drive"):
         course.base_explorer(cl.load_world("caroca"))
-    with pytest.raises(InvalidInput, match="takes a World, got str"):
+    with pytest.raises(InvalidInput, match="must be a World, got '"):
         course.base_explorer("planar_mcdpr")
     with pytest.raises(InvalidInput, match="base 'passive' cannot drive"):
         course.base_explorer(cl.load_world("fastkit_planar"), bases=("passive",))

@@ -95,7 +95,7 @@ def test_the_chosen_sequence_flies_and_a_move_takes_the_flight_away(explorer):
 def test_other_worlds_are_named():
     with pytest.raises(InvalidInput, match="3R3T"):
         course.configuration_explorer(cl.load_world("caroca"))
-    with pytest.raises(InvalidInput, match="takes a World"):
+    with pytest.raises(InvalidInput, match="must be a World"):
         course.configuration_explorer(cl.load_world("marionet").robot)
 
 

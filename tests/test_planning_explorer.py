@@ -82,5 +82,5 @@ def test_the_picture_comes_back(explorer):
 
 
 def test_anything_else_than_a_vehicle_is_refused():
-    with pytest.raises(InvalidInput, match="takes a Vehicle, got World"):
+    with pytest.raises(InvalidInput, match="must be a Vehicle, got World"):
         course.planning_explorer(cl.load_world("fastkit_suspended"))

@@ -42,5 +42,5 @@ def test_every_pattern_has_named_axes_with_units(pattern):
 
 
 def test_unknown_quantities_have_no_axes():
-    with pytest.raises(InvalidInput, match="quantities"):
+    with pytest.raises(InvalidInput, match="quantity must be"):
         axis_names("3R3T", "power")

@@ -106,7 +106,7 @@ def test_robots_without_bases_have_one_set():
 
 
 def test_what_does_not_fit_is_named():
-    with pytest.raises(InvalidInput, match="takes a World, got Robot"):
+    with pytest.raises(InvalidInput, match="must be a World, got Robot"):
         course.twist_set_explorer(cl.load_world("planar_mcdpr").robot)
     with pytest.raises(InvalidInput, match="two different numbers from 0 to 5 of one unit"):
         course.twist_set_explorer(cl.load_world("fastkit_suspended"), components=(0, 3))

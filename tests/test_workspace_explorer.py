@@ -128,5 +128,5 @@ def test_the_platform_is_told_with_its_best_tensions():
 def test_robots_that_do_not_move_in_a_plane_are_named():
     with pytest.raises(InvalidInput, match="world 'caroca' is 3R3T"):
         course.workspace_explorer(cl.load_world("caroca"))
-    with pytest.raises(InvalidInput, match="takes a World, got Robot"):
+    with pytest.raises(InvalidInput, match="must be a World, got Robot"):
         course.workspace_explorer(cl.load_world("planar_rigid").robot)

@@ -138,7 +138,7 @@ def test_the_picture_follows_the_mass(planar):
 
 
 def test_what_has_no_set_in_the_plane_is_named():
-    with pytest.raises(InvalidInput, match="takes a World, got str"):
+    with pytest.raises(InvalidInput, match="must be a World, got '"):
         course.wrench_set_explorer("planar_mcdpr")
     with pytest.raises(InvalidInput, match="single degree of freedom"):
         course.wrench_set_explorer(one_cable_direction())

@@ -87,9 +87,6 @@ def run(world: World, task: str = "default",
                            "shorten it or take longer steps")
     if length < period * (1 - 1e-9):
         raise InvalidInput(f"duration must be at least one control step, {period:g} s, got {length:g} s")
-    if robot.winch is not None:
-        warn("the world's `winch:` has no effect in a run: its torque, speed and friction limit nothing here, "
-             "only in fastkit.pick_and_place", CdprWarning, stacklevel=2)
     times: Array = np.arange(round(length / period), dtype=float) * period
     if wound and controller is not None:
         raise InvalidInput(f"cables={quoted(cables)} winds by inverse kinematics and takes no controller")
@@ -111,6 +108,9 @@ def run(world: World, task: str = "default",
         settings["base_speeds"] = str(base_speeds)
     if cut:
         settings["cut"] = {float(at): np.ravel(indices).tolist() for at, indices in cut.items()}
+    if robot.winch is not None:
+        warn("the world's `winch:` has no effect in a run: its torque, speed and friction limit nothing here, "
+             "only in fastkit.pick_and_place", CdprWarning, stacklevel=2)
     engine = simulator or open_simulator(world, cables, dt, **engine_options)
     try:
         engine.reset(job.start)
