@@ -23,6 +23,7 @@ LARGEST = 1e30
 """No length, mass or force of a robot is beyond it, and products of several such numbers are still float64."""
 
 Public = TypeVar("Public", bound=Callable[..., Any])
+Kind = TypeVar("Kind", bound=type)
 
 _FLOAT64 = np.dtype(np.float64)
 
@@ -68,6 +69,54 @@ def frozen(array: Array) -> Array:
     """The array itself, made read-only: what is stored or shared cannot be changed by accident."""
     array.setflags(write=False)
     return array
+
+
+def lasting(kind: Kind) -> Kind:
+    """A class whose arrays are read-only also after pickle, copy and joblib, and whose == of tuples is one bool.
+
+    >>> from typing import NamedTuple
+    >>> class Pair(NamedTuple):
+    ...     a: Array
+    >>> lasting(Pair)(np.zeros(2)) == Pair(np.zeros(2))
+    True
+    """
+    methods: dict[str, Any] = {"__setstate__": _restore}
+    if issubclass(kind, tuple):
+        methods = {"__reduce__": _taken_apart, "__eq__": _equal, "__ne__": _unequal, "__hash__": None}
+    for name, method in methods.items():
+        setattr(kind, name, method)
+    return kind
+
+
+def _restore(self: Any, state: dict[str, Any]) -> None:
+    vars(self).update(_all_frozen(state))
+
+
+def _taken_apart(self: Any) -> tuple[Any, ...]:
+    return _together, (type(self), tuple(self))
+
+
+def _together(kind: Any, values: tuple[Any, ...]) -> Any:
+    return kind(*_all_frozen(values))
+
+
+def _all_frozen(value: Any) -> Any:
+    """The value itself, each array in it made read-only."""
+    if isinstance(value, np.ndarray):
+        frozen(value)
+    elif isinstance(value, Mapping | tuple | list):
+        for item in value.values() if isinstance(value, Mapping) else value:
+            _all_frozen(item)
+    return value
+
+
+def _equal(self: Any, other: Any) -> bool:
+    return type(self) is type(other) and all(
+        np.array_equal(a, b) if isinstance(a, np.ndarray) else bool(a == b) for a, b in zip(self, other))
+
+
+def _unequal(self: Any, other: Any) -> bool:
+    return not _equal(self, other)
 
 
 def plain(array: Any) -> Any:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, checked, frozen
+from ..arrays import Array, as_array, checked, frozen, lasting
 from ..errors import InfeasibleTwist, InvalidInput, quoted
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -26,6 +26,7 @@ RESOLUTION_METHODS = {
 _TOLERANCE = 1e-9
 
 
+@lasting
 @dataclass(frozen=True, eq=False)
 class TwistResolution:
     """Speeds that give a platform twist together: l̇ = J t − B_b q̇_b.

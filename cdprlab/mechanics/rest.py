@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, checked, frozen
+from ..arrays import Array, as_array, checked, frozen, lasting
 from ..errors import InvalidInput, NoConvergence
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -22,6 +22,7 @@ _STILL = 1e-9
 """Of the weight and of a metre: what may be left of equilibrium and of taut cables' lengths."""
 
 
+@lasting
 class AtRest(NamedTuple):
     """A pose at rest, and the (m,) tensions that hold it there, 0 of slack cables [N]."""
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, checked, common_batch
+from ..arrays import Array, as_array, checked, common_batch, frozen, lasting
 from ..errors import InvalidInput
 from ..robot import Base, Robot
 from ..robot.pose import Pose, cross_matrix
@@ -106,6 +106,7 @@ def moment_slope(arm: Array, force: Array) -> Array:
     return cross_matrix(force) @ cross_matrix(arm)
 
 
+@lasting
 class TippingRows(NamedTuple):
     """One row per footprint edge: ``matrix @ tensions + offset ≤ 0`` where the base stands.
 
@@ -136,7 +137,7 @@ class Footing(NamedTuple):
         """The edges' rows, given the cables' directions (…, m, d) and the base's rotation (d, d)."""
         matrix = (self.levers * (directions @ rotation)[..., None, :, :]).sum(axis=-1)
         offset = self.center @ (self.weight @ rotation)
-        return TippingRows(matrix, np.broadcast_to(offset, matrix.shape[:-1]))
+        return TippingRows(frozen(matrix), frozen(np.broadcast_to(offset, matrix.shape[:-1])))
 
 
 def footings(robot: Robot) -> list[Footing]:

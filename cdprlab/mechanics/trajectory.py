@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, checked
+from ..arrays import Array, as_array, as_number, checked, frozen, lasting
 from ..errors import InvalidInput
 from ..robot.pose import (
     Pose,
@@ -22,6 +22,7 @@ PEAK_SPEED = 15 / 8
 """Largest over mean speed of a quintic from rest to rest."""
 
 
+@lasting
 class Reference(NamedTuple):
     """Where the platform should be: ``pose, twist, acceleration = trajectory(t)``.
 
@@ -35,6 +36,7 @@ class Reference(NamedTuple):
     acceleration: Array
 
 
+@lasting
 @checked
 @dataclass(frozen=True, eq=False)
 class Trajectory:
@@ -49,6 +51,9 @@ class Trajectory:
     end: Pose
     duration: float
     coefficients: Array
+
+    def __post_init__(self) -> None:
+        frozen(self.coefficients)
 
     def __call__(self, t: ArrayLike) -> Reference:
         from numpy.polynomial.polynomial import polyder, polyval

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, checked, frozen
+from ..arrays import Array, as_array, as_number, checked, frozen, lasting
 from ..errors import InvalidInput, Location
 from .pose import turned_to
 
@@ -14,6 +14,7 @@ DECK_HEIGHT = 0.25
 """[m] Up to which a mobile base is drawn and, in the plane, solid."""
 
 
+@lasting
 @checked
 @dataclass(frozen=True, eq=False)
 class Cable:
@@ -45,6 +46,7 @@ class Cable:
             _keep_number(self, "speed_max", "speed", "m/s", positive=True, location=("speed",))
 
 
+@lasting
 @checked
 @dataclass(frozen=True, eq=False)
 class Platform:
@@ -74,6 +76,7 @@ class Platform:
             raise InvalidInput(f"size must be positive along every edge [m], got {self.size.tolist()}", ("size",))
 
 
+@lasting
 @checked
 @dataclass(frozen=True, eq=False)
 class Base:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, checked, frozen
+from ..arrays import Array, as_array, as_number, checked, frozen, lasting
 from ..errors import InvalidInput, under
 from .parts import Base, Cable, Elasticity, Platform, Winch
 from .pattern import MotionPattern
@@ -17,6 +17,7 @@ from .pattern import MotionPattern
 STANDARD_GRAVITY = 9.81
 
 
+@lasting
 @checked
 @dataclass(frozen=True, eq=False)
 class Robot:

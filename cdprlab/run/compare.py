@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..arrays import Array, as_number, checked, data_frame, frozen
+from ..arrays import Array, as_number, checked, data_frame, frozen, lasting
 from ..errors import InvalidInput
 from ..mechanics.dynamics import inverse_dynamics
 from ..mechanics.statics import wrench_matrix
@@ -21,6 +21,7 @@ _FINER = 20
 """Parts the largest step is cut into: a jump stays whole, a steep slope falls to a twentieth of it."""
 
 
+@lasting
 @dataclass(frozen=True, eq=False)
 class TensionComparison:
     """One row a method; columns are arrays (k,), taken over the samples where the method is feasible.

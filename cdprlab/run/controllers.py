@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array, as_array, checked
+from ..arrays import Array, as_array, checked, lasting
 from ..errors import InvalidInput
 from ..mechanics.trajectory import Reference
 from ..robot import Robot
@@ -16,6 +16,7 @@ Controller = Callable[[float, State, Reference], Array]
 """W τ of the cables, weight not subtracted: at rest it is minus the gravity wrench."""
 
 
+@lasting
 @checked
 @dataclass(frozen=True, eq=False)
 class ComputedTorque:

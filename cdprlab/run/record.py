@@ -6,7 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from ..arrays import Array, data_frame, frozen
+from ..arrays import Array, data_frame, frozen, lasting
 from ..mechanics.dynamics import pose_error
 from ..mechanics.trajectory import Reference
 from ..robot import Robot
@@ -16,6 +16,7 @@ from .log import flat_columns, save_record
 from .loop import Flight
 
 
+@lasting
 @dataclass(frozen=True, eq=False)
 class Run:
     """What happened: N control steps of a run, one row each.

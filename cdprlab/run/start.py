@@ -150,7 +150,7 @@ def run(world: World, task: str = "default",
             W = (wrench_matrix(robot, run.poses) if drive is None else
                  np.reshape(drive.matrices[:steps], (steps, robot.n_dof, robot.n_cables)))
             wanted = flight.log["wanted_wrench"][:-1]
-            return replace(run, feasible=distributor.feasible(W, -wanted, run.commanded_tensions, cuts))
+            return replace(run, feasible=frozen(distributor.feasible(W, -wanted, run.commanded_tensions, cuts)))
 
         eventful = cuts or callable(external_wrench) or (drive is not None and not wound)
         return fly(engine, command, counted(wishes, times.size, progress), record, substeps,

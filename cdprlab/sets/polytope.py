@@ -15,7 +15,7 @@ from math import comb
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Flags, as_array, checked, frozen
+from ..arrays import Array, Flags, as_array, checked, frozen, lasting
 from ..errors import InvalidInput, NotListable, quoted
 from .elimination import eliminate
 from .frame import Frame, affine_hull
@@ -28,6 +28,7 @@ _MOST_SIGNS = 12
 """Generators up to which a zonotope's corners are sought among all 2ᵏ sign combinations."""
 
 
+@lasting
 @dataclass(frozen=True, eq=False, repr=False)
 class Polytope:
     """The convex set {shift + M q : A q ≤ b}; make one by `from_image`, `from_rows` or `from_box`.

@@ -2,12 +2,13 @@
 
 from typing import NamedTuple
 
-from ..arrays import Array
+from ..arrays import Array, lasting
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import Scene
 
 
+@lasting
 class State(NamedTuple):
     """What a controller may know at one instant, and what else a picture shows.
 

@@ -8,13 +8,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, Flags, data_frame, frozen
+from ..arrays import Array, Flags, data_frame, frozen, lasting
 from ..errors import InfeasibleTensions
 from .law import shortfall, weigh
 from .method import PROOFS, UNREACHABLE, Texts
 from .methods import METHODS
 
 
+@lasting
 class Problem(NamedTuple):
     """What was asked: W (…, n, m), w_e (…, n), limits (…, m), their batch axes as given."""
 
@@ -24,6 +25,7 @@ class Problem(NamedTuple):
     high: Array
 
 
+@lasting
 @dataclass(frozen=True, eq=False)
 class TensionDistribution:
     """Tensions and what they are worth: ``feasible`` alone says whether they may be used.

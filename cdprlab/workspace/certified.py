@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Flags, Progress, as_array, as_number
+from ..arrays import Array, Flags, Progress, as_array, as_number, lasting
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
 from ..mechanics.intervals import Intervals
@@ -18,6 +18,7 @@ from .interval_statics import PoseBoxes, certainly_inside, certainly_outside
 _MOST_BOXES, _CHUNK = 2_000_000, 4096
 
 
+@lasting
 @dataclass(frozen=True, eq=False)
 class CertifiedWorkspace:
     """Boxes over (x, y), (x, y, z) or, with an angle, (x, y, φ); together they fill what was asked for.

@@ -8,11 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, Flags
+from ..arrays import Array, Flags, frozen, lasting
 from ..robot import Robot
 from ..robot.pose import Pose
 
 
+@lasting
 class Judgement(NamedTuple):
     """One entry a pose: ``inside, margin = …``.
 
@@ -25,10 +26,16 @@ class Judgement(NamedTuple):
     margin: Array
 
 
+@lasting
 class Criterion(ABC):
     """Judges poses of a robot; ``a & b`` asks for both."""
 
     unit: str = ""
+
+    def __post_init__(self) -> None:
+        """What is asked for cannot change afterwards: arrays are kept as read-only copies."""
+        vars(self).update({name: frozen(value.copy()) for name, value in vars(self).items()
+                           if isinstance(value, np.ndarray)})
 
     @abstractmethod
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:

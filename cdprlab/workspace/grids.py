@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, checked, frozen
+from ..arrays import Array, as_array, as_number, checked, frozen, lasting
 from ..errors import InvalidInput
 from ..robot.pose import Pose
 
@@ -15,6 +15,7 @@ MOST_POSES = 100_000_000
 """In a grid: their verdicts and margins take about a gigabyte then."""
 
 
+@lasting
 @dataclass(frozen=True, eq=False)
 class PoseGrid:
     """Positions on a regular grid, one orientation for all; a batch of poses that exist only when asked for.
@@ -29,6 +30,10 @@ class PoseGrid:
 
     axes: dict[str, Array]
     origin: Pose
+
+    def __post_init__(self) -> None:
+        for places in self.axes.values():
+            frozen(places)
 
     @property
     def shape(self) -> tuple[int, ...]:

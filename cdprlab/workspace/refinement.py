@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 
-from ..arrays import Array, Flags, Progress, checked
+from ..arrays import Array, Flags, Progress, checked, lasting
 from ..errors import InvalidInput
 from ..robot import Robot
 from .criterion import Criterion
@@ -15,6 +15,7 @@ from .sweep import workspace
 _MOST_CELLS = 2_000_000
 
 
+@lasting
 @dataclass(frozen=True, eq=False)
 class RefinedWorkspace:
     """Cells of a grid, those on the border halved again and again.

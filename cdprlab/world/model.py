@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from ..arrays import Array, as_number, checked
+from ..arrays import Array, as_array, as_number, checked, lasting
 from ..errors import InvalidInput, quoted
 from ..mechanics.trajectory import Trajectory, quintic
 from ..robot.pose import Pose, turned_to
@@ -14,6 +14,7 @@ NAME = re.compile(r"[A-Za-z0-9_\-]+")
 """Of a world."""
 
 
+@lasting
 @checked
 @dataclass(frozen=True, eq=False)
 class Box:
@@ -25,12 +26,17 @@ class Box:
     kind: str = "box"
     name: str = ""
 
+    def __post_init__(self) -> None:
+        for name in ("position", "size"):
+            object.__setattr__(self, name, as_array(getattr(self, name), name, ("d",), "m"))
+
     @property
     def pose(self) -> Pose:
         """Of its center."""
         return Pose.of(self.position, turned_to(self.yaw, self.size.size))
 
 
+@lasting
 @dataclass(frozen=True, eq=False)
 class Scene:
     """What stands around the robot.
@@ -45,6 +51,7 @@ class Scene:
     boxes: tuple[Box, ...]
 
 
+@lasting
 @checked
 @dataclass(frozen=True, eq=False)
 class Task:

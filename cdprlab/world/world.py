@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..arrays import checked
+from ..arrays import checked, lasting
 from ..errors import InvalidInput, Location, WorldError, quoted, shortened
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -19,6 +19,7 @@ from .model import NAME, Scene, Task
 # of `import cdprlab`.
 
 
+@lasting
 @checked
 @dataclass(frozen=True, eq=False)
 class World:
