@@ -513,5 +513,5 @@ def test_bases_drive_in_a_run_and_are_logged(cables, tmp_path):
 
 def test_bases_drive_in_planar_runs_only():
     world = cl.load_world("mobile_four_bases")
-    with pytest.raises((InvalidInput, MissingDependency), match=r"bases that drive|PyBullet"):
+    with pytest.raises((InvalidInput, MissingDependency), match=r"bases that drive|pybullet"):
         cl.run(world, duration=0.01, base_speeds=np.zeros(12))
