@@ -69,7 +69,7 @@ class Exercise:
     check: str
     before: dict[str, Any]
     draw: Callable[[np.random.Generator, dict[str, Any]], Sequence[tuple[str, tuple[Any, ...]]]]
-    equivalent: Mapping[str, str] = field(default_factory=dict)  # mutant → why it answers the same
+    equivalent: Mapping[str, str] = field(default_factory=dict)  # mutant → why it answers the same, or as rightly
     others: Sequence[tuple[str, str]] = ()  # what is different, and the cell: right answers written otherwise
 
     @functools.cached_property
@@ -113,8 +113,10 @@ class Exercise:
             return Verdict(mutant.what, "visible", complaint)
         if not self._differs(mutant):
             return Verdict(mutant.what, "same")
-        hidden = self.noticed(mutant, self.check) is not None
-        return Verdict(mutant.what, "hidden" if hidden else "alive")
+        if self.noticed(mutant, self.check) is not None:
+            return Verdict(mutant.what, "hidden")
+        # Another right answer, such as rows in another order: the author says so.
+        return Verdict(mutant.what, "same" if mutant.what in self.equivalent else "alive")
 
     def noticed(self, mutant: Mutant, check: str) -> str | None:
         """None where the check passes; else what is wrong with what it says, '' where nothing is."""
