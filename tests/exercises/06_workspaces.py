@@ -22,7 +22,7 @@ def area(rng, lesson):
 
 
 def minimum(rng, lesson):
-    ((_, (W, w_e, low, high)),) = margin(rng, lesson)
+    ((_, (W, w_e, _, high)),) = margin(rng, lesson)
     return [("largest_minimum", (W, w_e, high))]
 
 
