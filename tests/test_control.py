@@ -7,7 +7,13 @@ import robots
 from cdprlab.mechanics.dynamics import inverse_dynamics, mass_and_bias, mass_matrix, pose_error
 from cdprlab.mechanics.statics import gravity_wrench
 from cdprlab.mechanics.trajectory import Reference, quintic
-from cdprlab.robot.pose import Pose, rotation_from_vector, rotation_vector
+from cdprlab.robot.pose import (
+    Pose,
+    rotation_from_vector,
+    rotation_vector,
+    rotation_vector_jacobian,
+    rotation_vector_jacobian_rate,
+)
 from cdprlab.run.controllers import ComputedTorque
 from cdprlab.simulate.state import State
 
@@ -68,18 +74,31 @@ def states(rng, robot):
                Reference(wanted, rng.normal(size=6), rng.normal(size=6)))
 
 
+def lawful(pose, twist, reference, K_p, K_d):
+    """The acceleration with ë + K_d ė + K_p e = 0: in the left form, ω_T = ω_d − T ω = J_l ė of T = R_d Rᵀ."""
+    d, e, rate = pose.dimension, pose_error(pose, reference.pose), reference.twist - twist
+    if d == 2:
+        return reference.acceleration + K_d @ rate + K_p @ e
+    T, wanted = reference.pose.rotation @ pose.rotation.T, reference.twist[3:]
+    J, spin = rotation_vector_jacobian(e[3:]), wanted - T @ twist[3:]
+    rate[3:] = np.linalg.solve(J, spin)
+    x = K_d @ rate + K_p @ e
+    turn = T.T @ (reference.acceleration[3:] - np.cross(spin, wanted) + J @ x[3:]
+                  - rotation_vector_jacobian_rate(e[3:], rate[3:]) @ rate[3:])
+    return np.concatenate([reference.acceleration[:3] + x[:3], turn])
+
+
 def test_the_wrench_brings_about_the_wanted_acceleration():
     robot, law = robots.robot_3r3t(), ComputedTorque(90.0, 15.0)
     for state, reference in states(np.random.default_rng(9), robot):
-        acceleration = reference.acceleration + 90.0 * pose_error(state.pose, reference.pose) \
-            + 15.0 * (reference.twist - state.twist)
+        acceleration = lawful(state.pose, state.twist, reference, 90.0 * np.eye(6), 15.0 * np.eye(6))
         expected = inverse_dynamics(robot, state.rotation, state.twist, acceleration)
         assert np.allclose(law(0.0, state, reference), expected, rtol=0, atol=1e-10 * (1 + np.abs(expected).max()))
 
 
 @pytest.mark.parametrize("name", robots.ROBOTS)
 def test_errors_are_corrected_in_the_motion_pattern_s_rows(name):
-    """a = a_d + S (K_d Sᵀ ė + K_p Sᵀ e), gains one by one, planar or spatial, the mass off P."""
+    """ë + S (K_d Sᵀ ė + K_p Sᵀ e) = 0, gains one by one, planar or spatial, the mass off P."""
     robot, rng = robots.ROBOTS[name](), np.random.default_rng(7)
     d, rows = robot.dimension, 3 * (robot.dimension - 1)
     law = ComputedTorque(np.arange(robot.n_dof) + 3.0, np.arange(robot.n_dof)[::-1])
@@ -88,9 +107,10 @@ def test_errors_are_corrected_in_the_motion_pattern_s_rows(name):
         twist, wanted_twist, wanted_acceleration = rng.normal(size=(3, rows))
         state = State(0.0, robot, pose.position, pose.rotation, twist, np.zeros(robot.n_cables))
         S = robot.pattern.basis(pose.rotation)
-        correction = law.kd * (S.T @ (wanted_twist - twist)) + law.kp * (S.T @ pose_error(pose, wanted))
-        expected = inverse_dynamics(robot, pose.rotation, twist, wanted_acceleration + S @ correction)
-        found = law(0.0, state, Reference(wanted, wanted_twist, wanted_acceleration))
+        reference = Reference(wanted, wanted_twist, wanted_acceleration)
+        acceleration = lawful(pose, twist, reference, (law.kp * S) @ S.T, (law.kd * S) @ S.T)
+        expected = inverse_dynamics(robot, pose.rotation, twist, acceleration)
+        found = law(0.0, state, reference)
         assert np.allclose(found, expected, rtol=0, atol=1e-10 * (1 + np.abs(expected).max()))
 
 
@@ -141,3 +161,50 @@ def test_mass_is_symmetric_and_positive_and_seen_in_the_pattern_s_rows(name):
     S = robot.pattern.basis(pose.rotation)
     assert np.allclose(M, M.T, rtol=0, atol=1e-14) and np.linalg.eigvalsh(M).min() > 0
     np.testing.assert_allclose(mass_matrix(robot, pose), S.T @ M @ S, rtol=1e-14, atol=1e-14)
+
+
+@pytest.mark.parametrize("spin", [0.0, 1.0, 3.0, 10.0])
+def test_the_error_law_holds_about_every_axis_of_a_spinning_reference(spin):
+    """ë + K_d ė + K_p e = 0 of the platform's own motion: 0.1 rad about x stays about x, and follows the law."""
+    robot = robots.build("3R3T", robots.CAROCA_EXITS, robots.CAROCA_ANCHORS)
+    kp, kd, h, steps = 100.0, 20.0, 1e-3, 500
+    law = ComputedTorque(kp, kd)
+    axis = np.array([1.0, 2.0, 2.0]) / 3 * spin   # turned about its own axis, faster and slower
+    place = np.zeros(3)
+
+    def wanted(t):
+        angle = t - 0.1 * np.sin(3 * t)
+        R_d = rotation_from_vector(axis * angle) @ rotation_from_vector(np.array([0.3, -0.2, 0.5]))
+        twist, acceleration = np.zeros(6), np.zeros(6)
+        twist[3:], acceleration[3:] = axis * (1 - 0.3 * np.cos(3 * t)), axis * 0.9 * np.sin(3 * t)
+        return Reference(Pose.of(place, R_d), twist, acceleration)
+
+    def acceleration(t, R, w):
+        twist = np.concatenate([place, w])
+        state = State(t, robot, place, R, twist, np.zeros(8))
+        M, bias = mass_and_bias(robot, R, twist)
+        return np.linalg.solve(M, law(t, state, wanted(t)) - bias)[3:]
+
+    reference = wanted(0.0)
+    # The rate of e is 0 as it begins: R_d Rᵀ ω = ω_d.
+    start = rotation_from_vector(np.array([-0.1, 0.0, 0.0]))
+    R, w = start @ reference.pose.rotation, start @ reference.twist[3:]
+    errors = [[0.1, 0.0, 0.0]]
+    for k in range(steps):   # Runge-Kutta of fourth order (Munthe-Kaas), local rotation vector q
+
+        def slope(q, v, s, t=k * h, R=R):
+            turn = rotation_from_vector(q)
+            return (np.linalg.solve(rotation_vector_jacobian(q), v),
+                    acceleration(t + s, turn @ R, v))
+
+        q1, v1 = slope(np.zeros(3), w, 0.0)
+        q2, v2 = slope(h / 2 * q1, w + h / 2 * v1, h / 2)
+        q3, v3 = slope(h / 2 * q2, w + h / 2 * v2, h / 2)
+        q4, v4 = slope(h * q3, w + h * v3, h)
+        R = rotation_from_vector(h / 6 * (q1 + 2 * q2 + 2 * q3 + q4)) @ R
+        w = w + h / 6 * (v1 + 2 * v2 + 2 * v3 + v4)
+        errors.append(rotation_vector(wanted((k + 1) * h).pose.rotation @ R.T))
+    t = h * np.arange(steps + 1)
+    law_says = 0.1 * (1 + 10 * t) * np.exp(-10 * t)   # both poles at -10 1/s
+    # Fourth order: some (h × 20/s)⁴ = 2e-7 of 0.1 rad.
+    np.testing.assert_allclose(errors, np.stack([law_says, 0 * t, 0 * t], axis=1), atol=2e-8)

@@ -1,12 +1,15 @@
 """What a controller asks for a thousand times a second: how far off the platform is, and what it takes to move it."""
 
+from typing import Any
+
 import numpy as np
 
 from ..arrays import Array
-from ..robot.pose import turn_about_axes
+from ..robot.pose import turn_about_axes, turn_coefficients
 from .jit import compiled, compiled_for
 
 _log = compiled(turn_about_axes)
+_coefficients = compiled(turn_coefficients)
 
 
 @compiled
@@ -96,23 +99,63 @@ def mass_and_bias(mass: float, inertia: Array, center: Array, gravity: float, R:
     return M, h
 
 
+@compiled
+def _cross(a: Any, b: Any) -> Any:
+    """The three entries of a × b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@compiled
+def _turn_back(R: Array, R_d: Array, v: Array, turned: Array) -> None:
+    """R R_dᵀ v, (3,), written into ``turned``."""
+    for i in range(3):
+        turned[i] = 0.0
+        for j in range(3):
+            for k in range(3):
+                turned[i] += R[i, j] * R_d[k, j] * v[k]
+
+
 @compiled_for(2, 2, 0, 2, 1, 0, 1, 2, 1, 1, 2, 1, 1)
 def computed_torque(K_p: Array, K_d: Array, mass: float, inertia: Array, center: Array,
                     gravity: float,
                     p: Array, R: Array, t: Array, p_d: Array, R_d: Array, t_d: Array, a_d: Array) -> Array:
-    """W τ = M (a_d + K_d (t_d − t) + K_p e) + h, (3 planar or 6 spatial,).
+    """W τ = M a + h, (3 planar or 6 spatial,), with the a that makes ë + K_d ė + K_p e = 0 of `put_error`'s e.
+
+    Along the axes, and in the plane, a = a_d + x with x = K_d ė + K_p e and ė = t_d − t. About
+    them u = R R_dᵀ ω_d − ω = J_r(e) ė, so that α = R R_dᵀ α_d + ω × u + J_r x − J̇_r ė.
 
     K_p, K_d : (n, n) gains in world axes; then as in `mass_and_bias` and `put_error`, and the
         wanted twist and a_d
     """
     n = t.size
     M, h = mass_and_bias(mass, inertia, center, gravity, R, t)
-    e, a = np.empty(n), np.empty(n)
+    e, rate, x, a = np.empty(n), t_d - t, np.zeros(n), a_d.copy()
     put_error(p, R, p_d, R_d, e)
+    if n == 6:
+        r, w, u, v = e[3:], t[3:], np.empty(3), rate[3:]
+        b, c, b_rate, c_rate = _coefficients(np.sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]))
+        _turn_back(R, R_d, t_d[3:], u)
+        for i in range(3):
+            u[i] -= w[i]
+        # J_r⁻¹ = I + [r]×/2 − (db/dθ)/(2 θ b) [r]×²
+        r_u = _cross(r, u)
+        r_r_u = _cross(r, r_u)
+        for i in range(3):
+            v[i] = u[i] + 0.5 * r_u[i] - b_rate / (2 * b) * r_r_u[i]
     for i in range(n):
-        a[i] = a_d[i]
         for j in range(n):
-            a[i] += K_d[i, j] * (t_d[j] - t[j]) + K_p[i, j] * e[j]
+            x[i] += K_d[i, j] * rate[j] + K_p[i, j] * e[j]
+    if n == 6:
+        along = r[0] * v[0] + r[1] * v[1] + r[2] * v[2]
+        _turn_back(R, R_d, a_d[3:], a[3:])
+        # J_r = I − b [r]× + c [r]×², and its rate
+        r_v, r_x, w_u = _cross(r, v), _cross(r, x[3:]), _cross(w, u)
+        r_r_v, r_r_x, v_r_v = _cross(r, r_v), _cross(r, r_x), _cross(v, r_v)
+        for i in range(3):
+            a[3 + i] += (w_u[i] - b * r_x[i] + c * r_r_x[i]
+                         + along * (b_rate * r_v[i] - c_rate * r_r_v[i]) - c * v_r_v[i])
+    for i in range(n):
+        a[i] += x[i]
     for i in range(n):
         for j in range(n):
             h[i] += M[i, j] * a[j]

@@ -185,7 +185,7 @@ def rotation_from_vector(vector: Array) -> Array:
     if vector.shape[-1] == 1:
         return turned_to(vector[..., 0], 2)
     angle = np.linalg.norm(vector, axis=-1)
-    b, c = _coefficients(angle)
+    b, c = turn_coefficients(angle)[:2]
     k = cross_matrix(vector)
     # I + sin θ/θ [r]× + (1 − cos θ)/θ² [r]×²
     return np.eye(3) + (1 - angle**2 * c)[..., None, None] * k + b[..., None, None] * (k @ k)
@@ -220,7 +220,7 @@ def rotation_vector_jacobian(vector: Array) -> Array:
     >>> rotation_vector_jacobian(np.zeros(3))[0]
     array([1., 0., 0.])
     """
-    b, c = _coefficients(np.linalg.norm(vector, axis=-1))
+    b, c = turn_coefficients(np.linalg.norm(vector, axis=-1))[:2]
     k = cross_matrix(vector)
     return np.eye(3) + b[..., None, None] * k + c[..., None, None] * (k @ k)
 
@@ -234,32 +234,35 @@ def rotation_vector_jacobian_rate(vector: Array, rate: Array) -> Array:
     >>> rotation_vector_jacobian_rate(np.zeros(3), np.array([0.0, 0.0, 2.0]))[1, 0]
     np.float64(1.0)
     """
-    angle = np.linalg.norm(vector, axis=-1)
-    b, c = _coefficients(angle)
+    b, c, b_rate, c_rate = turn_coefficients(np.linalg.norm(vector, axis=-1))
     along = (vector * rate).sum(axis=-1)
-    # db/dt = (1 − θ² c − 2b) (r·ṙ)/θ² and dc/dt = (b − 3c) (r·ṙ)/θ², with their limits −1/12
-    # and −1/60 at θ = 0.
-    small = angle < 1e-2
-    square = np.where(small, 1.0, angle**2)
-    b_rate = along * np.where(small, -1 / 12 + angle**2 / 180,
-                              (1 - angle**2 * c - 2 * b) / square)
-    c_rate = along * np.where(small, -1 / 60 + angle**2 / 1260, (b - 3 * c) / square)
+    b_rate, c_rate = b_rate * along, c_rate * along
     k, k_rate = cross_matrix(vector), cross_matrix(rate)
     b, c, b_rate, c_rate = (x[..., None, None] for x in (b, c, b_rate, c_rate))
     return b_rate * k + b * k_rate + c_rate * (k @ k) + c * (k_rate @ k + k @ k_rate)
 
 
-def _coefficients(angle: Array) -> tuple[Array, Array]:
-    """b = (1 − cos θ)/θ² and c = (θ − sin θ)/θ³, by their series where the quotients would cancel."""
+def turn_coefficients(angle: Any) -> tuple[Any, Any, Any, Any]:
+    """b = (1 − cos θ)/θ², c = (θ − sin θ)/θ³ and (db/dθ)/θ, (dc/dθ)/θ: by series where quotients would cancel.
+
+    angle : θ (…) [rad], numbers or whole batches
+
+    >>> turn_coefficients(np.zeros(1))[0]
+    array([0.5])
+    """
     # Below 0.05 rad the next term of each series is under 1e-17 of the first.
     small = angle < 0.05
     theta = np.where(small, 1.0, angle)
-    square = angle**2
+    square = angle * angle
     b = np.where(small, (1 - square / 12 * (1 - square / 30 * (1 - square / 56))) / 2,
                  (1 - np.cos(theta)) / theta**2)
     c = np.where(small, (1 - square / 20 * (1 - square / 42 * (1 - square / 72))) / 6,
                  (theta - np.sin(theta)) / theta**3)
-    return b, c
+    small = angle < 1e-2
+    theta = np.where(small, 1.0, angle)
+    b_slope = np.where(small, -1 / 12 + square / 180, (1 - square * c - 2 * b) / theta**2)
+    c_slope = np.where(small, -1 / 60 + square / 1260, (b - 3 * c) / theta**2)
+    return b, c, b_slope, c_slope
 
 
 def _rotation(d: int, rpy: ArrayLike | None, angle: ArrayLike | None, matrix: ArrayLike | None) -> Array:

@@ -20,7 +20,10 @@ Controller = Callable[[float, State, Reference], Array]
 @checked
 @dataclass(frozen=True, eq=False)
 class ComputedTorque:
-    """Computed torque: w = M (a_d + K_d ė + K_p e) + C v − f_g, e = [p_d − p; log(R_d Rᵀ)].
+    """Computed torque: w = M a + C v − f_g with the a that makes ë + K_d ė + K_p e = 0, e = [p_d − p; log(R_d Rᵀ)].
+
+    a = a_d + K_d ė + K_p e along the axes; about them ė = J_l⁻¹(e) (ω_d − R_d Rᵀ ω), and a is
+    what makes the law hold about each, however the reference turns and spins.
 
     kp : K_p, a number or (n,) [1/s²]
     kd : K_d, a number or (n,) [1/s]; K_d times the control period must stay below 2

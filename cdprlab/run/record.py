@@ -29,8 +29,9 @@ class Run:
     lengths : (N, m) cable lengths [m]
     errors : (N, n) reference minus pose in the motion pattern's rows: position, rotation vector
         [m, rad]
-    feasible : (N,) the method balanced the wanted wrench within the limits, or the winches
-        reached their lengths
+    feasible : (N,) the method balanced the wanted wrench within the limits; where lengths
+        are commanded, the winches reached them and they hold the platform as commanded: at the
+        step's end every cable is as long as its rope, to 1 mm and the largest stretch of one
     real_time_factor : simulated over elapsed time of the loop
     settings : how the run was made
     commanded_lengths : (N, m) the winches were to reach by the step's end, None where tensions
@@ -114,7 +115,7 @@ class Run:
         missed = f"{int((~self.feasible).sum())} of {steps}"
         if wound:
             kept = {"steps with a slack cable": f"{int((measured == 0).any(axis=1).sum())} of {steps}",
-                    "steps at a winch's speed limit": missed}
+                    "steps not held as commanded": missed}
         else:
             kept = {"measured − commanded tension, RMS": f"{np.sqrt(np.mean((measured - shown)**2)):.2g} N",
                     "infeasible steps": missed}

@@ -47,7 +47,8 @@ def run(world: World, task: str = "default",
         tensions or TensionDistribution
     cables : "tension" (constraint cables under torque), "force" (ideal massless baseline) or
         "length" (winches pay ropes in and out by inverse kinematics of the reference; method,
-        controller and infeasible then have no say)
+        controller and infeasible then have no say; a step is feasible where the platform is held
+        as commanded: see `Run`)
     controller : (t, state, reference) → wrench the cables shall exert; default
         ComputedTorque(100, 100)
     dt, control_period : engine step and control step [s], the second a multiple of the first;
@@ -144,7 +145,8 @@ def run(world: World, task: str = "default",
                          base_poses=None if drive is None else
                          frozen(np.reshape(drive.poses[:steps], (steps, len(robot.bases), 3))))
             if wound:
-                return run
+                held = _held(run, flight.log["lengths"][1:], flight.log["commanded_lengths"][:-1])
+                return replace(run, feasible=run.feasible & held)
             if not flight.cut_short:
                 _mistrust(run)
             W = (wrench_matrix(robot, run.poses) if drive is None else
@@ -173,6 +175,17 @@ def control_steps(dt: float, control_period: float | None) -> tuple[int, float]:
     if not 1 <= substeps <= _MOST_STEPS or abs(substeps * step - period) > 1e-9 * period:
         raise InvalidInput(f"control_period must be a whole multiple of dt, got {period:g} s and {step:g} s")
     return substeps, substeps * step
+
+
+def _held(run: Run, lengths: Array, commanded: Array) -> Array:
+    """(N,) every cable measures what was let out: longer or slack by at most 1 mm and the stretch."""
+    elasticity = run.world.robot.elasticity
+    if run.cables == "elastic" and elasticity is not None:
+        stretch = lengths * run.measured_tensions / elasticity.axial_stiffness
+        allowed = 1e-3 + stretch.max(axis=1, keepdims=True)
+    else:
+        allowed = np.full((len(lengths), 1), 1e-3)
+    return (np.abs(lengths - commanded) <= allowed).all(axis=1)
 
 
 def _mistrust(run: Run) -> None:

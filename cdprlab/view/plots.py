@@ -220,7 +220,7 @@ def _tension_panels(axes: Sequence[Axes], run: Run) -> None:
         handles.append(Line2D([], [], color=INK, linestyle="none", marker="o", markersize=4.2,
                               label="measured"))
     if not np.all(run.feasible):
-        handles.append(Patch(color=WARNING, label="winch too slow" if wound else "infeasible"))
+        handles.append(Patch(color=WARNING, label="not held" if wound else "infeasible"))
     for panel in axes:
         for start, end in infeasible_spans(run):
             panel.axvspan(start, end, color=WARNING, zorder=0, linewidth=0)
@@ -294,7 +294,7 @@ def _tensions_in_words(run: Run) -> str:
     if not wound:
         text += f"; measured differ from commanded by at most {np.nanmax(np.abs(_below(run))):.3g} N"
     share = 100 * float(np.mean(~np.asarray(run.feasible)))
-    why = "A winch was too slow" if wound else "No feasible tensions"
+    why = "The ropes did not hold the platform as commanded" if wound else "No feasible tensions"
     return f"{text}." + (f" {why} in {share:.3g} % of the steps (shaded)." if share else "")
 
 
