@@ -234,7 +234,8 @@ def _changed_call(call: ast.Call) -> Iterator[ast.expr]:
         other = (ast.Attribute(function.value, OTHER[name], ast.Load()) if isinstance(function, ast.Attribute)
                  else ast.Name(OTHER[name], ast.Load()))
         yield ast.Call(other, call.args, call.keywords)
-    if name in {"abs", "sorted", "sqrt", "maximum", "minimum", "clip", "round"} and call.args:
+    plain = bool(call.args) and not isinstance(call.args[0], ast.Starred)
+    if name in {"abs", "sorted", "sqrt", "maximum", "minimum", "clip", "round"} and plain:
         yield call.args[0]
     if name in STACKS and len(call.args) >= 2:
         yield ast.Call(function, [*call.args[:-2], call.args[-1], call.args[-2]], call.keywords)

@@ -156,8 +156,8 @@ def fill_sequence(panel: Axes, robot: Robot, sequence: ConfigurationSequence) ->
                       color=looks[turn].color, zorder=6)
         else:
             turn += 1
-            color = VERMILION if sequence.transition_scores[turn - 1] else INK
-            panel.plot(a[0], a[1], marker="D", markersize=8, color=color,
+            color, marker = (VERMILION, "X") if sequence.transition_scores[turn - 1] else (INK, "D")
+            panel.plot(a[0], a[1], marker=marker, markersize=8, color=color,
                        markeredgecolor="white", zorder=5)
             label(panel, f"M{turn}", a, (0, 1), 10, fontsize=9, color=color, zorder=6)
     for name, (place, _) in (("S", sequence.steps[0]), ("G", sequence.steps[-1])):
