@@ -48,11 +48,6 @@ class TensionCommand(Command):
     def __init__(self, controller: Controller, distributor: Distributor) -> None:
         self.controller, self.distributor = controller, distributor
 
-    def start(self, engine: Simulator, substeps: int) -> Columns:
-        # What is sent as it is may also push, which no engine takes otherwise.
-        self.advance = engine.pull if self.distributor.infeasible == "send" else engine.step
-        return super().start(engine, substeps)
-
     def columns(self, robot: Robot) -> Columns:
         return {"wanted_wrench": ((robot.n_dof,), "N, N m"),
                 "commanded_tensions": ((robot.n_cables,), "N")}
@@ -64,7 +59,8 @@ class TensionCommand(Command):
         wanted = as_answer(self.controller(now, state, wish), "the controller's wrench",
                            engine.world.robot.n_dof, "N, N m", now)
         tensions = self.distributor.tensions(engine.wrench_matrix, wanted, now)
-        self.advance(tensions, self.substeps)
+        # Judged already, or sent as they are, even where they push: no step() asks again.
+        engine.pull(tensions, self.substeps)
         return *wanted.tolist(), *tensions.tolist()
 
     def cut(self, cables: list[int]) -> None:
