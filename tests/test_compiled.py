@@ -1,6 +1,7 @@
 """The compiled room: what it says while it compiles, and that it answers the same where there is no numba."""
 
 import json
+import os
 import subprocess
 import sys
 
@@ -98,3 +99,11 @@ many = barycenters(100)
 assert kept() and abs(few - many).max() < 1e-9
 """
     ask("-c", asked)
+
+
+def test_a_closed_error_stream_does_not_end_the_work(tmp_path):
+    told = subprocess.run(
+        ["sh", "-c", f'"{sys.executable}" -c "import cdprlab as cl; w = cl.load_world(\'caroca\'); '
+                     'print(cl.wrench_matrix(w.robot, w.pose).shape)" 2>&-'],
+        env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}, capture_output=True, text=True, timeout=300, check=False)
+    assert (told.returncode, told.stdout) == (0, "(6, 8)\n")

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from functools import wraps
 from hashlib import sha256
 from pathlib import Path
@@ -124,8 +125,11 @@ if COMPILES:
         def on_start(self, event: Any) -> None:
             if not self.said and event.data["dispatcher"].py_func.__module__.startswith(f"{__package__}."):
                 self.said = True
-                print(f"cdprlab compiles its numerical core, {self.often} …", flush=True,
-                      file=sys.stdout if "ipykernel" in sys.modules else sys.stderr)
+                stream = sys.stdout if "ipykernel" in sys.modules else sys.stderr
+                # A stream that is closed is no reason to end the work: it is None, or refuses.
+                with suppress(AttributeError, OSError, ValueError):
+                    stream.write(f"cdprlab compiles its numerical core, {self.often} …\n")
+                    stream.flush()
 
         def on_end(self, event: Any) -> None:
             pass
