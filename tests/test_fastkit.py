@@ -283,14 +283,18 @@ def test_motors_and_cables_agree(winch):
     assert motor_speed(winch, -0.04) == pytest.approx(5.0)  # one drum radius a second, behind a gear of 5
 
 
-def test_computed_torque_is_mass_and_bias_at_the_wanted_acceleration():
+@pytest.mark.parametrize("turned", [False, True])
+def test_computed_torque_is_mass_and_bias_at_the_wanted_acceleration(turned):
+    """Where it spins but is not turned away, and the other way round: there the rate of the error is the twist's."""
     rng = np.random.default_rng(2)
     robot = cl.load_world("fastkit_suspended").robot.with_payload(7.0, [0.1, -0.2, 0.05])
     pose = cl.Pose([0, 0, 1], rpy=rng.normal(size=3))
     twist, acceleration = rng.normal(size=(2, 6))
+    if turned:
+        twist[3:] = acceleration[3:] = 0.0
     mass, bias = mass_and_bias(robot, pose.rotation, twist)
     state = State(0.0, robot, pose.position, pose.rotation, twist, np.zeros(8))
-    wanted = cl.Pose([0.1, 0.2, 1.1], rpy=[0.3, -0.2, 0.5])
+    wanted = cl.Pose([0.1, 0.2, 1.1], rpy=[0.3, -0.2, 0.5] if turned else pose.rpy)
     law = cl.ComputedTorque(30, 12)(0.0, state, cl.Reference(wanted, np.zeros(6), acceleration))
     off = pose_error(pose, wanted)
     np.testing.assert_allclose(mass @ (acceleration - 12 * twist + 30 * off) + bias, law, atol=1e-9)

@@ -103,6 +103,7 @@ ROOMS_WITHOUT_ENGINE = ("pose", "world", "geometry", "kinematics", "statics", "t
                         "sets", "configurations", "trajectory", "control", "bases", "planar")
 
 
+@pytest.mark.long
 def test_without_pybullet_the_other_tests_pass():
     """Mechanics, tensions, sets and planar worlds; what draws or teaches them is left to the tests of its own."""
     tests = [str(CHECKOUT / "tests" / f"test_{room}.py") for room in ROOMS_WITHOUT_ENGINE]
