@@ -112,7 +112,8 @@ class Simulator(ABC):
                                "with cables=\"length\"")
         _checked_substeps(substeps)
         before = self.paid_out
-        wanted = lengths if isinstance(lengths, list) else as_array(lengths, "rope lengths", ("m",), "m").tolist()
+        wanted = lengths if isinstance(lengths, list) else as_answer(
+            lengths, "rope lengths", len(before), "m", self.time).tolist()
         try:
             after = self._reachable(wanted, substeps)
         except TypeError:   # a list of something else
