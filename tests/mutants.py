@@ -17,7 +17,6 @@ import functools
 import io
 import os
 import runpy
-import signal
 import sys
 import tempfile
 import traceback
@@ -31,6 +30,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 import notebooks
+
+from cdprlab.course.grading.judge import TimeUp, at_most
 
 DRAWS = 50
 NUMBERS = (np.ndarray, float, int, np.number)
@@ -121,9 +122,9 @@ class Exercise:
     def noticed(self, mutant: Mutant, check: str) -> str | None:
         """None where the check passes; else what is wrong with what it says, '' where nothing is."""
         try:
-            with silence(), time_limit(PATIENCE):
+            with silence(), at_most(PATIENCE):
                 cells.run_cell(check, f"<check {self.name}>", self.namespace(mutant))
-        except OutOfTime:
+        except TimeUp:
             return ""
         except Exception as error:
             return _complaint(error, self.name)
@@ -135,10 +136,10 @@ class Exercise:
         for seed in range(DRAWS):
             for name, arguments in self.draw(np.random.default_rng(seed), self.before):
                 try:
-                    with silence(), time_limit(PATIENCE):
+                    with silence(), at_most(PATIENCE):
                         if not same(outcome(right[name], arguments), outcome(wrong[name], arguments)):
                             return True
-                except OutOfTime:
+                except TimeUp:
                     return True
         return False
 
@@ -363,24 +364,6 @@ def as_float32(returned: Any) -> Any:
 
 
 # --- judging ----------------------------------------------------------------------------------------------
-class OutOfTime(BaseException):
-    """A mutant that does not end; no check can catch it."""
-
-
-@contextlib.contextmanager
-def time_limit(seconds: float) -> Iterator[None]:
-    """Raise OutOfTime in the main thread after so much time."""
-    def stop(*_: Any) -> None:
-        raise OutOfTime
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
-
-
 @contextlib.contextmanager
 def silence() -> Iterator[None]:
     """Neither output nor warnings."""

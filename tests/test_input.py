@@ -13,6 +13,7 @@ import yaml
 import cdprlab as cl
 from cdprlab.arrays import LARGEST
 from cdprlab.errors import InvalidInput, NoConvergence, WorldError, quoted
+from cdprlab.workspace.grids import low_discrepancy_poses
 from cdprlab.world import Task
 
 CAROCA = cl.load_world("caroca")
@@ -270,3 +271,12 @@ def test_mutated_worlds_are_refused_or_saved_the_same():
 @pytest.mark.long
 def test_many_mutated_worlds_are_refused_or_saved_the_same():
     assert mutations(10_000)[1] == []
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, True, 2**70])
+def test_what_random_numbers_start_from_is_a_whole_number(seed):
+    world = cl.load_world("planar_rigid")
+    for ask in (lambda: cl.run(world, duration=0.01, seed=seed),
+                lambda: low_discrepancy_poses([0, 0], [1, 1], 5, seed)):
+        with pytest.raises(cl.CdprError, match="seed must be a whole number"):
+            ask()

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number
+from ..arrays import Array, as_array, as_number, as_seed
 from ..errors import InvalidInput
 from ..robot import Winch
 
@@ -136,7 +136,7 @@ def friction_experiment(winch: Winch, load: float = 10.0, duration: float = 8.0,
         slope = float(friction_slope(friction, speed))
         speed += dt * (torque - carried - float(friction_torque(friction, speed))) / (winch.inertia + dt * slope)
     read = slice(None, None, 4)
-    heard = torques[read] + np.random.default_rng(seed).normal(0, noise, torques[read].size)
+    heard = torques[read] + np.random.default_rng(as_seed(seed)).normal(0, noise, torques[read].size)
     return Experiment(time[read], speeds[read], heard, carried)
 
 

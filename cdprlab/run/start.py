@@ -10,7 +10,7 @@ from warnings import warn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Progress, as_answer, as_number, checked, frozen
+from ..arrays import Array, Progress, as_answer, as_number, as_seed, checked, frozen
 from ..errors import CdprWarning, InvalidInput, quoted
 from ..mechanics.cables import cable_lengths
 from ..mechanics.statics import wrench_matrix
@@ -104,7 +104,7 @@ def run(world: World, task: str = "default",
     settings = {"dt": dt, "control_period": period, "controller": ruler,
                 "infeasible": infeasible,
                 "external_wrench": None if external_wrench is None else str(external_wrench),
-                "duration": float(times.size * period), "seed": seed, **engine_options}
+                "duration": float(times.size * period), "seed": as_seed(seed), **engine_options}
     if base_speeds is not None:
         settings["base_speeds"] = str(base_speeds)
     if cut:

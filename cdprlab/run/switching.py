@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Flags, as_array, as_number, checked, frozen
+from ..arrays import Flags, as_array, as_number, as_seed, checked, frozen
 from ..configurations.measured import hanging_position
 from ..configurations.sequence import ConfigurationSequence
 from ..configurations.winding import Winding, winding_plan
@@ -108,7 +108,7 @@ def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *,
     seed : of the errors
     Returns one Trial each; a load that leaves the scene counts as off by infinity.
     """
-    rng, m = np.random.default_rng(seed), world.robot.n_cables
+    rng, m = np.random.default_rng(as_seed(seed)), world.robot.n_cables
     as_number(trials, "trials", "", positive=True)
     plan = winding_plan(world.robot, sequence, slack, speed, reeling)
     found = []

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, checked, frozen, lasting
+from ..arrays import Array, as_array, as_number, as_seed, checked, frozen, lasting
 from ..errors import InvalidInput
 from ..robot.pose import Pose
 
@@ -122,7 +122,7 @@ def low_discrepancy_poses(lower: ArrayLike, upper: ArrayLike, count: int, seed: 
 
     low, high = corners(lower, upper)
     d = len(low)
-    shares = qmc.Halton(3 if d == 2 else 6, rng=np.random.default_rng(seed)).random(count)
+    shares = qmc.Halton(3 if d == 2 else 6, rng=np.random.default_rng(as_seed(seed))).random(count)
     position = low + shares[:, :d] * (high - low)
     angles = turn * (2 * shares[:, d:] - 1)
     return Pose(position, angle=angles[:, 0]) if d == 2 else Pose(position, rpy=angles)

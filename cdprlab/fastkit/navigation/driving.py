@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array, checked
+from ...arrays import Array, as_array, as_seed, checked
 from ..plane import checked_pose, moved, off_rectangles, point_distance, rectangle_distance, step_between, turn
 from .hall import Hall
 from .laser import Scanner, cast
@@ -87,7 +87,7 @@ class Pair(ABC):
         self.vehicle, self.hall, self.walkers = vehicle, hall, walkers
         self.pose = checked_pose(pose, "pose")
         self.odometry = odometry or Odometry()
-        self._random = np.random.default_rng(seed)
+        self._random = np.random.default_rng(as_seed(seed))
 
     @abstractmethod
     def move(self, twist: Array, period: float) -> None:

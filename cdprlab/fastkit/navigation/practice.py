@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Array, checked
+from ...arrays import Array, as_seed, checked
 from ..plane import rectangle_distance
 from .driving import Walker
 from .hall import Hall, walls
@@ -36,7 +36,7 @@ def practice_hall(vehicle: Vehicle, seed: int, size: tuple[float, float] = (10.0
     >>> practice_hall(pair, 3).goal.round(3).tolist() == practice_hall(pair, 3).goal.round(3).tolist()
     True
     """
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(as_seed(seed))
     length, height = size
     shelf = np.array([random.uniform(0.35, 0.65) * length, height - 0.3, 2.4, 0.6, 0.0])
     goal = np.array([shelf[0], height - 0.6 - gap - vehicle.width / 2,
