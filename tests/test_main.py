@@ -185,15 +185,15 @@ def test_what_was_flown_before_something_happened_is_saved_and_said(error, code,
     world = cl.load_world("planar_point")
     with cl.open_simulator(world) as engine:
         kind = type(engine)
-    step, steps = kind.step, []
+    pull, steps = kind.pull, []
 
     def breaking(engine, *arguments):
         steps.append(1)
         if len(steps) > 20:
             raise error
-        return step(engine, *arguments)
+        return pull(engine, *arguments)
 
-    monkeypatch.setattr(kind, "step", breaking)
+    monkeypatch.setattr(kind, "pull", breaking)
     assert main([*FLIGHT, str(tmp_path)]) == code
     printed = capsys.readouterr()
     assert "written to" in printed.out and "Traceback" not in printed.err
