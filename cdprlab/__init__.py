@@ -13,6 +13,7 @@ from .arrays import Progress as Progress
 from .configurations import Configuration, ConfigurationSequence, classify_configurations, plan_configurations
 from .errors import CdprError
 from .mechanics.cables import cable_directions, cable_lengths, cable_vectors
+from .mechanics.calibration import Calibration, calibrate
 from .mechanics.kinematics import Pivot as Pivot
 from .mechanics.kinematics import base_jacobian, forward_kinematics, jacobian
 from .mechanics.redundancy import TwistResolution, resolve_twist
@@ -52,6 +53,7 @@ from .workspace import (
     WrenchFeasible,
     workspace,
 )
+from .workspace.calibration_poses import calibration_poses
 from .workspace.placement import place_bases
 from .world import World, load_world, world_names, world_schema
 from .world.model import Box as Box
@@ -61,7 +63,7 @@ from .world.model import Task as Task
 __version__ = "0.2.0"
 
 __all__ = [
-    "Base", "Cable", "CdprError", "ComputedTorque", "Configuration",
+    "Base", "Cable", "Calibration", "CdprError", "ComputedTorque", "Configuration",
     "ConfigurationSequence", "Criterion",
     "DynamicEquilibrium", "InterferenceFree", "Judgement",
     "Platform", "Polytope", "Pose", "PoseGrid", "Reference", "Robot", "Run", "Simulator", "State",
@@ -72,7 +74,8 @@ __all__ = [
     "WrenchFeasible",
     "available_twist_set", "available_wrench_set", "base_jacobian", "cable_directions",
     "cable_lengths",
-    "cable_vectors", "classify_configurations", "compare_tensions", "distribute_tensions",
+    "cable_vectors", "calibrate", "calibration_poses", "classify_configurations",
+    "compare_tensions", "distribute_tensions",
     "equilibrium", "errors",
     "forward_kinematics", "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator",
     "place_bases",
