@@ -60,6 +60,7 @@ FEATURES = {
     "pybullet": "cl.run(cl.load_world('caroca'), duration=0.01)",
     "pymunk": PLANAR,
     "matplotlib": f"cl.plot({PLANAR})",
+    "k3d": f"cl.view.save_scene({PLANAR}, 'scene.html')",
     "ipywidgets": "__import__('cdprlab.course').course.pose_explorer(cl.load_world('planar_rigid'))",
     "qpsolvers": "cl.distribute_tensions([[1.0, -1.0]], [0.0], 1.0, 9.0, solver='osqp')",
 }

@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image, ImageColor
 
 from ..arrays import Array
-from ..errors import InvalidInput
+from ..errors import InvalidInput, needed_by
 from ..mechanics.cables import anchor_offsets
 from ..simulate.state import State
 from ..world.files import checked_path, replaced
@@ -59,10 +59,10 @@ class MotionScene:
     """
 
     def __init__(self, states: Sequence[State], title: str = "", notes: Sequence[str] = ()) -> None:
-        import k3d
-
         if not states:
             raise InvalidInput("a scene needs one state at least, got none")
+        with needed_by("the scene one turns", "stills and films work without it"):
+            import k3d
         chosen = _some(len(states))
         self.states, self.title = [states[k] for k in chosen], title
         self.times = [state.time - states[0].time for state in self.states]
