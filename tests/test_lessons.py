@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import copy
 import importlib.util
+import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -219,3 +220,22 @@ def test_links_between_lessons_lead_somewhere(name: str):
     assert [link for link in links if not (notebooks.LESSONS / link).is_file()] == []
     # The last lesson has no next one.
     assert name == NAMES[-1] or links, "every lesson names the next"
+
+
+# --- without the spatial engine ---------------------------------------------------------------------------
+@pytest.mark.long
+@every_lesson
+def test_without_the_spatial_engine_only_flights_fail_and_the_first_cell_says_so(name: str, tmp_path: Path,
+                                                                                 monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "sitecustomize.py").write_text("import sys\nsys.modules['pybullet'] = None\n", encoding="utf-8")
+    usual = notebooks.environment(tmp_path)
+    there = {**usual, "PYTHONPATH": f"{usual['PYTHONPATH']}{os.pathsep}{tmp_path}"}
+    monkeypatch.setattr(notebooks, "environment", lambda folder: there)
+    notebook = notebooks.read_source(name)
+    with notebooks.kernel(notebook, tmp_path) as client:
+        notebooks.execute(client)
+    failed = [notebooks.errors(cell)[0] for cell in notebook.cells if notebooks.errors(cell)]
+    assert ("**Engine:** PyBullet" in notebook.cells[0].source) == bool(failed)
+    # A name is missing only where the flight that makes it could not be made.
+    assert [error.ename for error in failed[:1]] in ([], ["MissingDependency"])
+    assert {error.ename for error in failed} <= {"MissingDependency", "NameError"}
