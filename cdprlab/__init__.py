@@ -32,6 +32,7 @@ from .run import Run, run
 from .run.compare import TensionComparison, compare_tensions
 from .run.controllers import ComputedTorque
 from .run.controllers import Controller as Controller
+from .run.reading import read_log
 from .run.start import Cuts as Cuts
 from .run.winches import TorqueControl, VelocityControl
 from .sets import Polytope, available_twist_set, available_wrench_set
@@ -79,7 +80,7 @@ __all__ = [
     "equilibrium", "errors",
     "forward_kinematics", "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator",
     "place_bases",
-    "plan_configurations", "plot", "quintic", "resolve_twist", "run", "stiffness",
+    "plan_configurations", "plot", "quintic", "read_log", "resolve_twist", "run", "stiffness",
     "tension_methods",
     "tipping_moments", "tipping_rows", "workspace", "world_names", "world_schema",
     "wrench_matrix",

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Flags, Indices, as_array, as_number, checked, frozen, lasting
+from ..arrays import Array, Indices, as_array, as_number, checked, frozen, lasting
 from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -84,42 +84,45 @@ def calibrate(robot: Robot, poses: Pose, lengths: ArrayLike,
     check_dimension(robot, poses)
     if len(poses.batch_shape) != 1 or not len(poses):
         raise InvalidInput(f"poses must be a batch (N,) of at least one pose, got shape {poses.batch_shape}")
+    as_array([poses.position, *np.moveaxis(poses.rotation, -1, 0)], "poses", ("k", "N", "d"))
     shape, kinds = (len(poses), robot.n_cables), list(unknown)
     measured = as_array(lengths, "lengths", shape, "m")
     noise = as_number(length_noise, "length_noise", "m", positive=True)
     pulls = None if tensions is None else as_array(tensions, "tensions", shape, "N")
     if pulls is not None and not {*kinds} & {*_PLATFORM}:
         kinds += _PLATFORM
-    places, names = _chosen(robot, kinds)
-    sought = np.isin(_PLATFORM, kinds).repeat([1, robot.dimension])
-    if sought.any() and pulls is None:
-        raise InvalidInput("mass and center_of_mass follow from tensions at rest: give tensions, (N, m) [N]")
     table = _table(robot)
+    places, names = _chosen(robot, kinds)
+    geometric = places < table.size
+    if pulls is None and not geometric.all():
+        raise InvalidInput("mass and center_of_mass follow from tensions at rest: give tensions, (N, m) [N]")
+    sought, own = places[~geometric] - table.size, places[geometric]
 
     def too_long(x: Array) -> tuple[Array, Array]:
-        table.flat[places] = x
+        table.flat[own] = x
         changed = _rebuilt(robot, table)
         return ((cable_lengths(changed, poses) + table[:, -1] - measured).ravel(),
-                length_slopes(changed, poses).reshape(measured.size, -1)[:, places])
+                length_slopes(changed, poses).reshape(measured.size, -1)[:, own])
 
-    x, covariance, ways = _fit(too_long, table.flat[places], noise)
-    left, values, undetermined = -too_long(x)[0], x, _in_words(ways, covariance, names)
-    found = _rebuilt(robot, table)
-    if pulls is not None and sought.any():
+    x, covariance, told = _fit(too_long, table.flat[own], noise, names)
+    left, found = -too_long(x)[0], _rebuilt(robot, table)
+    if pulls is not None:
         body = np.concatenate([[1.0], robot.platform.center_of_mass])   # 1 % of the mass counts as 10 mm
         heavy = _too_heavy(found, poses, pulls, body, sought)
         # First as if every newton told; what is then left says how large their noise is.
         unbalanced = heavy(_fit(heavy, body[sought], 0.0)[0])[0]
-        freedom = max(int(np.linalg.matrix_rank(wrench_matrix(found, poses)).sum()) - int(sought.sum()), 1)
-        y, more, ways = _fit(heavy, body[sought], float(np.linalg.norm(unbalanced)) / np.sqrt(freedom))
-        undetermined += _in_words(ways, more, names[x.size:])
-        kilograms = np.where(np.array(names[x.size:]) == "mass", robot.mass, 1.0)
-        values = np.concatenate([x, y * kilograms])
-        covariance = block_diag(covariance, more * np.outer(kilograms, kilograms))
+        freedom = np.linalg.matrix_rank(wrench_matrix(found, poses)).sum() - sought.size
+        pull_noise = float(np.linalg.norm(unbalanced)) / np.sqrt(max(freedom, 1))
+        y, more, untold = _fit(heavy, body[sought], pull_noise, names[x.size:])
         body[sought] = y
-        found = replace(found, platform=replace(robot.platform, mass=robot.mass * body[0], center_of_mass=body[1:]))
-    return Calibration(found, frozen(table[:, -1].copy()), dict(zip(names, values.tolist())), frozen(covariance),
-                       frozen(left.reshape(shape)), tuple(undetermined))
+        found = replace(found, platform=replace(robot.platform, mass=robot.mass * body[0],
+                                                center_of_mass=body[1:]))
+        scale = np.where(sought == 0, robot.mass, 1.0)
+        x = np.concatenate([x, scale * y])
+        covariance = block_diag(covariance, more * np.outer(scale, scale))
+        told += untold
+    return Calibration(found, frozen(table[:, -1].copy()), dict(zip(names, x.tolist())), frozen(covariance),
+                       frozen(left.reshape(shape)), told)
 
 
 def length_slopes(robot: Robot, poses: Pose) -> Array:
@@ -153,27 +156,24 @@ def _rebuilt(robot: Robot, table: Array) -> Robot:
 
 
 def _chosen(robot: Robot, kinds: list[str]) -> tuple[Indices, list[str]]:
-    """Places of the unknowns in the table, and the names of all of them, the platform's last."""
+    """Places of the unknowns in the table, and after it in the platform's mass and center; and their names."""
     axes, turns = "xyz"[:robot.dimension], len(robot.pattern.turn_axes)
-    turning = axes[:1] if turns == 2 else axes * bool(turns)   # 2R3T's anchor points lie on x′, those of 3T at P
-    labels = [*(("exit_points", f" {axis}") for axis in axes), *(("anchor_points", f" {axis}") for axis in axes),
-              ("length_offsets", "")]
-    known = {*dict(labels), *_PLATFORM}
-    if not kinds or len({*kinds}) < len(kinds) or not {*kinds} <= known:
-        raise InvalidInput(f"unknown must be some of {', '.join(sorted(known))}, each once, got {quoted(kinds)}")
-    places, names = [], []
-    for kind in kinds:
-        here = [(i, k, axis) for i in range(robot.n_cables) for k, (label, axis) in enumerate(labels)
-                if label == kind and (kind != "anchor_points" or axis[1] in turning)]
-        if not here and kind not in _PLATFORM:
-            raise InvalidInput(f"{kind} cannot be unknown: this {robot.motion_pattern} robot has none")
-        places += [i * len(labels) + k for i, k, _ in here]
-        names += [f"{kind} {i + 1}{axis}" for i, _, axis in here]
-    names += [name for name in ("mass", *(f"center_of_mass {axis}" for axis in axes)) if name.split()[0] in kinds]
-    return np.array(places, dtype=int), names
+    labels = [*(f"exit_points {{}} {axis}" for axis in axes), *(f"anchor_points {{}} {axis}" for axis in axes),
+              "length_offsets {}"]
+    names = [label.format(i + 1) for i in range(robot.n_cables) for label in labels]
+    names += ["mass", *(f"center_of_mass {axis}" for axis in axes)]
+    known = dict.fromkeys(name.split()[0] for name in names)
+    if not kinds or len({*kinds}) < len(kinds) or not {*kinds} <= {*known}:
+        raise InvalidInput(f"unknown must be some of {', '.join(known)}, each once, got {quoted(kinds)}")
+    if "anchor_points" in kinds and not turns:
+        raise InvalidInput(f"in {robot.motion_pattern} all cables meet at P: anchor_points cannot be unknown")
+    fixed = "yz" if turns == 2 else ""   # 2R3T: anchor points stay on the x′ axis
+    places = [k for kind in sorted(kinds, key=_PLATFORM.__contains__) for k, name in enumerate(names)
+              if name.split()[0] == kind and not (kind == "anchor_points" and name[-1] in fixed)]
+    return np.array(places, dtype=int), [names[k] for k in places]
 
 
-def _too_heavy(robot: Robot, poses: Pose, tensions: Array, body: Array, sought: Flags) -> Problem:
+def _too_heavy(robot: Robot, poses: Pose, tensions: Array, body: Array, sought: Indices) -> Problem:
     """W⁺ (W τ + w_g) [N], least squares of tensions; ``sought`` of body: mass over that believed, center of mass."""
     W, d = wrench_matrix(robot, poses), robot.dimension
     inverse = np.linalg.pinv(W, rcond=1e-9)
@@ -192,8 +192,9 @@ def _too_heavy(robot: Robot, poses: Pose, tensions: Array, body: Array, sought: 
     return heavy
 
 
-def _fit(problem: Problem, start: Array, noise: float) -> tuple[Array, Array, Array]:
-    """Least squares along the directions that are told; x (K,), covariance (K, K), what is not told (q, K)."""
+def _fit(problem: Problem, start: Array, noise: float,
+         names: Sequence[str] = ()) -> tuple[Array, Array, tuple[str, ...]]:
+    """Least squares along what is told; returns x (K,), its covariance (K, K), and in words what is not told."""
     from scipy.optimize import least_squares
 
     ways, deviations = _directions(problem(start)[1], noise)
@@ -204,23 +205,20 @@ def _fit(problem: Problem, start: Array, noise: float) -> tuple[Array, Array, Ar
                                           lambda z: problem(start + along @ z)[1] @ along,
                                           xtol=tight, ftol=tight, gtol=tight).x
     ways, deviations = _directions(problem(x)[1], noise)
-    return x, (ways.T * deviations**2) @ ways, ways[deviations > TOLD]
+    covariance = (ways.T * deviations**2) @ ways
+    words, untold = [], ways[deviations > TOLD]
+    projector = untold.T @ untold
+    for _ in untold:   # directions that span the same, each of few unknowns
+        way = projector[np.diag(projector).argmax()]
+        way = way / np.linalg.norm(way)
+        projector = projector - np.outer(way, way)
+        shares = [f"{share:+.2f} {name}" for share, name in zip(way, names) if abs(share) > 0.1]
+        words.append(f"{' '.join(shares)} (standard deviation {np.sqrt(way @ covariance @ way):.2g})")
+    return x, covariance, tuple(words)
 
 
 def _directions(J: Array, noise: float) -> tuple[Array, Array]:
     """(K, K) directions of the unknowns, a row each, and the standard deviation (K,) of each."""
     s, ways = np.linalg.svd(np.pad(J, ((0, J.shape[1]), (0, 0))), full_matrices=False)[1:]
-    told = np.maximum(s, 1e-12 * s.max(initial=1e-300))   # what is below is rounding
-    return ways, np.minimum(np.where(s < told, NOTHING, noise / told), NOTHING)
-
-
-def _in_words(ways: Array, covariance: Array, names: list[str]) -> list[str]:
-    """Directions (q, K) that span the same as these, each of few names, with its standard deviation."""
-    projector, told = ways.T @ ways, []
-    for _ in ways:
-        way = projector[np.diag(projector).argmax()]
-        way = way / np.linalg.norm(way)
-        projector = projector - np.outer(way, way)
-        terms = [f"{share:+.2f} {name}" for share, name in zip(way, names) if abs(share) > 0.1]
-        told.append(f"{' '.join(terms)} (standard deviation {np.sqrt(way @ covariance @ way):.2g})")
-    return told
+    rounding = 1e-12 * s.max(initial=1e-300)
+    return ways, np.where(s > rounding, np.minimum(noise / np.maximum(s, rounding), NOTHING), NOTHING)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InvalidInput, needed_by
+from ..errors import InvalidInput, needed_by, quoted
 from ..run.compare import TensionComparison
 from . import notebook as notebook  # from here on the library's objects show themselves
 
@@ -20,11 +20,12 @@ _HOMES = {"draw": ".film", "plot_tensions": ".plots", "plot_tracking": ".plots",
 __all__ = ["plot", *_HOMES]
 
 
-def plot(run_or_table: Any) -> Figure:
+def plot(run_or_table: Any, beside: Any = None) -> Figure:
     """One figure of a whole run: motion, errors, tensions. Or a comparison's tensions; anything
     with a ``plot()`` of its own draws itself.
 
     run_or_table : Run or TensionComparison
+    beside : another Run whose positions and tensions a run is drawn with, such as `read_log` gives
     Raises InvalidInput for anything else.
 
     >>> import cdprlab as cl
@@ -33,6 +34,8 @@ def plot(run_or_table: Any) -> Figure:
     ...
     cdprlab.errors.InvalidInput: plot takes a Run, a TensionComparison or what has a plot method, got int
     """
+    if beside is not None and not hasattr(beside, "commanded_tensions"):
+        raise InvalidInput(f"beside must be a Run, got {quoted(beside)}")
     with needed_by("plot"):
         if isinstance(run_or_table, TensionComparison):
             from .tension_comparison import plot_tension_comparison
@@ -41,7 +44,7 @@ def plot(run_or_table: Any) -> Figure:
         if hasattr(run_or_table, "commanded_tensions"):
             from .plots import plot_run
 
-            return plot_run(run_or_table)
+            return plot_run(run_or_table, beside)
         if callable(getattr(run_or_table, "plot", None)):
             return run_or_table.plot()
     raise InvalidInput("plot takes a Run, a TensionComparison or what has a plot method, "

@@ -73,16 +73,32 @@ def plot_tensions(run: Run) -> Figure:
         return _told(figure, run, "Cable tensions", _tensions_in_words(run))
 
 
-def plot_run(run: Run) -> Figure:
-    """Both of them side by side."""
+def plot_run(run: Run, beside: Run | None = None) -> Figure:
+    """Both of them side by side; crosses are the positions and tensions of a run ``beside`` it.
+
+    run, beside : Run
+    """
     with house_style():
         figure = Figure(figsize=(13.0, 7.8), layout="constrained")
         rows = _tracking_rows(run)
         grid = figure.add_gridspec(rows, 2, wspace=0.06)
-        _tracking_panels([figure.add_subplot(grid[row, 0]) for row in range(rows)], run)
-        _tension_panels([figure.add_subplot(grid[:-1, 1]), figure.add_subplot(grid[-1, 1])], run)
-        return _told(figure, run, "Overview",
-                     f"{_tracking_in_words(run)} {_tensions_in_words(run)}")
+        left = [figure.add_subplot(grid[row, 0]) for row in range(rows)]
+        right = [figure.add_subplot(grid[:-1, 1]), figure.add_subplot(grid[-1, 1])]
+        words = f"{_tracking_in_words(run)} {_tensions_in_words(run)}"
+        _tracking_panels(left, run)
+        _tension_panels(right, run)
+        if beside is not None:
+            _cross(left[0], beside.time, beside.poses.position, AXIS_COLORS)
+            _cross(right[0], beside.time, _shown(beside), [cable_style(k).color for k in range(run.lengths.shape[1])])
+            words += " Crosses: the same of another run."
+        return _told(figure, run, "Overview", words)
+
+
+def _cross(panel: Axes, time: Array, lines: Array, colors: Sequence[str]) -> None:
+    """What another run did."""
+    for line, color in zip(lines.T, colors):
+        panel.plot(time, line, "x", color=color, markersize=5, markevery=max(1, len(time) // _MARKERS), label="_beside")
+    panel.annotate("crosses: the other run", (0.008, 0.02), xycoords="axes fraction", fontsize=9, color=INK)
 
 
 def plot_glance(run: Run) -> Figure:
@@ -258,7 +274,7 @@ def infeasible_spans(run: Run) -> list[tuple[float, float]]:
 def _draw_limits(panel: Axes, run: Run) -> None:
     """Limits as lines where they are in range, else in words: a far limit must not squeeze the tensions."""
     robot = run.world.robot
-    shown = float(np.nanmax([np.nanmax(_shown(run)), np.nanmax(run.measured_tensions), 1e-9]))
+    shown = float(np.fmax.reduce([_shown(run), run.measured_tensions], axis=None, initial=1e-9))
     words = []
     for name, limits in ((r"$\tau_\mathrm{min}$", robot.tension_min),
                          (r"$\tau_\mathrm{max}$", robot.tension_max)):
@@ -278,6 +294,8 @@ def _draw_limits(panel: Axes, run: Run) -> None:
 # --- in words ---------------------------------------------------------------------------------------------
 def _tracking_in_words(run: Run) -> str:
     d = run.world.robot.dimension
+    if not np.isfinite(run.errors).any():
+        return f"Position {', '.join(axis_names(d))} over time [m]; no reference is known."
     off, turned = (1e3 * np.linalg.norm(errors, axis=1)
                    for errors in (run.errors[:, :d], run.errors[:, d:]))
     text = (f"Reference and actual {', '.join(axis_names(d))} over time [m]; the position error [mm] is largest, "
@@ -288,6 +306,8 @@ def _tracking_in_words(run: Run) -> str:
 
 def _tensions_in_words(run: Run) -> str:
     tau, robot, wound = _shown(run), run.world.robot, run.commanded_lengths is not None
+    if not np.isfinite(tau).any():
+        return "No tensions are known."
     text = (f"{'Measured' if wound else 'Commanded'} tensions of {robot.n_cables} cables lie between "
             f"{np.nanmin(tau):.4g} and {np.nanmax(tau):.4g} N; limits {np.min(robot.tension_min):g} to "
             f"{np.max(robot.tension_max):g} N")

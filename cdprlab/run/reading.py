@@ -1,0 +1,122 @@
+"""What a real robot, or a run, wrote down: a CSV file becomes a Run again."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from csv import reader
+from pathlib import Path
+
+import numpy as np
+
+from ..arrays import Array, checked, frozen
+from ..errors import InvalidInput, quoted
+from ..mechanics.dynamics import pose_error
+from ..mechanics.trajectory import Reference
+from ..robot.pose import Pose
+from ..world import World, load_world
+from .record import Run
+
+_SIZES = {"m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3}, "rad": {"rad": 1.0, "mrad": 1e-3, "deg": np.pi / 180},
+          "s": {"s": 1.0, "ms": 1e-3}, "N": {"N": 1.0, "kN": 1e3}}
+"""Unit of the library → units that a file may have, and their size."""
+
+
+@checked
+def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None = None,
+             world: World | None = None) -> Run:
+    """A Run from a CSV file: a real robot's, or the log.csv that `Run.save` wrote.
+
+    It goes into `plot`, and its ``poses``, ``lengths`` and ``measured_tensions`` into `calibrate`.
+    What the file does not tell is NaN; without time, rows are a second apart.
+
+    csv : the file
+    columns : "quantity [unit]" → its headings in the file: {"time [ms]": "t", "position [mm]":
+        ["X", "Y", "Z"], "rotation [deg]": ["roll", "pitch", "yaw"], "length [mm]": [...],
+        "measured_tension [kN]": [...]}; quantities as in `Run.columns`. Default: the headings
+        that `Run.save` writes
+    world : whose robot it is; default the world.yaml beside the file
+    Raises InvalidInput naming quantity, heading or line.
+
+    >>> read_log("no.csv")
+    Traceback (most recent call last):
+    ...
+    cdprlab.errors.InvalidInput: there is no file no.csv
+    """
+    file, beside = Path(csv), Path(csv).with_name("world.yaml")
+    if not file.is_file():
+        raise InvalidInput(f"there is no file {file}")
+    if world is None and not beside.is_file():
+        raise InvalidInput(f"say whose robot it is, world=...: there is no {beside}")
+    world = world or load_world(beside)
+    robot, d, m = world.robot, world.robot.dimension, world.robot.n_cables
+    turn, full = (1, 3) if d == 2 else (3, 6)
+    known = {"time": (1, "s"), "position": (d, "m"), "rotation": (turn, "rad"), "twist": (full, "m/s, rad/s"),
+             "reference_position": (d, "m"), "reference_rotation": (turn, "rad"),
+             "reference_twist": (full, "m/s, rad/s"), "commanded_tension": (m, "N"),
+             "measured_tension": (m, "N"), "length": (m, "m"), "commanded_length": (m, "m"), "feasible": (1, "")}
+    table = _table(file)
+    given = _as_saved(table) if columns is None else columns
+    count = len(next(iter(table.values())))
+    told = {name: np.full((count, width), np.nan) for name, (width, _) in known.items()}
+    for key, heading in given.items():
+        name, _, unit = key.removesuffix("]").partition(" [")
+        headings = [heading] if isinstance(heading, str) else list(heading)
+        if name not in known:
+            if columns is None:
+                continue   # what a run has besides
+            raise InvalidInput(f"columns: no quantity {quoted(name)}; there are {', '.join(known)}")
+        width, own = known[name]
+        sizes = _SIZES.get(own, {own: 1.0})
+        if unit not in sizes or len(headings) != width or not {*headings} <= {*table}:
+            raise InvalidInput(f"{name} of this robot must be {width} of the columns {', '.join(table)} "
+                               f"in {' or '.join(sizes)}, got {quoted(headings)} in {quoted(unit)}")
+        told[name] = sizes[unit] * np.column_stack([table[one] for one in headings])
+    time = told["time"][:, 0] if np.isfinite(told["time"]).any() else np.arange(count, dtype=float)
+    poses, reference = (_poses(told[f"{whose}position"], told[f"{whose}rotation"], robot.pattern.turns)
+                        for whose in ("", "reference_"))
+    error, basis = pose_error(poses, reference), robot.pattern.basis(poses.rotation)
+    period = float(np.median(np.diff(time))) if count > 1 else 1.0
+    wound = not np.isfinite(told["commanded_tension"]).any()
+    return Run(world=world, task="as logged", method="as logged", cables="as logged", time=frozen(time),
+               poses=poses, twists=frozen(told["twist"]),
+               reference=Reference(reference, told["reference_twist"], np.full((count, full), np.nan)),
+               commanded_tensions=frozen(told["commanded_tension"]), lengths=frozen(told["length"]),
+               measured_tensions=frozen(told["measured_tension"]), errors=frozen((error[:, None] @ basis)[:, 0]),
+               feasible=frozen(told["feasible"][:, 0] != 0), real_time_factor=1.0, dt=period, control_period=period,
+               settings={"log": str(file)}, commanded_lengths=frozen(told["commanded_length"]) if wound else None)
+
+
+def _table(file: Path) -> dict[str, Array]:
+    """Heading → (N,) numbers, NaN where a cell is empty."""
+    with file.open(encoding="utf-8-sig", newline="") as text:
+        headings, *rows = [row for row in reader(text) if row] or [[]]
+    if not rows:
+        raise InvalidInput(f"{file} must hold a row of headings and rows of numbers")
+    numbers = np.empty((len(rows), len(headings)))
+    for line, row in enumerate(rows):
+        try:
+            numbers[line] = np.reshape([float(cell or "nan") for cell in row], len(headings))
+        except ValueError:
+            raise InvalidInput(f"row {line + 1} of {file} must be {len(headings)} numbers, "
+                               f"got {quoted(row)}") from None
+    return dict(zip(headings, numbers.T))
+
+
+def _as_saved(headings: Iterable[str]) -> dict[str, list[str]]:
+    """"position [m]" → "position_1 [m]", "position_2 [m]", …"""
+    columns: dict[str, list[str]] = {}
+    for heading in headings:
+        columns.setdefault(re.sub(r"_\d+(?= \[|$)", "", heading), []).append(heading)
+    return columns
+
+
+def _poses(position: Array, rotation: Array, turns: bool) -> Pose:
+    """Poses some of which are not known: their numbers are NaN."""
+    angles = np.nan_to_num(rotation)
+    turned = Pose(np.zeros_like(position), angles) if position.shape[1] == 3 else Pose(
+        np.zeros_like(position), angle=angles[:, 0])
+    matrices = turned.rotation.copy()
+    if turns:
+        matrices[np.isnan(rotation).any(axis=1)] = np.nan
+    return Pose.of(position, matrices)
