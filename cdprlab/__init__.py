@@ -14,6 +14,9 @@ from .configurations import Configuration, ConfigurationSequence, classify_confi
 from .errors import CdprError
 from .mechanics.cables import cable_directions, cable_lengths, cable_vectors
 from .mechanics.calibration import Calibration, calibrate
+from .mechanics.catenary import SaggingCable as SaggingCable
+from .mechanics.catenary import SaggingLengths as SaggingLengths
+from .mechanics.catenary import sagging_cable, sagging_lengths, straight_tensions
 from .mechanics.kinematics import Pivot as Pivot
 from .mechanics.kinematics import base_jacobian, forward_kinematics, jacobian
 from .mechanics.redundancy import TwistResolution, resolve_twist
@@ -80,7 +83,8 @@ __all__ = [
     "equilibrium", "errors",
     "forward_kinematics", "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator",
     "place_bases",
-    "plan_configurations", "plot", "quintic", "read_log", "resolve_twist", "run", "stiffness",
+    "plan_configurations", "plot", "quintic", "read_log", "resolve_twist", "run",
+    "sagging_cable", "sagging_lengths", "stiffness", "straight_tensions",
     "tension_methods",
     "tipping_moments", "tipping_rows", "workspace", "world_names", "world_schema",
     "wrench_matrix",

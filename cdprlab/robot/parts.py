@@ -160,7 +160,7 @@ class Winch:
 class Elasticity:
     """How cables stretch: axial stiffness EA [N] (k = EA / l), and damping, each cable's own fraction of critical."""
 
-    axial_stiffness: float
+    axial_stiffness: float = float("inf")
     damping: float = 0.0
 
 

@@ -23,6 +23,8 @@ STANDARD_GRAVITY = 9.81
 class Robot:
     """A cable-driven parallel robot: platform, cables, the bases some of them may stand on.
 
+    linear_density : of the cables, for `sagging_lengths` and drawings [kg/m]
+
     Raises InvalidInput where the parts do not fit: dimension, unknown base, an anchor point the
     motion pattern forbids.
 
@@ -38,6 +40,7 @@ class Robot:
     gravity: float = STANDARD_GRAVITY
     winch: Winch | None = None
     elasticity: Elasticity | None = None
+    linear_density: float = 0.0
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
@@ -45,6 +48,8 @@ class Robot:
         set_(self, "bases", tuple(self.bases))
         set_(self, "gravity", as_number(self.gravity, "gravity", "m/s²", minimum=0.0,
                                         location=("gravity",)))
+        set_(self, "linear_density", as_number(self.linear_density, "linear_density", "kg/m", minimum=0.0,
+                                               location=("cable", "linear_density")))
         self._check_parts()
 
     # --- counts -----------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array
 from ..mechanics.cables import anchor_offsets
+from ..mechanics.catenary import drawn_lengths
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world.model import Scene
@@ -103,7 +104,7 @@ class RobotDrawing:
         tensions : (m,) [N], colors of the cables on the scale of ``limits``, grey and dashed
             without positive tension (or NaN); default each cable's own style
         rope_lengths : (m,) what is let out of each cable; of those without tension the rest
-            hangs through [m]
+            hangs through [m]; those that pull sag by the weight that the world gives them
         loads : pose and size [m] of each loose box; the platform is then drawn as a tray
         trail : (k, d) points joined by a thin line, such as where P has been [m]
         """
@@ -158,8 +159,9 @@ class RobotDrawing:
             tau = np.broadcast_to(np.asarray(tensions, dtype=float), (m,))
             self.cables.set_color(tension_colors(tau, self.limits) / 255)
             self.cables.set_linestyle(["solid" if pull > 0 else SLACK_DASHES for pull in tau])
+            lengths = drawn_lengths(self.robot, self.pose, tau)
             if rope_lengths is not None and self.robot.gravity > 0:
-                lengths = np.where(tau > 0, 0.0,
+                lengths = np.where(tau > 0, lengths,
                                    as_array(rope_lengths, "rope_lengths", (m,), "m"))
         lines = np.stack([hanging(*cable) for cable in zip(ends, anchors, lengths)])
         self.cables.set_segments(self._in_sight(lines.reshape(-1, self.robot.dimension)).reshape(*lines.shape[:2], 2))

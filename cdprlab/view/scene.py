@@ -14,6 +14,7 @@ from PIL import Image, ImageColor
 from ..arrays import Array
 from ..errors import InvalidInput, needed_by
 from ..mechanics.cables import anchor_offsets
+from ..mechanics.catenary import drawn_lengths
 from ..simulate.state import State
 from ..world.files import checked_path, replaced
 from .film import draw
@@ -204,8 +205,9 @@ def _lines(state: State) -> Array:
     """(m, pieces + 1, 3) cables from exit to anchor; slack ones hang through."""
     robot, lines = state.robot, []
     anchors = state.position + anchor_offsets(robot, state.pose)
+    sagging = drawn_lengths(robot, state.pose, state.tensions)
     for i, (start, end) in enumerate(zip(robot.exit_points, anchors)):
-        length = 0.0
+        length = float(sagging[i])
         if not state.tensions[i] > 0 and robot.gravity > 0:   # NaN: a cut cable
             length = _LOOSE * float(np.linalg.norm(end - start))
             if state.rope_lengths is not None:

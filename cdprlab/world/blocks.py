@@ -200,10 +200,18 @@ class CableBlock(LimitsBlock):
 class ElasticityBlock(Block):
     makes = Elasticity
 
-    axial_stiffness: Positive
-    """EA [N]"""
+    axial_stiffness: Positive | None = None
+    """EA [N]; default: they do not stretch"""
     damping: NotNegative = 0.0
     """each cable's own fraction of critical damping, the whole platform on it: n in line ring with √n times it"""
+    linear_density: NotNegative = Field(0.0, exclude=True)
+    """[kg/m]; with it cables sag in drawings and in `sagging_lengths`"""
+
+    def words(self, d: int) -> Words:
+        if self.damping and self.axial_stiffness is None:
+            raise InvalidInput("cables that do not stretch have no damping: give `axial_stiffness` too [N]",
+                               ("damping",))
+        return super().words(d)
 
 
 class FrictionBlock(Block):
@@ -471,8 +479,8 @@ class WorldFile(Block):
     cable_limits: LimitsBlock = LimitsBlock()
     """for cables that state none"""
     cables: Annotated[list[CableBlock], Field(min_length=1)]
-    cable: ElasticityBlock | None = None
-    """elastic cables"""
+    cable: ElasticityBlock = ElasticityBlock()
+    """what all cables are made of"""
     winch: WinchBlock | None = None
     bases: list[BaseBlock] = []
     scene: SceneBlock = SceneBlock()
@@ -491,7 +499,8 @@ class WorldFile(Block):
         robot = Robot(pattern, self.platform.part(d), tuple(cables),
                       tuple(base.part(d) for base in self.bases),
                       self.gravity, self.winch.part(d) if self.winch else None,
-                      self.cable.part(d) if self.cable else None)
+                      self.cable.part(d) if self.cable.axial_stiffness else None,
+                      self.cable.linear_density)
         pose = self.platform.pose.part(d)
         tasks = {"default": Task("hold", pose, pose, 2.0)}
         for name, task in self.tasks.items():
@@ -510,7 +519,8 @@ class WorldFile(Block):
                 "motion_pattern": robot.motion_pattern, "gravity": robot.gravity,
                 "platform": PlatformBlock.of(robot.platform) | {"pose": PoseBlock.of(part.pose)},
                 "cables": [CableBlock.of(cable) for cable in robot.cables],
-                "cable": robot.elasticity and ElasticityBlock.of(robot.elasticity),
+                "cable": ElasticityBlock.of(robot.elasticity or Elasticity()) | {
+                    "linear_density": robot.linear_density},
                 "winch": robot.winch and WinchBlock.of(robot.winch),
                 "bases": [BaseBlock.of(base) for base in robot.bases]}
 

@@ -131,9 +131,9 @@ def typed(world: World, field: Field, entry: Any) -> World:
     if field.path[-1] == "base":
         return on_base(world, int(field.path[1]), entry)
     value = entry if field.kind == "choice" else _value(field, str(entry))
-    # Cables that do not stretch have no such block.
-    path = ("cable",) if value is None and field.path[0] == "cable" else field.path
-    return edited(world, path, value)
+    if value is None and field.path == ("cable", "axial_stiffness"):   # what does not stretch does not ring
+        world = edited(world, ("cable", "damping"), 0.0)
+    return edited(world, field.path, value)
 
 
 def _value(field: Field, text: str) -> Any:

@@ -1,0 +1,332 @@
+"""Cables that sag: Irvine's elastic catenary, and the lengths at which such cables hold a pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, as_array, as_count, as_number, checked, common_batch, frozen, lasting
+from ..errors import InfeasibleTensions, InvalidInput
+from ..robot import STANDARD_GRAVITY, Robot
+from ..robot.pose import Pose
+from .cables import anchor_offsets, cable_lengths, cable_vectors
+from .statics import gravity_wrench
+
+_MOST_STRAIN = 0.05
+"""Up to which the stretch is taken as proportional to the tension."""
+
+_MOST_STEPS = 200
+"""Of Newton's method, with those that are halved; 60 were seen."""
+
+_MOST_ROUNDS = 25
+"""In which pulls are found; 10 were seen."""
+
+_TINY = 1e-300
+"""In the place of a force or a chord that is zero."""
+
+_PRECISE = np.longdouble
+"""A stiff cable's force is the small difference of span and length: where the machine has digits to spare, use them."""
+
+
+@lasting
+@dataclass(frozen=True, eq=False)
+class SaggingCable:
+    """A cable that hangs between its exit point A and its anchor point B, at rest.
+
+    span : (…, d) from A to B [m]
+    length : (…) unstrained [m]
+    weight : (…) ρ g per unstrained length [N/m]
+    axial_stiffness : (…) EA [N]
+    force_at_exit, force_at_anchor : (…, d) what it exerts on its ends; their sum is its weight [N]
+    """
+
+    span: Array
+    length: Array
+    weight: Array
+    axial_stiffness: Array
+    force_at_exit: Array
+    force_at_anchor: Array
+
+    def points(self, n: int) -> Array:
+        """(…, n, d) from A, the origin, to B, evenly along the unstrained cable [m]."""
+        along = np.linspace(0, 1, as_count(n, "points", 2)) * self.length[..., None]
+        level, weight = self.force_at_exit[..., None, :-1], self.weight[..., None]
+        pull = np.linalg.norm(level, axis=-1)
+        middle = self.force_at_exit[..., -1, None] + weight * along / 2
+        hung = _hung(pull, middle, along, weight, self.axial_stiffness[..., None])
+        heading = level / np.maximum(pull, _TINY)[..., None]
+        return np.concatenate([heading * hung.across[..., None], hung.up[..., None]], axis=-1)
+
+
+@checked
+def sagging_cable(span: ArrayLike, length: ArrayLike, linear_density: ArrayLike,
+                  axial_stiffness: ArrayLike, gravity: float = STANDARD_GRAVITY) -> SaggingCable:
+    """The elastic catenary: T(s) = (h, v + w s), dr/ds = T / |T| + T / EA, from A at s = 0 to B at s = length.
+
+    x = h L (1 / EA + κ / T̄), z = v̄ L (1 / EA + 1 / T̄), where T̄ and v̄ are the means of |T| and v at
+    the two ends, and κ L / T̄ = (arcsinh(v_B / h) − arcsinh(v_A / h)) / w. Vertical spans and
+    cables that hang below both ends are included.
+
+    span : (…, 2 or 3) from A to B, the last number upwards [m]
+    length : (…) unstrained [m]
+    linear_density : (…) ρ [kg/m]
+    axial_stiffness : (…) EA [N]
+    gravity : [m/s²]
+    Returns SaggingCable.
+    Raises InvalidInput for a cable that would be strained by more than 5 %, and for numbers that are
+    not positive.
+    Source: Irvine 1981, elastic catenary.
+
+    >>> cable = sagging_cable([4.0, -1.0], 4.3, 0.05, 1e5)
+    >>> (cable.force_at_exit + cable.force_at_anchor).round(9) + 0.0   # its weight
+    array([ 0.     , -2.10915])
+    """
+    chord = as_array(span, "span", (), "m", batch=True)
+    if chord.ndim < 1 or chord.shape[-1] not in (2, 3):
+        raise InvalidInput(f"span must be 2 or 3 numbers [m], got shape {chord.shape}")
+    given = {"length": (length, "m"), "linear_density": (linear_density, "kg/m"),
+             "axial_stiffness": (axial_stiffness, "N"), "gravity": (gravity, "m/s²")}
+    numbers, batch = [], chord.shape[:-1]
+    for name, (value, unit) in given.items():
+        number = as_array(value, name, (), unit, batch=True)
+        if not (number > 0).all():
+            raise InvalidInput(f"{name} must be positive [{unit}], got {float(number.min()):g}")
+        batch = common_batch("spans", batch, name, number.shape)
+        numbers.append(number)
+    L, density, ea, g = (np.broadcast_to(number, batch) for number in numbers)
+    chord = np.broadcast_to(chord, (*batch, chord.shape[-1]))
+    level, weight = np.linalg.norm(chord[..., :-1], axis=-1), density * g
+    h, v, hung = _hanging(level, chord[..., -1], L, weight, ea)
+    strain = np.max(np.maximum(hung.at_exit, hung.at_anchor) / ea, initial=0.0)
+    if not strain <= _MOST_STRAIN:
+        raise InvalidInput(f"the cable would be strained by {float(strain):.1%}, more than the 5 % up to which it "
+                           "stretches in proportion: make it longer or stiffer")
+    heading = chord[..., :-1] / np.maximum(level, _TINY)[..., None]
+    ends = [np.concatenate([heading * h[..., None], (v + side * weight * L / 2)[..., None]], axis=-1)
+            for side in (-1, 1)]
+    force_at_exit, force_at_anchor = ends[0].astype(float), -ends[1].astype(float)
+    return SaggingCable(*map(frozen, (chord, L, weight, ea, force_at_exit, force_at_anchor)))
+
+
+@lasting
+class SaggingLengths(NamedTuple):
+    """(m,) unstrained lengths [m] and pulls at the anchor points [N] of sagging cables that hold a pose."""
+
+    lengths: Array
+    tensions: Array
+
+
+@checked
+def sagging_lengths(robot: Robot, pose: Pose, tensions: ArrayLike) -> SaggingLengths:
+    """min ‖t − τ‖ over the pulls t at the anchor points with Σ [t e(t); (R b) × t e(t)] + w_g = 0, and their lengths.
+
+    e(t) is the direction of the cable's own end, not of the straight line. A cable pulls equally
+    hard at two lengths, nearly straight or hanging low: the shorter one is meant. Over a pulley
+    the cable sags from where the straight one leaves the wheel.
+
+    robot : with `linear_density` and `elasticity`
+    pose : single
+    tensions : (m,) τ, those of straight cables, say [N]
+    Returns SaggingLengths: ``(lengths, tensions)``.
+    Raises InvalidInput; InfeasibleTensions, which names the cable whose pull would have to be below the
+    smallest that spans it.
+
+    >>> import cdprlab as cl
+    >>> world = cl.load_world("caroca")
+    >>> sagging_lengths(world.robot, world.pose, np.full(8, 500.0))
+    Traceback (most recent call last):
+    ...
+    cdprlab.errors.InvalidInput: cables that sag need `cable: {linear_density: …, axial_stiffness: …}` and gravity
+    """
+    given = as_array(tensions, "tensions", (robot.n_cables,), "N")
+    density, elasticity, g = robot.linear_density, robot.elasticity, robot.gravity
+    if elasticity is None or density * g <= 0:
+        raise InvalidInput("cables that sag need `cable: {linear_density: …, axial_stiffness: …}` and gravity")
+    if pose.batch_shape:
+        raise InvalidInput("sagging_lengths takes one pose, not a batch")
+    span, ea = -cable_vectors(robot, pose), elasticity.axial_stiffness
+    level = np.linalg.norm(span[:, :-1], axis=1)
+    heading = span[:, :-1] / np.maximum(level, _TINY)[:, None]
+    arms, external = anchor_offsets(robot, pose), gravity_wrench(robot, pose)
+
+    def wrenches(forces: Array) -> Array:
+        """(n, m) of (m, 2) pulls at the anchor points, along the level and upwards."""
+        forces = np.column_stack([heading * forces[:, :1], forces[:, 1:]]).astype(float)
+        lacking = ((0, 0), (0, 3 - robot.dimension))
+        moments = np.cross(np.pad(arms, lacking), np.pad(forces, lacking))[:, 6 - 2 * robot.dimension:]
+        return robot.pattern.project(np.hstack([forces, moments]).T, pose.rotation)
+
+    spans = level, span[:, -1], density * g, ea
+    chord = np.linalg.norm(span, axis=1)
+    arcs = cable_lengths(robot, pose) - chord   # on the wheels
+    shortest = chord / (1 + 1.1 * _MOST_STRAIN)
+    lowest = _lowest(spans, shortest, 4 * chord)
+    least = _pulled(spans, lowest)[1].astype(float)
+    pulls = given
+    for k in range(_MOST_ROUNDS):
+        # At the least pull itself the slopes are infinite: come to it step by step.
+        tried = np.maximum(pulls, (1 + 4.0**-k) * least)
+        lengths, force, pull, rate, slope = _shorter(spans, tried, shortest, lowest)
+        W, slopes = wrenches(-force / pull[:, None]), wrenches(-slope / rate[:, None])
+        wanted = given + np.linalg.pinv(slopes) @ (slopes @ (tried - given) - W @ tried - external)
+        pulls = np.clip(wanted, tried / 2, 2 * tried)
+        moved = np.abs(pulls - tried).max()
+        if moved < 1e-12 * (1 + np.abs(pulls).max()):
+            break
+    found = SaggingLengths(frozen((lengths + arcs).astype(float)), frozen(tried))
+    worst = int((wanted / least).argmin())
+    if moved > 1e-9 * (1 + np.abs(pulls).max()) or wanted[worst] < least[worst]:
+        raise InfeasibleTensions(f"near these tensions sagging cables do not hold the pose: cable {worst + 1} would "
+                                 f"have to pull with {wanted[worst]:.4g} N at its anchor point, and the least that "
+                                 f"spans it is {least[worst]:.4g} N", found)
+    if np.abs(W @ tried + external).max() > 1e-8 * (1 + np.abs(external).max()):
+        raise InfeasibleTensions("no pulls of sagging cables hold this pose", found)
+    return found
+
+
+def _lowest(spans: tuple[Any, ...], shortest: Any, longest: Any) -> Any:
+    """(m,) lengths at which the cables pull least."""
+    for _ in range(60):
+        middle = (shortest + longest) / 2
+        falling = _pulled(spans, middle)[2] < 0
+        shortest, longest = np.where(falling, middle, shortest), np.where(falling, longest, middle)
+    return longest
+
+
+def _shorter(spans: tuple[Any, ...], pulls: Any, shortest: Any, lowest: Any) -> tuple[Any, ...]:
+    """(m,) lengths between two others at which the cables pull so much, and what `_pulled` says there.
+
+    Newton's method for 1 / T², which is nearly linear in the length of a cable that sags; where it
+    leaves the bracket, the bracket is halved.
+    """
+    low, high, length = shortest, lowest, np.clip(np.hypot(*spans[:2]) / (1 + pulls / spans[3]), shortest, lowest)
+    for _ in range(_MOST_STEPS):
+        force, pull, rate, slope = _pulled(spans, length)
+        low, high = np.where(pull > pulls, length, low), np.where(pull > pulls, high, length)
+        with np.errstate(all="ignore"):
+            goal = length + pull / 2 * (1 - (pull / pulls)**2) / rate
+        goal = np.where((low < goal) & (goal < high), goal, (low + high) / 2)
+        if (np.abs(goal - length) <= 1e-16 * length).all():
+            break
+        length = goal
+    return length, force, pull, rate, slope
+
+
+def _pulled(spans: tuple[Any, ...], lengths: Any) -> tuple[Any, Any, Any, Any]:
+    """Of cables with these lengths the (m, 2) force (h, v) at B, its size, and how size and force grow with length."""
+    across, up, weight, ea = spans
+    h, v, cable = _hanging(across, up, lengths, weight, ea)
+    low, high = v - weight * lengths / 2, v + weight * lengths / 2
+    # Where the end goes for a longer cable under the same force in its middle, and the force that takes it back.
+    turn_h, turn_v = cable.force(-h * ((1 / cable.at_exit + 1 / cable.at_anchor) / 2 + 1 / ea),
+                                 -(low / cable.at_exit + high / cable.at_anchor) / 2 - v / ea)
+    force, slope = np.stack([h, high], axis=-1), np.stack([turn_h, turn_v + weight / 2], axis=-1)
+    return force, cable.at_anchor, (force * slope).sum(axis=-1) / cable.at_anchor, slope
+
+
+@checked
+def straight_tensions(robot: Robot, pose: Pose, angle: float = 0.01) -> Array:
+    """τ = ρ g d / 2 α: from there on a cable's ends turn away from the straight line by less than α.
+
+    d is the level distance between its ends. A reason for a smallest tension: below it W, lengths and
+    forward kinematics are those of other cables.
+
+    robot : with `linear_density`; pose : single or batched
+    angle : α [rad]
+    Returns (…, m) [N].
+    Source: Irvine 1981, parabola of small sag.
+
+    >>> import cdprlab as cl
+    >>> straight_tensions(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).max()   # it says no weight
+    np.float64(0.0)
+    """
+    allowed = as_number(angle, "angle", "rad", positive=True)
+    level = np.linalg.norm(cable_vectors(robot, pose)[..., :-1], axis=-1)
+    return level * (robot.linear_density * robot.gravity / 2 / allowed)
+
+
+def drawn_lengths(robot: Robot, pose: Pose, tensions: ArrayLike) -> Array:
+    """c (1 + (ρ g d / τ)² / 24), the parabola's, at most 2 c: how long a cable that pulls so hard looks.
+
+    pose : single; tensions : (m,) [N]
+    Returns (m,) [m], 0 (straight) of cables that weigh or pull nothing.
+
+    >>> import cdprlab as cl
+    >>> world = cl.load_world("caroca")
+    >>> drawn_lengths(world.robot, world.pose, np.ones(8)).max()
+    np.float64(0.0)
+    """
+    vectors, pulls = cable_vectors(robot, pose), np.broadcast_to(tensions, robot.n_cables)
+    weight = robot.linear_density * robot.gravity * np.linalg.norm(vectors[:, :-1], axis=1)
+    chord, shares = np.linalg.norm(vectors, axis=1), weight / np.where(pulls > 0, pulls, np.inf)
+    return np.where(shares > 0, chord * (1 + np.minimum(shares**2 / 24, 1)), 0.0)
+
+
+class _Hung(NamedTuple):
+    """A cable under the force (h, v) in its middle: where it ends, the slopes of that, and its tensions."""
+
+    across: Any
+    up: Any
+    slopes: tuple[Any, Any, Any]
+    at_exit: Any
+    at_anchor: Any
+
+    def force(self, across: Any, up: Any) -> tuple[Any, Any]:
+        """The change of (h, v) that moves the end by so much."""
+        level, mixed, upright = self.slopes
+        v = (up - mixed / level * across) / (upright - mixed / level * mixed)
+        return (across - mixed * v) / level, v
+
+
+def _hung(h: Any, v: Any, length: Any, weight: Any, ea: Any) -> _Hung:
+    """The catenary from the force in its middle; nothing is the difference of two numbers that are nearly equal."""
+    low, high = v - weight * length / 2, v + weight * length / 2
+    at_exit, at_anchor = np.maximum(np.hypot(h, low), _TINY), np.maximum(np.hypot(h, high), _TINY)
+    mean, product = (at_exit + at_anchor) / 2, at_exit * at_anchor
+    with np.errstate(all="ignore"):
+        # sinh of arcsinh(high / h) − arcsinh(low / h), whose terms differ in sign or are multiplied out.
+        turn = np.where(low * high > 0, 2 * weight * length * v / (high * at_exit + low * at_anchor),
+                        (high * at_exit - low * at_anchor) / h / h)
+        flat = np.arcsinh(turn) / weight                      # ∫ ds / |T|
+        steep = np.where(h == 0, (high * at_exit - low * at_anchor), turn * h * h) / weight / product   # ∫ h² / |T|³ ds
+        across = np.where(h == 0, 0, h * (length / ea + flat))
+    return _Hung(across, v * length * (1 / ea + 1 / mean),
+                 (length / ea + flat - steep, -h * v * length / mean / product, length / ea + steep),
+                 at_exit, at_anchor)
+
+
+def _hanging(across: Any, up: Any, length: Any, weight: Any, ea: Any) -> tuple[Any, Any, _Hung]:
+    """The force (h, v) in the middle of a cable that spans (across, up), and the cable.
+
+    The end's place is the slope of the convex energy ∫ |T| + T² / 2EA ds: Newton's method, its
+    steps halved until they help, finds the one force.
+    """
+    across, up, length, weight, ea = np.broadcast_arrays(
+        *(np.asarray(number, dtype=_PRECISE) for number in (across, up, length, weight, ea)))
+    chord = np.maximum(np.hypot(across, up), _TINY)
+    excess = chord / length - 1
+    # Taut: T = EA (c / L − 1); sagging: c / L = 1 − (w L cos)² / 24 T². Plumb: exactly.
+    sag = (weight * length * across / chord)**2 / 24
+    with np.errstate(divide="ignore"):
+        tension = ea * np.maximum(excess, 0) + np.minimum(np.cbrt(sag * ea), np.sqrt(sag / np.abs(excess)))
+    plumb = np.where(np.abs(up) > length * (1 + weight * length / 2 / ea), np.sign(up) * ea * excess,
+                     up / (length / ea + 2 / weight))
+    h, v = tension * across / chord, np.where(across == 0, plumb, tension * up / chord)
+    cable, share, least = _hung(h, v, length, weight, ea), np.ones_like(h), np.finfo(_PRECISE).eps * (chord + length)
+    for _ in range(_MOST_STEPS):
+        missing = np.hypot(across - cable.across, up - cable.up)
+        turn_h, turn_v = cable.force(across - cable.across, up - cable.up)
+        tried_h, tried_v = h + share * turn_h, v + share * turn_v
+        tried = _hung(tried_h, tried_v, length, weight, ea)
+        left = np.hypot(across - tried.across, up - tried.up)
+        helped = left < missing
+        h, v = np.where(helped, tried_h, h), np.where(helped, tried_v, v)
+        cable = tried if helped.all() else _hung(h, v, length, weight, ea)
+        share = np.where(helped, 1.0, share / 2)
+        # Where so little is missing and no step helps, rounding is all that is left.
+        if (np.where(helped, left, missing) < np.where(helped, 2, 2**10) * least).all():
+            break
+    return h, v, cable
