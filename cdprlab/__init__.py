@@ -26,7 +26,7 @@ from .mechanics.statics import TippingRows as TippingRows
 from .mechanics.statics import gravity_wrench, stiffness, tipping_moments, tipping_rows, wrench_matrix
 from .mechanics.trajectory import Reference, Trajectory, hold, quintic
 from .mechanics.winch import Friction as Friction
-from .robot import Base, Cable, Platform, Robot
+from .robot import Base, Cable, Platform, Pulley, Robot
 from .robot.parts import Elasticity as Elasticity
 from .robot.parts import Winch as Winch
 from .robot.pattern import MotionPattern as MotionPattern
@@ -70,7 +70,7 @@ __all__ = [
     "Base", "Cable", "Calibration", "CdprError", "ComputedTorque", "Configuration",
     "ConfigurationSequence", "Criterion",
     "DynamicEquilibrium", "InterferenceFree", "Judgement",
-    "Platform", "Polytope", "Pose", "PoseGrid", "Reference", "Robot", "Run", "Simulator", "State",
+    "Platform", "Polytope", "Pose", "PoseGrid", "Pulley", "Reference", "Robot", "Run", "Simulator", "State",
     "StaticEquilibrium",
     "StaticallyStable", "TensionComparison", "TensionDistribution", "TippingSafe",
     "TorqueControl", "Trajectory",

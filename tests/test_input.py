@@ -30,7 +30,8 @@ def fields(part: Any) -> dict[str, Any]:
 
 
 GOOD: dict[str, dict[str, Any]] = {
-    "Base": fields(BASE), "Cable": fields(CABLE), "Platform": fields(PLATFORM), "Robot": fields(CAROCA.robot),
+    "Base": fields(BASE), "Cable": fields(CABLE), "Pulley": {"radius": 0.045, "axis": [0, 0, 1]},
+    "Platform": fields(PLATFORM), "Robot": fields(CAROCA.robot),
     "World": fields(CAROCA), "Pose": {"position": [0, 0, 1], "rpy": [0, 0, 0]},
     "available_twist_set": {"robot": CAROCA.robot, "pose": CAROCA.pose, "moving": "all", "pivot": "base"},
     "available_wrench_set": {"robot": CAROCA.robot, "pose": CAROCA.pose, "tipping": False, "friction": None},

@@ -1,17 +1,52 @@
 """The columns of W, cable after cable, and the cables' lengths: what every loop, sweep, engine and set asks for."""
 
+import math
+
 import numpy as np
 
 from ..arrays import Array
 from .jit import compiled_for
 
+# [m] nearer to the line that its cable comes along, an anchor point does not say which way its pulley swivels.
+ON_AXIS = 1e-9
 
-@compiled_for(2, 2, 2, 3)
-def cables(exit_points: Array, anchor_points: Array, positions: Array, rotations: Array) -> tuple[Array, Array]:
+
+@compiled_for(0, 0, 0, 1)
+def over_pulley(vx: float, vy: float, vz: float, pulley: Array) -> tuple[float, float, float, float]:
+    """Length l = r φ + ‖T − B‖ of a cable that leaves over a pulley, and u from B to its tangent point T.
+
+    v = A − B [m]; pulley : (4 or, planar, 3,) its radius r and the axis a that the cable comes along
+    It cannot where B is on the axis, inside the wheel, or wraps more than half a turn: l is 0 then, u NaN.
+    """
+    r, ax, ay, az = pulley[0], pulley[1], pulley[2], 0.0
+    if pulley.size == 4:
+        az = pulley[3]
+    # B from A: h along the axis and x e away from it; s² is what the tangent leaves of ‖B − C‖², C = A + r e
+    h = -(vx * ax + vy * ay + vz * az)
+    ex, ey, ez = -vx - h * ax, -vy - h * ay, -vz - h * az
+    x = math.sqrt(ex * ex + ey * ey + ez * ez)
+    squared = h * h + x * (x - 2 * r)
+    if not (x > ON_AXIS and squared > 0 and (h >= 0 or x >= 2 * r)):
+        return 0.0, math.nan, math.nan, math.nan
+    s = math.sqrt(squared)
+    # tan φ/2 = x / (s + h) = (s − h) / (x − 2 r): the one that loses no digits
+    rise, run = x, s + h
+    if h < 0:
+        rise, run = s - h, x - 2 * r
+    scale = 1 / (rise * rise + run * run)
+    # the cable travels along a cos φ + e sin φ, and pulls the other way
+    along, out = (run * run - rise * rise) * scale, 2 * rise * run * scale / x
+    length = s + 2 * r * math.atan2(rise, run)
+    return length, -along * ax - out * ex, -along * ay - out * ey, -along * az - out * ez
+
+
+@compiled_for(2, 2, 2, 3, 2)
+def cables(exit_points: Array, anchor_points: Array, positions: Array, rotations: Array,
+           pulleys: Array) -> tuple[Array, Array]:
     """Lengths l (k, m) and whole wrench matrices W (k, 3 planar or 6 spatial, m) at k poses.
 
-    exit_points A, anchor_points B : (m, d) [m]; positions p : (k, d) [m]; rotations R :
-        (k, d, d)
+    exit_points A, anchor_points B : (m, d) [m]; positions p : (k, d) [m]; rotations R : (k, d, d)
+    pulleys : (m, 1 + d), or (0, 1 + d), as `Robot.pulleys` has them
     Column i of W is [u_i; r_i × u_i]: its first d rows are the directions. Of a cable without
     length it is NaN.
     """
@@ -34,8 +69,11 @@ def cables(exit_points: Array, anchor_points: Array, positions: Array, rotations
             # v = A − p − r, l = ‖v‖, u = v / l
             vx = A[0] - p[0] - rx
             vy = A[1] - p[1] - ry
-            length = np.sqrt(vx * vx + vy * vy + vz * vz)
-            ux, uy, uz = vx / length, vy / length, vz / length
+            if pulleys.shape[0] and pulleys[i, 0] > 0:
+                length, ux, uy, uz = over_pulley(vx, vy, vz, pulleys[i])
+            else:
+                length = np.sqrt(vx * vx + vy * vy + vz * vz)
+                ux, uy, uz = vx / length, vy / length, vz / length
             lengths[k, i] = length
             W[k, 0, i] = ux
             W[k, 1, i] = uy

@@ -3,21 +3,23 @@
 import math
 
 from ..arrays import Array
+from .columns import over_pulley
 from .jit import compiled_for
 
 
-@compiled_for(1, 0, 0, 1, 2, 2, writes=(1, 2))
+@compiled_for(1, 0, 0, 1, 2, 2, 2, writes=(1, 2))
 def look(motion: Array, dt: float, reach: float, center: Array, exit_points: Array,
-         anchors: Array,
+         anchors: Array, pulleys: Array,
          seen: Array, columns: Array) -> bool:
     """Where the platform is about to be, and the cables there.
 
     Returns False where it is beyond reach of the origin [m], or turns by more than 2π in a
-    step.
+    step, or where a cable cannot lie on its pulley.
 
     motion : (6,) the center of mass's x, y, angle and their rates [m, rad, m/s, rad/s]
     center, anchors : (2,) from P to the center of mass, (m, 2) from there to the anchor points,
         both in the platform's axes [m]; exit_points : (m, 2) [m]
+    pulleys : (m or 0, 3) radius and axis of each [m]
     seen : (9 + m,) becomes position, rotation (row by row), twist of P, lengths
     columns : (3, m) become the columns of W, but moments are about the center of mass
     """
@@ -26,16 +28,21 @@ def look(motion: Array, dt: float, reach: float, center: Array, exit_points: Arr
     c, s = math.cos(angle), math.sin(angle)
     rx, ry = center[0] * c - center[1] * s, center[0] * s + center[1] * c
     seen[:9] = x - rx, y - ry, c, -s, s, c, vx + spin * ry, vy - spin * rx, spin
+    sound = abs(x) < reach and abs(y) < reach and abs(spin * dt) < math.tau
     for i, (bx, by) in enumerate(anchors):
         # v = A − p − R B, l = ‖v‖, u = v / l
         dx = exit_points[i, 0] - x - bx * c + by * s
         dy = exit_points[i, 1] - y - bx * s - by * c
-        length = math.hypot(dx, dy) or 1e-12
+        if pulleys.shape[0] and pulleys[i, 0] > 0:
+            length, ux, uy, _ = over_pulley(dx, dy, 0.0, pulleys[i])
+            sound = sound and length > 0
+        else:
+            length = math.hypot(dx, dy) or 1e-12
+            ux, uy = dx / length, dy / length
         seen[9 + i] = length
-        ux, uy = dx / length, dy / length
         columns[0, i], columns[1, i] = ux, uy
         columns[2, i] = (bx * c - by * s) * uy - (bx * s + by * c) * ux
-    return abs(x) < reach and abs(y) < reach and abs(spin * dt) < math.tau
+    return sound
 
 
 @compiled_for(1, 1, 0, 2, 2, writes=(1,))

@@ -7,15 +7,15 @@ from .columns import cables
 from .jit import compiled_for
 
 
-@compiled_for(1, 2, 1, 2, 2)
+@compiled_for(1, 2, 1, 2, 2, 2)
 def platform_and_cables(body: Array, axes: Array, center: Array, exit_points: Array,
-                        anchor_points: Array) -> tuple[Array, Array, Array]:
-    """[p, R row by row, v, ω] (18,) of the platform at P, lengths l (m,) and whole wrench matrix W (6, m).
+                        anchor_points: Array, pulleys: Array) -> tuple[Array, Array, Array]:
+    """[p, R row by row, v, ω] (18,) of the platform at P, l (m,) and W (6, m) as `cables` has them.
 
     body : (13,) of the body's frame: position, quaternion (x, y, z, w), velocity, angular
         velocity, in world axes
     axes, center : (3, 3) and (3,) of the body's frame, seen from the platform's
-    exit_points, anchor_points : (m, 3) [m]
+    exit_points, anchor_points : (m, 3) [m]; pulleys : (m or 0, 4)
     """
     x, y, z, w = body[3], body[4], body[5], body[6]
     s = 2.0 / (x * x + y * y + z * z + w * w)
@@ -36,5 +36,5 @@ def platform_and_cables(body: Array, axes: Array, center: Array, exit_points: Ar
         j, k = (i + 1) % 3, (i + 2) % 3
         state[12 + i] = v[i] - (omega[j] * r[k] - omega[k] * r[j])
         state[15 + i] = omega[i]
-    lengths, W = cables(exit_points, anchor_points, p, R)
+    lengths, W = cables(exit_points, anchor_points, p, R, pulleys)
     return state, lengths[0], W[0]

@@ -44,11 +44,15 @@ def as_position(position: ArrayLike) -> Array:
 def triplets(robot: Robot) -> tuple[Configuration, ...]:
     """Every choice of three cables.
 
-    Raises InvalidInput unless the robot is a point mass in space (3T) on at least three cables.
+    Raises InvalidInput unless the robot is a point mass in space (3T) on at least three cables
+    that leave their exit points straight.
     """
     if robot.motion_pattern != "3T":
         raise InvalidInput("cable configurations are those of a point mass in space (motion pattern 3T), this robot "
                            f"is {robot.motion_pattern}")
+    if robot.pulleys.size:
+        raise InvalidInput("cable configurations are told from exit points that stay where they are; this robot's "
+                           "cables leave over pulleys, from points that move with the load")
     if robot.n_cables < 3:
         raise InvalidInput(f"a fully constrained point needs three cables, this robot has {robot.n_cables}")
     return tuple(_choices(robot, 3))

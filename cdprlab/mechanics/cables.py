@@ -1,10 +1,14 @@
-"""Cables at a pose: vectors, directions, lengths (inverse kinematics of positions) and the columns they give W."""
+"""Cables at a pose: vectors, directions, lengths (inverse kinematics of positions) and the columns they give W.
+
+A cable is straight from its anchor point B to its exit point A or, where it leaves over a pulley,
+to the tangent point T on the wheel.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, checked
+from ..arrays import Array, Flags, checked
 from ..errors import InvalidInput
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -13,7 +17,7 @@ from ..robot.pose import Pose
 class Cables(NamedTuple):
     """What there is to know of a robot's cables at a pose.
 
-    directions : (…, m, d) u, unit vectors from anchor point to exit point, in world axes
+    directions : (…, m, d) u, unit vectors from anchor point to exit or tangent point, in world axes
     lengths : (…, m) l [m]
     wrench_matrix : (…, n, m) W, columns [u; (R b) × u] in the motion pattern's rows
     """
@@ -28,18 +32,16 @@ def cables_at(robot: Robot, pose: Pose) -> Cables:
 
     robot, pose : single or batched
     Raises InvalidInput when robot and pose have different dimensions, or where a cable has no
-    length.
+    direction.
 
     >>> import cdprlab as cl
     >>> directions, lengths, W = cables_at(cl.load_world("caroca").robot, cl.Pose([0, 0, 1]))
     >>> directions.shape, lengths.shape, W.shape
     ((8, 3), (8,), (6, 8))
     """
-    lengths, W = _lengths_and_wrenches(robot, pose)
+    lengths, W = _asked(robot, pose)
     if not lengths.all():
-        cable = int(np.argwhere(lengths == 0)[0][-1]) + 1
-        raise InvalidInput(f"cable {cable} has no length at this pose: its anchor point is on its exit point, "
-                           "so it has no direction")
+        raise InvalidInput(why_no_direction(robot, pose))
     directions = W[..., :robot.dimension, :].swapaxes(-1, -2)
     return Cables(directions, lengths, robot.pattern.project(W, pose.rotation))
 
@@ -61,31 +63,70 @@ def anchor_offsets(robot: Robot, pose: Pose) -> Array:
 
 @checked
 def cable_vectors(robot: Robot, pose: Pose) -> Array:
-    """From anchor point to exit point: A_i − (p + R b_i).
+    """From anchor point to exit point: A_i − (p + R b_i), on a pulley to the tangent point: T_i − (p + R b_i).
 
     robot, pose : single or batched
     Returns (…, m, d) in world axes [m].
+    Raises InvalidInput where a cable cannot lie on its pulley.
     Source: Okoli 2016, eq. (2.4) with the cable running from B_i to A_i.
 
     >>> import cdprlab as cl
     >>> cable_vectors(cl.load_world("caroca").robot, cl.Pose([0, 0, 1]))[0]
     array([-4.1, -1.7,  2.7])
     """
-    return robot.exit_points - (pose.position[..., None, :] + anchor_offsets(robot, pose))
+    vectors = robot.exit_points - (pose.position[..., None, :] + anchor_offsets(robot, pose))
+    if robot.pulleys.size:
+        return straight_lengths(-vectors, robot.pulleys)[..., None] * cable_directions(robot, pose)
+    return vectors
+
+
+def tangent_points(robot: Robot, pose: Pose) -> Array:
+    """Where the cables' straight parts begin: T_i on a pulley, else the exit point A_i.
+
+    robot, pose : single or batched
+    Returns (…, m, d), without any pulleys (m, d), in the world [m].
+    Raises InvalidInput where a cable cannot lie on its pulley.
+
+    >>> import cdprlab as cl
+    >>> tangent_points(cl.load_world("caroca").robot, cl.Pose([0, 0, 1]))[0]
+    array([-3.5, -2. ,  3.5])
+    """
+    if robot.pulleys.size:
+        return pose.position[..., None, :] + anchor_offsets(robot, pose) + cable_vectors(robot, pose)
+    return robot.exit_points
+
+
+def straight_lengths(away: Array, pulleys: Array) -> Array:
+    """s = ‖T − B‖ = √(‖B − A‖² − 2 r x), x from B to the axis that the cable comes along: the tangent to the wheel.
+
+    away : (…, m, d) B − A [m]; pulleys : (m, 1 + d) as `Robot.pulleys` has them
+    Returns (…, m) [m].
+
+    >>> straight_lengths(np.array([[2.0, 3.0]]), np.array([[0.5, 0.0, 1.0]]))
+    array([3.31662479])
+    """
+    radii, axes = pulleys[:, 0], pulleys[:, 1:]
+    out = away - (away * axes).sum(axis=-1, keepdims=True) * axes
+    return np.asarray(np.sqrt((away * away).sum(axis=-1) - 2 * radii * np.linalg.norm(out, axis=-1)))
 
 
 @checked
 def cable_lengths(robot: Robot, pose: Pose) -> Array:
-    """l_i = ‖A_i − (p + R b_i)‖, inverse kinematics.
+    """l_i = ‖A_i − (p + R b_i)‖, inverse kinematics; on a pulley r φ_i + ‖T_i − (p + R b_i)‖, φ_i the wrap angle.
 
     robot, pose : single or batched
     Returns (…, m) [m].
+    Raises InvalidInput where a cable cannot lie on its pulley.
+    Source: Pott 2018, Cable-Driven Parallel Robots, (pulley kinematics).
 
     >>> import cdprlab as cl
     >>> cable_lengths(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).round(3)[:2]
     array([5.195, 4.358])
     """
-    return _lengths_and_wrenches(robot, pose)[0]
+    lengths, _ = _asked(robot, pose)
+    if robot.pulleys.size and not lengths.all():
+        raise InvalidInput(why_no_direction(robot, pose))
+    return lengths
 
 
 @checked
@@ -104,14 +145,55 @@ def cable_directions(robot: Robot, pose: Pose) -> Array:
     return cables_at(robot, pose).directions
 
 
-def _lengths_and_wrenches(robot: Robot, pose: Pose) -> tuple[Array, Array]:
-    """l (…, m) and the whole W (…, 3 planar or 6 spatial, m)."""
+def have_directions(robot: Robot, pose: Pose) -> Flags:
+    """(…) whether every cable has a direction.
+
+    robot, pose : single or batched
+
+    >>> import cdprlab as cl
+    >>> have_directions(cl.load_world("caroca").robot, cl.Pose([0, 0, 1]))
+    array(True)
+    """
+    return np.asarray(_asked(robot, pose)[0].all(axis=-1))
+
+
+def why_no_direction(robot: Robot, pose: Pose) -> str:
+    """The first cable that has no direction, at which pose of a batch, and why; '' where all have one.
+
+    robot, pose : single or batched
+    """
+    from ..compiled.columns import ON_AXIS
+
+    lost = np.argwhere(_asked(robot, pose)[0] == 0)
+    if not lost.size:
+        return ""
+    *index, cable = lost[0].tolist()
+    where = f"pose {index[0] if len(index) == 1 else index} of the batch" if index else "this pose"
+    named = f"cable {cable + 1} has no {{}} at {where}: its anchor point is "
+    if not robot.pulleys.size or not robot.pulleys[cable, 0]:
+        return named.format("length") + "on its exit point, so it has no direction"
+    radius, axis = robot.pulleys[cable, 0], robot.pulleys[cable, 1:]
+    place, rotation = pose.position[tuple(index)], pose.rotation[tuple(index)]
+    away = place + rotation @ robot.anchor_points[cable] - robot.exit_points[cable]
+    along = away @ axis
+    across = float(np.linalg.norm(away - along * axis))
+    if across <= ON_AXIS:
+        reason = "on the line that it comes along, so its pulley does not know which way to swivel"
+    elif along**2 + across * (across - 2 * radius) <= 0:
+        reason = f"inside the wheel of its pulley, whose radius is {radius:g} m"
+    else:
+        reason = "where it would wrap more than half a turn around its pulley"
+    return named.format("direction") + reason
+
+
+def _asked(robot: Robot, pose: Pose) -> tuple[Array, Array]:
+    """l (…, m), 0 where a cable has no direction, and the whole W (…, 3 planar or 6 spatial, m)."""
     from ..compiled.columns import cables
 
     check_dimension(robot, pose)
     d, batch = robot.dimension, pose.batch_shape
     lengths, W = cables(robot.exit_points, robot.anchor_points, pose.position.reshape(-1, d),
-                        pose.rotation.reshape(-1, d, d))
+                        pose.rotation.reshape(-1, d, d), robot.pulleys)
     return lengths.reshape(batch + lengths.shape[1:]), W.reshape(batch + W.shape[1:])
 
 

@@ -11,7 +11,7 @@ from ..arrays import Array, as_array, checked, common_batch
 from ..errors import InvalidInput, NoConvergence, quoted
 from ..robot import Robot
 from ..robot.pose import Pose, rotation_from_vector, rotation_vector_jacobian
-from .cables import cable_directions, cable_lengths, cables_at, check_dimension
+from .cables import cable_directions, cable_lengths, cables_at, check_dimension, tangent_points
 
 Pivot = Literal["base", "world"]
 
@@ -41,6 +41,8 @@ def jacobian(robot: Robot, pose: Pose) -> Array:
 def base_jacobian(robot: Robot, pose: Pose, pivot: Pivot = "base") -> Array:
     """B_b with l̇ = J t − B_b q̇_b: row i is −uᵢᵀ ∂A_i/∂q_b, q_b = (θ, ρ₁, ρ₂) of each base in file order.
 
+    On a pulley the tangent point T_i, as a point of the base, takes the place of the exit point A_i.
+
     robot, pose : single or batched
     pivot : "base": θ turns a base about its own center; "world": about the world's origin O₀
         (the papers' chain)
@@ -54,13 +56,13 @@ def base_jacobian(robot: Robot, pose: Pose, pivot: Pivot = "base") -> Array:
     """
     if pivot not in ("base", "world"):
         raise InvalidInput(f"pivot must be 'base' or 'world', got {quoted(pivot)}")
-    directions = cable_directions(robot, pose)
+    directions, starts = cable_directions(robot, pose), tangent_points(robot, pose)
     columns = np.zeros((*directions.shape[:-1], 3 * len(robot.bases)))
     for k, base in enumerate(robot.bases):
         carried = np.equal(robot.base_indices, k)
         u = directions[..., carried, :]
-        arms = robot.exit_points[carried] - (base.origin if pivot == "base" else 0.0)
-        columns[..., carried, 3 * k] = -cross(arms[:, :2], u[..., :2])[..., 0]
+        arms = starts[..., carried, :] - (base.origin if pivot == "base" else 0.0)
+        columns[..., carried, 3 * k] = -cross(arms[..., :2], u[..., :2])[..., 0]
         columns[..., carried, 3 * k + 1:3 * k + 3] = -u @ base.rotation[:, :2]
     return columns
 
@@ -185,9 +187,15 @@ def _fit_pose(robot: Robot, lengths: Array, start: Pose, tolerance: float) -> Po
     # freedoms leave "lm" without a square problem, so those go to the trust region method.
     method = "lm" if robot.n_cables >= robot.n_dof else "trf"
     tight = 4 * np.finfo(float).eps
-    result = least_squares(residuals, np.zeros(robot.n_dof),
-                           lambda x: moved_slope(robot, start, x), method=method,
-                           xtol=tight, ftol=tight, gtol=tight)
+    try:
+        result = least_squares(residuals, np.zeros(robot.n_dof),
+                               lambda x: moved_slope(robot, start, x), method=method,
+                               xtol=tight, ftol=tight, gtol=tight)
+    except InvalidInput as error:
+        if not robot.pulleys.size:
+            raise
+        raise NoConvergence(f"no pose near the guess has these cable lengths: on the way to one {error}; start nearer",
+                            np.full(robot.n_cables, np.nan)) from None
     left = residuals(result.x)
     if not np.abs(left).max() <= tolerance:
         worst = int(np.abs(left).argmax())

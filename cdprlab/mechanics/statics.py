@@ -11,7 +11,7 @@ from ..arrays import Array, as_array, checked, common_batch, frozen, lasting
 from ..errors import InvalidInput
 from ..robot import Base, Robot
 from ..robot.pose import Pose, cross_matrix
-from .cables import anchor_offsets, cable_directions, cables_at, check_dimension
+from .cables import anchor_offsets, cable_directions, cables_at, check_dimension, straight_lengths, tangent_points
 
 
 @checked
@@ -63,6 +63,8 @@ def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: Ar
     K = W diag((EA + τ)/l) Wᵀ + Σ τ_i K_i, the second (geometric) part from the turning of each
     cable, the first k_i = EA/l_0i = (EA + τ_i)/l_i. It is symmetric where the cables' moment at
     P is zero, as it is at rest with the center of mass at P; else K − Kᵀ holds that moment.
+    A force τ u turns as (I − u uᵀ)/l; on a pulley as v vᵀ/s + n nᵀ |u·e|/x, with s = ‖T − B‖, x
+    from B to the pulley's axis, e that way, n = axis × e, v = n × u. Its arc stretches, too.
 
     robot, pose : single or batched
     tensions : (…, m) [N]
@@ -86,7 +88,9 @@ def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: Ar
     directions, lengths, W = cables_at(robot, pose)
     elastic = (W * ((ea + tau) / lengths)[..., None, :]) @ np.swapaxes(W, -1, -2)
     basis = robot.pattern.basis(pose.rotation)
-    geometric = _geometric_stiffness(anchor_offsets(robot, pose), directions, tau, lengths)
+    r = anchor_offsets(robot, pose)
+    geometric = _geometric_stiffness(r, directions, tau, _swing(robot, pose.position[..., None, :] + r, directions, tau,
+                                                                lengths))
     if weight:
         geometric = geometric + _weight_stiffness(robot, pose)
     return elastic + np.swapaxes(basis, -1, -2) @ geometric @ basis
@@ -126,16 +130,25 @@ class Footing(NamedTuple):
         other bases' cables [m]
     center : (edges, d): the weight's is center · f [m]
     weight : (d,) f in the world [N]
+    axes : (edges, 3 or 1) of the edges
     """
 
     base: int
     levers: Array
     center: Array
     weight: Array
+    axes: Array
 
-    def rows(self, directions: Array, rotation: Array) -> TippingRows:
-        """The edges' rows, given the cables' directions (…, m, d) and the base's rotation (d, d)."""
-        matrix = (self.levers * (directions @ rotation)[..., None, :, :]).sum(axis=-1)
+    def rows(self, directions: Array, rotation: Array, shifts: Array | None = None) -> TippingRows:
+        """The edges' rows, given the cables' directions (…, m, d) and the base's rotation (d, d).
+
+        shifts : (…, m, d) T − A, from exit to tangent points, where there are pulleys [m]
+        """
+        levers, pulls = self.levers, (directions @ rotation)[..., None, :, :]
+        if shifts is not None:
+            aside = _turned(self.axes[:, None], (shifts @ rotation)[..., None, :, :])
+            levers = levers - aside * (np.abs(levers).max(axis=(0, 2)) > 0)[:, None]   # of its own cables
+        matrix = (levers * pulls).sum(axis=-1)
         offset = self.center @ (self.weight @ rotation)
         return TippingRows(frozen(matrix), frozen(np.broadcast_to(offset, matrix.shape[:-1])))
 
@@ -155,7 +168,7 @@ def footings(robot: Robot) -> list[Footing]:
                 levers[:, i] = -_turned(axes, robot.cables[i].exit_point - contacts)
         weight = np.zeros(robot.dimension)
         weight[-1] = -base.mass * robot.gravity
-        found.append(Footing(k, levers, _turned(axes, base.center_of_mass - contacts), weight))
+        found.append(Footing(k, levers, _turned(axes, base.center_of_mass - contacts), weight, axes))
     return found
 
 
@@ -165,16 +178,18 @@ def tipping_rows(robot: Robot, pose: Pose) -> dict[str, TippingRows]:
 
     robot, pose : single or batched
     Returns base name → TippingRows; edges counter-clockwise from the first listed contact, and
-    in the plane one row per contact. The cables pull their exit points with −τ u.
+    in the plane one row per contact. The cables pull their exit points, on pulleys the tangent
+    points, with −τ u.
     Source: Pedemonte et al. 2020, eq. (21)–(24), contacts counter-clockwise.
 
     >>> import cdprlab as cl
     >>> tipping_rows(cl.load_world("caroca").robot, cl.Pose([0, 0, 1]))
     {}
     """
-    directions = cable_directions(robot, pose)
-    return {robot.bases[footing.base].name: footing.rows(directions,
-                                                         robot.bases[footing.base].rotation)
+    directions, shifts = cable_directions(robot, pose), None
+    if robot.pulleys.size:
+        shifts = tangent_points(robot, pose) - robot.exit_points
+    return {robot.bases[footing.base].name: footing.rows(directions, robot.bases[footing.base].rotation, shifts)
             for footing in footings(robot)}
 
 
@@ -202,10 +217,25 @@ def _tensions(robot: Robot, pose: Pose, tensions: ArrayLike) -> Array:
     return tau
 
 
-def _geometric_stiffness(r: Array, u: Array, tau: Array, lengths: Array) -> Array:
-    """Σ τ_i K_i in full twist coordinates: from du = −(I − u uᵀ)/l (dp + dφ × r) and dr = dφ × r."""
+def _swing(robot: Robot, anchors: Array, u: Array, tau: Array, lengths: Array) -> Array:
+    """(…, m, d, d) G with τ du = −G db as anchor points (…, m, d) move: v vᵀ and n nᵀ as `stiffness` has them."""
+    across = np.eye(robot.dimension) - u[..., :, None] * u[..., None, :]
+    if not robot.pulleys.size:
+        return across * (tau / lengths)[..., None, None]
+    away, radii, axes = anchors - robot.exit_points, robot.pulleys[:, 0], robot.pulleys[:, 1:]
+    straight = straight_lengths(away, robot.pulleys)
+    G = across * (tau / straight)[..., None, None]
+    if robot.dimension == 3:   # in the plane wheels do not swivel
+        aside = np.cross(axes, away)   # x n
+        x = np.where(radii > 0, np.linalg.norm(aside, axis=-1), 1.0)
+        other = tau * (np.linalg.norm(np.cross(axes, u), axis=-1) / x - 1 / straight) / x**2
+        G += other[..., None, None] * aside[..., :, None] * aside[..., None, :]
+    return G
+
+
+def _geometric_stiffness(r: Array, u: Array, tau: Array, swing: Array) -> Array:
+    """Σ τ_i K_i in full twist coordinates: from τ du = −swing (dp + dφ × r) and dr = dφ × r."""
     d = r.shape[-1]
-    swing = (np.eye(d) - u[..., :, None] * u[..., None, :]) * (tau / lengths)[..., None, None]
     # dφ × r = arm dφ
     arm = np.stack([-r[..., 1], r[..., 0]], axis=-1)[..., None] if d == 2 else -cross_matrix(r)
     moves = np.concatenate([np.broadcast_to(np.eye(d), swing.shape), arm], axis=-1)
@@ -235,7 +265,7 @@ def _edges(base: Base) -> tuple[Array, Array]:
 
 
 def _turned(axes: Array, arms: Array) -> Array:
-    """axis × arm, (k, d); in the plane the axis is along z."""
+    """axis × arm, (…, k, d); in the plane the axis is along z."""
     if arms.shape[-1] == 2:
-        return axes * np.stack([-arms[:, 1], arms[:, 0]], axis=-1)
+        return axes * np.stack([-arms[..., 1], arms[..., 0]], axis=-1)
     return np.cross(axes, arms)

@@ -1,4 +1,4 @@
-"""The parts of a robot: frozen `Cable`, `Platform`, `Base`, `Winch`, `Elasticity`, each checked as it is made."""
+"""The parts of a robot: frozen `Cable`, `Pulley`, `Platform`, `Base`, …, each checked as it is made."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +13,35 @@ from .pose import turned_to
 DECK_HEIGHT = 0.25
 """[m] Up to which a mobile base is drawn and, in the plane, solid."""
 
+_UNIT = 1e-3
+"""How far from 1 a unit vector's length may be written."""
+
+
+@lasting
+@checked
+@dataclass(frozen=True, eq=False)
+class Pulley:
+    """What a cable runs over at its exit point A: it comes along ``axis`` to A and wraps from there.
+
+    The pulley swivels freely about the line that it comes along, so that its wheel always faces
+    the anchor point.
+
+    radius : of the wheel, to the middle of the cable [m]
+    axis : (d,) unit, the way the cable travels towards A, in the frame of its exit point
+    """
+
+    radius: float
+    axis: Array
+
+    def __post_init__(self) -> None:
+        _keep_number(self, "radius", "radius of a pulley", "m", positive=True, location=("pulley", "radius"))
+        _keep_array(self, "axis", ("d",), "", ("pulley", "axis"))
+        size = float(np.linalg.norm(self.axis))
+        if abs(size - 1) > _UNIT:
+            raise InvalidInput("axis of a pulley must be a unit vector, the way the cable travels towards its exit "
+                               f"point, got {self.axis.tolist()}, of length {size:.4g}", ("pulley", "axis"))
+        object.__setattr__(self, "axis", frozen(self.axis / size))
+
 
 @lasting
 @checked
@@ -25,6 +54,7 @@ class Cable:
     tension_min, tension_max : limits [N], 0 ≤ min ≤ max
     speed_max : largest |l̇| [m/s]
     base : name of the mobile base that carries the exit point
+    pulley : that it leaves over, None: straight from the exit point
     """
 
     exit_point: Array
@@ -33,6 +63,7 @@ class Cable:
     tension_max: float
     speed_max: float = float("inf")
     base: str | None = None
+    pulley: Pulley | None = None
 
     def __post_init__(self) -> None:
         _keep_array(self, "exit_point", ("d",), "m")
@@ -44,6 +75,8 @@ class Cable:
         check_order(self.tension_min, self.tension_max)
         if self.speed_max != float("inf"):
             _keep_number(self, "speed_max", "speed", "m/s", positive=True, location=("speed",))
+        if self.pulley is not None:
+            as_array(self.pulley.axis, "axis of a pulley", self.exit_point.shape, location=("pulley", "axis"))
 
 
 @lasting

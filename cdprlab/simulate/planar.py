@@ -94,7 +94,7 @@ class PlanarSimulator(Simulator):
         dt, space = self.dt, self.space
         self._pack(self._wound, 0, *lengths)
         self._compiled.reel(space.motion, self._wound, dt, self._columns,
-                            self.bases.exit_velocities,
+                            self.bases.reel_velocities(),
                             space.velocities)
         space.write_velocities()
         self._advance()
@@ -158,7 +158,7 @@ class PlanarSimulator(Simulator):
 
         robot = self.world.robot
         _, W = cables(self.bases.exits, robot.anchor_points, self.position[None],
-                      self.rotation[None])
+                      self.rotation[None], self.bases.pulleys)
         return W[0, :robot.n_dof]
 
     def sample(self) -> list[float]:
@@ -191,8 +191,15 @@ class PlanarSimulator(Simulator):
         self.space.read_motion()
         if not self._compiled.look(self.space.motion, self.dt, self._reach, self._center,
                                    self.bases.exits,
-                                   self._anchors, self._seen, self._columns):
+                                   self._anchors, self.bases.pulleys, self._seen, self._columns):
+            if not self._lengths.all() and np.isfinite(self._position).all():
+                self.jump_off()
             self.diverge()
+        if self.bases.pulleys.size and self.is_wound:
+            # A rope on a pulley pulls as a straight one as long would, from the end of which its reel stands.
+            anchors = self._position + self.world.robot.anchor_points @ self._rotation.reshape(2, 2).T
+            self.bases.reels = anchors + self._lengths[:, None] * self._columns[:2].T
+            self.space.place_reels(self.bases)
 
 
 @cache

@@ -16,6 +16,9 @@ class PlanarBases:
         rad/s]
     exits, exits_ahead : (m, 2) exit points now and after the coming step [m]
     exit_velocities : (m, 2) their mean velocities over that step [m/s]
+    reels : (m, 2) where the ropes' straight parts would begin if they had no arc, without pulleys
+        the exit points [m]
+    pulleys : (m or 0, 3) as `Robot.pulleys` has them, now
     """
 
     _present: Robot | None
@@ -23,7 +26,7 @@ class PlanarBases:
     def __init__(self, robot: Robot, dt: float) -> None:
         self._start, self._dt = robot, dt
         self.poses = np.array([base.pose for base in robot.bases]).reshape(-1, 3)
-        self.exits = robot.exit_points
+        self.exits, self.reels, self.pulleys = robot.exit_points, robot.exit_points, robot.pulleys
         self.drive(np.zeros(self.poses.size))
 
     def drive(self, speeds: ArrayLike) -> Array:
@@ -44,8 +47,18 @@ class PlanarBases:
 
     def advance(self) -> None:
         """One step on."""
-        self.poses, self.exits = self.poses + self.rates * self._dt, self.exits_ahead
+        self.poses, self.exits, self.reels = self.poses + self.rates * self._dt, self.exits_ahead, self.exits_ahead
         self._aim()
+        if self.pulleys.size and self.rates[:, 2].any():
+            self.pulleys = self.robot.pulleys
+
+    def reel_velocities(self) -> Array:
+        """(m, 2) of the reels as points of the bases, which differs from `exit_velocities` where a base turns [m/s]."""
+        if not (self.pulleys.size and self.moving):
+            return self.exit_velocities
+        spins = np.array([self.rates[k, 2] if k >= 0 else 0.0 for k in self._start.base_indices])
+        x, y = (self.reels - self.exits).T
+        return self.exit_velocities + np.stack([-spins * y, spins * x], axis=1)
 
     def _aim(self) -> None:
         """What the present speeds, in the bases' own axes, come to in the world."""

@@ -88,7 +88,11 @@ class PlanarSpace:
             body.velocity, body.angular_velocity = (vx, vy), spin
             body.position, body.angle = (x - vx * dt, y - vy * dt), heading - spin * dt
             self.space.reindex_shapes_for_body(body)
-        for rope, place in zip(self.ropes, bases.exits.tolist()):
+        self.place_reels(bases)
+
+    def place_reels(self, bases: PlanarBases) -> None:
+        """Put the reels where the ropes come from."""
+        for rope, place in zip(self.ropes, bases.reels.tolist()):
             rope.a.position = place
 
     def read_motion(self) -> None:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_answer, as_array
 from ..errors import InvalidInput, SimulationDiverged
+from ..mechanics.cables import why_no_direction
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import World
@@ -184,6 +185,13 @@ class Simulator(ABC):
             f"the simulation diverged at t = {self.time:.4g} s: the platform left the scene; cable {worst + 1} carried "
             f"most, {pulls[worst]:.3g} N; take a smaller dt or lower gains (K_d times the control period must stay "
             "below 2)", self.time, worst + 1)
+
+    def jump_off(self) -> None:
+        """Raise SimulationDiverged, which names the cable that cannot lie on its pulley."""
+        cable = int(self.lengths.argmin())
+        reason = why_no_direction(self.robot, Pose.of(self.position, self.rotation))
+        raise SimulationDiverged(f"at t = {self.time:.4g} s {reason or f'cable {cable + 1} jumped off its pulley'}",
+                                 self.time, cable + 1)
 
     def __reduce__(self) -> Any:
         raise InvalidInput("a simulator cannot be pickled or copied: open one where it is needed")

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, frozen
 from ..errors import CdprWarning, InvalidInput
-from ..mechanics.cables import Cables
+from ..mechanics.cables import Cables, straight_lengths
 from ..mechanics.statics import gravity_wrench
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -47,9 +47,11 @@ class SpatialSimulator(Simulator):
 
     Its parts are public: ``bullet`` and ``platform``, the engine and the body; ``bases``;
     ``boxes``, none at first. ``carrying`` is the robot with the payload it is known to carry.
+    ``shifts`` (m, 3) lead from exit to tangent points, None where no cable has a pulley [m].
     """
 
     carrying: Robot
+    shifts: Array | None = None
 
     def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *,
                  bodies: bool = False,
@@ -93,7 +95,7 @@ class SpatialSimulator(Simulator):
             self._legs.remove()
         b.resetBasePositionAndOrientation(self.platform, *self._frame.body_pose(start))
         b.resetBaseVelocity(self.platform, [0, 0, 0], [0, 0, 0])
-        self._exits = robot.exit_points
+        self._exits, self._pulleys = robot.exit_points, robot.pulleys
         self._present: Robot | None = None
         self._legs = None if self.cables == "force" else self._add_legs(start)
         self.tensions = frozen(np.zeros(robot.n_cables))
@@ -118,9 +120,11 @@ class SpatialSimulator(Simulator):
             self._apply(self.pushed)
         if self._bodies:
             self.bases.steer(self.dt * substeps)
-        legs, before = self._legs, self.directions
+        legs, before, beside = self._legs, self.directions, np.zeros(1)
         if legs is None:
             self._apply(self.world.robot.pattern.basis(self.rotation) @ (self.wrench_matrix @ tensions))
+        elif self._pulleys.size:
+            beside = self._pull_over_pulleys(legs, tensions)
         else:
             legs.pull(tensions)
         self.bullet.engine.stepSimulation(self.bullet.client)
@@ -130,7 +134,7 @@ class SpatialSimulator(Simulator):
             self.tensions = frozen(np.array(tensions))
             return
         # A reaction belongs to the geometry its (sub)step began with.
-        self.tensions = legs.tensions(before if substeps == 1 else self.directions)
+        self.tensions = legs.tensions(before if substeps == 1 else self.directions) + beside
         if self.is_wound:  # what a slack leg's tip weighs is no rope's tension
             self.tensions = np.maximum(self.tensions, 0.0)
         frozen(self.tensions)
@@ -186,7 +190,7 @@ class SpatialSimulator(Simulator):
 
         robot = self.world.robot
         lengths, W = cables(self._exits, robot.anchor_points, pose.position[None],
-                            pose.rotation[None])
+                            pose.rotation[None], self._pulleys)
         return Cables(W[0, :3].T, lengths[0], robot.pattern.project(W[0], pose.rotation))
 
     # --- mobile bases
@@ -227,6 +231,21 @@ class SpatialSimulator(Simulator):
 
     # --- every step
     # -------------------------------------------------------------------------------
+    def _pull_over_pulleys(self, legs: Legs, tensions: Array) -> Array:
+        """Pull with τ u: the legs with τ (u · u_leg); the rest, τ u − τ (u · u_leg) u_leg, acts at the anchor points.
+
+        A base feels −τ u along the same line. Returns what the rest is of the tensions, (m,) [N].
+        """
+        u, ways = self.directions, self._legs_pull
+        shares = (u * ways).sum(axis=1)
+        legs.pull(tensions * shares)
+        rest = tensions[:, None] * (u - shares[:, None] * ways)
+        arms = self._anchors - self.position
+        self._apply(np.concatenate([rest.sum(axis=0), np.cross(arms, rest).sum(axis=0)]))
+        if self._bodies:
+            self.bases.press(-rest, self._anchors)
+        return np.asarray(tensions * (1 - shares**2))
+
     def _apply(self, wrench: Array) -> None:
         """A full wrench [f; m] at P in world axes, for the next step."""
         b, client = self.bullet
@@ -248,18 +267,31 @@ class SpatialSimulator(Simulator):
         if self._bodies:
             self._present = None
             self.bases.look()
-            self._exits = self.bases.exits
+            self._exits, self._pulleys = self.bases.exits, self.bases.pulleys
         # One array for all that was read: each conversion costs more than cutting it up.
         robot, read = self.world.robot, np.array(place + quaternion + linear + angular)
-        state, self.lengths, W = self._platform_and_cables(read, self._frame.axes,
-                                                           self._frame.center, self._exits,
-                                                           robot.anchor_points)
+        state, self.lengths, W = self._platform_and_cables(
+            read, self._frame.axes, self._frame.center, self._exits, robot.anchor_points, self._pulleys)
         # Controllers and methods are handed these and views of them.
         self._state = frozen(state)
         frozen(self.lengths)
         frozen(W)
         self.position, self.rotation, self.twist = state[:3], state[3:12].reshape(3, 3), state[12:]
         self.whole_wrenches, self.directions, self.wrench_matrix = W, W[:3].T, robot.pattern.project(W, self.rotation)
+        if self._pulleys.size:
+            self._see_pulleys()
+
+    def _see_pulleys(self) -> None:
+        """From exit points to tangent points, and which way the legs, which stay at the exit points, pull."""
+        if not self.lengths.all():
+            self.jump_off()
+        self._anchors = self.position + self.world.robot.anchor_points @ self.rotation.T
+        ways = self._exits - self._anchors
+        self._legs_pull = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+        straight = straight_lengths(-ways, self._pulleys)
+        self.shifts = frozen(straight[:, None] * self.directions - ways)
+        if self._bodies:
+            self.bases.shifts = self.shifts
 
     def _set(self, **parameters: float) -> None:
         self.bullet.setPhysicsEngineParameter(**parameters)

@@ -31,8 +31,10 @@ class SpatialBases:
     robot : whose bases stand; with none of them nothing moves
     is_stabilized : whether they stand on feet, which are where the wheels are: then none drives
     bodies : of the bases, in file order
-    exits : (m, 3) exit points now [m]; exit_steps : (m, 3) how far they went in the last step
-        [m]
+    exits : (m, 3) exit points now [m]; exit_steps : (m, 3) how far they, on pulleys the tangent
+        points, went with the bases in the last step [m]
+    pulleys : (m or 0, 4) as `Robot.pulleys` has them, now
+    shifts : (m, 3) from exit to tangent points as last seen, if there are pulleys [m]
     """
 
     def __init__(self, bullet: Bullet, robot: Robot, tip_mass: float) -> None:
@@ -41,7 +43,9 @@ class SpatialBases:
         self._traction = [_TRACTION * base.mass * robot.gravity for base in robot.bases]
         self._feet = [np.insert(base.footprint, 2, 0.0, axis=1) - base.center_of_mass
                       for base in robot.bases]
-        self._still, self._mounted = _mounted(robot)
+        self._still, self._mounted = _mounted(robot, [cable.exit_point for cable in robot.cables], 1.0)
+        self._held, self._turning = _mounted(robot, [np.zeros(3) if cable.pulley is None else cable.pulley.axis
+                                                     for cable in robot.cables], 0.0)
         self.bodies: list[int] = []
 
     def build(self, anchors: Array, middle: Array) -> dict[int, Leg]:
@@ -58,7 +62,8 @@ class SpatialBases:
             body = _add_base(self._bullet, base, exits, anchors[cables], middle, self._tip_mass)
             self.bodies.append(body)
             legs.update({i: (body, _BODY + 3 * (place + 1)) for place, i in enumerate(cables)})
-        self.exits = robot.exit_points
+        self.exits, self.pulleys, self.shifts = robot.exit_points, robot.pulleys, np.zeros((robot.n_cables, 3))
+        self._frames = np.zeros((len(robot.bases), 3, 4))
         self.look()
         return legs
 
@@ -92,10 +97,25 @@ class SpatialBases:
             rows.append(b.getMatrixFromQuaternion(quaternion) + place)
         values = np.array(rows)
         # Per base, rotation and center of mass side by side.
+        before = self._frames
         self._frames = frames = np.concatenate([values[:, :9].reshape(-1, 3, 3), values[:, 9:, None]], axis=2)
-        exits = self._mounted.dot(frames.transpose(0, 2, 1).reshape(-1, 3)) + self._still
+        stacked = frames.transpose(0, 2, 1).reshape(-1, 3)
+        exits = self._mounted.dot(stacked) + self._still
         self.exit_steps = exits - self.exits
         self.exits = frozen(exits)
+        if self.pulleys.size:
+            for i, k in enumerate(self._robot.base_indices):
+                if k >= 0:   # the tangent point as a point of the base
+                    self.exit_steps[i] += (frames[k, :, :3] - before[k, :, :3]) @ (before[k, :, :3].T @ self.shifts[i])
+            axes = self._turning.dot(stacked) + self._held
+            self.pulleys = frozen(np.column_stack([self.pulleys[:, 0], axes]))
+
+    def press(self, forces: Array, points: Array) -> None:
+        """Let the coming engine call press on the cables' bases with these (m, 3) forces at points [N, m]."""
+        b, client = self._bullet
+        for force, point, k in zip(forces.tolist(), points.tolist(), self._robot.base_indices):
+            if k >= 0:
+                b.applyExternalForce(self.bodies[k], _BODY, force, point, b.WORLD_FRAME, client)
 
     # --- the interface
     # ----------------------------------------------------------------------------
@@ -213,13 +233,16 @@ def _standing(bullet: Bullet, base: Base) -> list[Link]:
                      bullet.JOINT_FIXED, [0, 0, 1])]
 
 
-def _mounted(robot: Robot) -> tuple[Array, Array]:
-    """Where exit points are fixed: (m, 3) in the world, and (m, 4p) for [R c]ᵀ of every base, one below the other."""
+def _mounted(robot: Robot, vectors: list[Array], weight: float) -> tuple[Array, Array]:
+    """Where the cables' vectors are fixed: (m, 3) in the world, and (m, 4p) for [R c]ᵀ of every base, one on the other.
+
+    weight : 1 of points, which go with their base, 0 of directions, which only turn
+    """
     m = robot.n_cables
     still, local = np.zeros((m, 3)), np.zeros((m, len(robot.bases), 4))
-    for i, (cable, k) in enumerate(zip(robot.cables, robot.base_indices)):
+    for i, (vector, k) in enumerate(zip(vectors, robot.base_indices)):
         if k < 0:
-            still[i] = cable.exit_point
+            still[i] = vector
         else:
-            local[i, k] = [*(cable.exit_point - robot.bases[k].center_of_mass), 1.0]
+            local[i, k] = [*(vector - weight * robot.bases[k].center_of_mass), weight]
     return still, local.reshape(m, -1)

@@ -86,7 +86,7 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
     wrenches : (k, n) or (n,) external wrenches besides the weight; inside needs all of them
         [N, N m]
     progress : called with (share decided in percent, 100)
-    Raises InvalidInput for a 2R3T robot, or where the boxes get too many.
+    Raises InvalidInput for a 2R3T robot, one with pulleys, or where the boxes get too many.
     Source: Gouttefarde, Daney and Merlet 2011 (interval-analysis-based determination of the
     wrench-feasible workspace); the proofs are chosen anew.
 

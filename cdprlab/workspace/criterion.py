@@ -9,6 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, Flags, frozen, lasting
+from ..errors import InvalidInput
+from ..mechanics.cables import have_directions
 from ..robot import Robot
 from ..robot.pose import Pose
 
@@ -61,6 +63,20 @@ class Both(Criterion):
         smaller = np.minimum(a.margin, b.margin) if self.first.unit == self.second.unit else np.full(
             a.margin.shape, np.nan)
         return Judgement(a.inside & b.inside, smaller)
+
+
+def judge_where_it_can_be(robot: Robot, poses: Pose, criterion: Criterion, margin: bool = True) -> Judgement:
+    """A batch (N,) judged by a criterion; a pose where a cable has no direction is outside."""
+    try:
+        return criterion.judge(robot, poses, margin)
+    except InvalidInput:
+        sound = have_directions(robot, poses)
+        if sound.all():
+            raise
+    inside, margins = np.zeros(len(poses), dtype=bool), np.full(len(poses), np.nan)
+    if sound.any():
+        inside[sound], margins[sound] = criterion.judge(robot, poses[sound], margin)
+    return Judgement(inside, margins)
 
 
 def unknown(inside: Flags) -> Judgement:

@@ -14,6 +14,7 @@ from operator import add
 import numpy as np
 
 from ..arrays import Array, Flags
+from ..errors import InvalidInput
 from ..mechanics.intervals import Intervals, exact, stack
 from ..robot import Robot
 
@@ -24,7 +25,7 @@ _TINY = 1e-12
 class PoseBoxes:
     """N boxes of poses.
 
-    robot : any motion pattern but 2R3T
+    robot : any motion pattern but 2R3T, without pulleys
     position : Intervals (N, d) [m]
     turned : in the plane by angles, Intervals (N,) [rad]; in space one rotation (3, 3) for all
     """
@@ -32,6 +33,11 @@ class PoseBoxes:
     robot: Robot
     position: Intervals
     turned: Intervals | Array
+
+    def __post_init__(self) -> None:
+        if self.robot.pulleys.size:
+            raise InvalidInput("proofs over boxes of poses know cables that leave their exit points straight, "
+                               "this robot's run over pulleys: use workspace() instead")
 
     def __getitem__(self, chosen: Flags) -> PoseBoxes:
         turned = self.turned[chosen] if isinstance(self.turned, Intervals) else self.turned

@@ -10,7 +10,7 @@ from ..arrays import Array, as_array, checked
 from ..errors import InvalidInput
 from ..robot import Robot
 from ..robot.pose import Pose
-from .criterion import Criterion, Judgement
+from .criterion import Criterion, Judgement, judge_where_it_can_be
 
 
 @checked
@@ -47,7 +47,7 @@ class AllOrientations(Criterion):
             raise InvalidInput("orientations must hold at least one")
         turned = [Pose(poses.position, angle=turn) if planar else Pose(poses.position, rpy=turn)
                   for turn in given]
-        found = zip(*(self.criterion.judge(robot, at, margin) for at in turned))
+        found = zip(*(judge_where_it_can_be(robot, at, self.criterion, margin) for at in turned))
         return Judgement(*(join.reduce(parts) for join, parts in zip(self.join, found)))
 
 

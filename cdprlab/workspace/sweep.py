@@ -2,6 +2,7 @@
 
 import signal
 import threading
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Progress, as_count, checked
-from ..errors import InvalidInput, quoted
-from ..mechanics.cables import cable_lengths
+from ..errors import CdprWarning, InvalidInput, quoted
+from ..mechanics.cables import have_directions, why_no_direction
 from ..robot import Robot
 from ..robot.pose import Pose
 from .checkpoint import Checkpoint
-from .criterion import Criterion, Judgement
+from .criterion import Criterion, Judgement, judge_where_it_can_be
 from .grids import PoseGrid
 
 Poses = Pose | PoseGrid
@@ -39,7 +40,8 @@ def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool 
         one stopped
     progress : called with (poses done, poses in all) after each chunk
     Returns Judgement ``(inside, margin)``, each of the poses' batch shape. Poses with an anchor
-    point on its exit point are outside.
+    point on its exit point are outside, and with a warning those where a cable cannot lie on
+    its pulley.
     Raises InvalidInput for a criterion that does not fit the robot.
 
     >>> import cdprlab as cl
@@ -54,12 +56,23 @@ def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool 
     count = len(flat)
     answer = Judgement(np.zeros(count, dtype=bool), np.full(count, np.nan))
     kept = Checkpoint(checkpoint, robot, criterion, margin, chunk) if checkpoint is not None else None
-    done = 0
+    done = lost = 0
+    reason = ""
     for start, part in _judged(robot, flat, criterion, margin, n_jobs, chunk, kept):
         answer.inside[start:start + chunk], answer.margin[start:start + chunk] = part
+        if robot.pulleys.size:
+            asked = flat[start:start + chunk]
+            without = np.flatnonzero(~have_directions(robot, asked))
+            if without.size and not lost:
+                first = asked[without[:1]]
+                reason = f"at {first.position[0].tolist()} m {why_no_direction(robot, first[0])}"
+            lost += without.size
         done += len(part.inside)
         if progress is not None:
             progress(done, count)
+    if lost:
+        warnings.warn(f"{lost} of {count} poses are outside because a cable cannot lie on its pulley: {reason}",
+                      CdprWarning, stacklevel=3)
     return Judgement(answer.inside.reshape(shape), answer.margin.reshape(shape))
 
 
@@ -97,8 +110,8 @@ def _answers(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_j
 
     parts: Any = (poses[start:start + chunk] for start in starts)
     if n_jobs == 1 or effective_n_jobs(n_jobs) == 1:
-        return (_judge(robot, part, criterion, margin) for part in parts)
-    work = delayed(_judge)
+        return (judge_where_it_can_be(robot, part, criterion, margin) for part in parts)
+    work = delayed(judge_where_it_can_be)
     with _interrupts_ignored():
         return Parallel(n_jobs=n_jobs, return_as="generator")(work(robot, part, criterion, margin)
                                                               for part in parts)
@@ -115,17 +128,3 @@ def _interrupts_ignored() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before or signal.SIG_DFL)
-
-
-def _judge(robot: Robot, poses: Pose, criterion: Criterion, margin: bool) -> Judgement:
-    """A chunk; a pose with an anchor point on its exit point, where that cable has no direction, is outside."""
-    try:
-        return criterion.judge(robot, poses, margin)
-    except InvalidInput:
-        sound = cable_lengths(robot, poses).all(axis=-1)
-        if sound.all():
-            raise
-    inside, margins = np.zeros(len(poses), dtype=bool), np.full(len(poses), np.nan)
-    if sound.any():
-        inside[sound], margins[sound] = criterion.judge(robot, poses[sound], margin)
-    return Judgement(inside, margins)

@@ -22,6 +22,7 @@ from ..robot import (
     Cable,
     Elasticity,
     Platform,
+    Pulley,
     Robot,
     Winch,
     box_inertia,
@@ -180,6 +181,15 @@ class LimitsBlock(Block):
     """largest cable speed [m/s]; default unlimited"""
 
 
+class PulleyBlock(Block):
+    makes = Pulley
+
+    radius: Positive
+    """[m]"""
+    axis: Vector
+    """unit, the way the cable travels towards A, in the exit point's frame"""
+
+
 class CableBlock(LimitsBlock):
     exit_point: Vector
     """A, in the world frame or its base's frame [m]"""
@@ -187,10 +197,12 @@ class CableBlock(LimitsBlock):
     """B, in the platform frame [m]"""
     base: str | None = None
     """name of the base that carries the exit point"""
+    pulley: PulleyBlock | None = None
+    """that it leaves over: at A it enters the groove; default that of `cable`, else none"""
 
-    def cable(self, shared: LimitsBlock, d: int) -> Cable:
-        """The cable, with the limits of all where it states none."""
-        words = shared.part(d) | self.part(d)
+    def cable(self, shared: Words, d: int) -> Cable:
+        """The cable, with what all share where it states nothing."""
+        words = shared | self.part(d)
         if "tension_min" not in words:
             raise InvalidInput("no tension limits: give the cable its own `tension: [min, max]` or all of them "
                                "`cable_limits: {tension: [min, max]}` [N]", ("tension",))
@@ -206,6 +218,8 @@ class ElasticityBlock(Block):
     """each cable's own fraction of critical damping, the whole platform on it: n in line ring with √n times it"""
     linear_density: NotNegative = Field(0.0, exclude=True)
     """[kg/m]; with it cables sag in drawings and in `sagging_lengths`"""
+    pulley: PulleyBlock | None = Field(None, exclude=True)
+    """for cables that state none"""
 
     def words(self, d: int) -> Words:
         if self.damping and self.axial_stiffness is None:
@@ -480,7 +494,7 @@ class WorldFile(Block):
     """for cables that state none"""
     cables: Annotated[list[CableBlock], Field(min_length=1)]
     cable: ElasticityBlock = ElasticityBlock()
-    """what all cables are made of"""
+    """what all cables are made of, and run over"""
     winch: WinchBlock | None = None
     bases: list[BaseBlock] = []
     scene: SceneBlock = SceneBlock()
@@ -492,10 +506,12 @@ class WorldFile(Block):
         if self.engine not in (None, pattern.engine):
             raise InvalidInput(f"motion pattern {pattern.name} runs in the {pattern.engine} engine, "
                                f"not {self.engine!r}", ("engine",))
-        cables = []
+        cables, shared = [], self.cable_limits.part(d)
+        if self.cable.pulley:
+            shared = {"pulley": self.cable.pulley.part(d)} | shared
         for i, block in enumerate(self.cables):
             with under("cables", i):
-                cables.append(block.cable(self.cable_limits, d))
+                cables.append(block.cable(shared, d))
         robot = Robot(pattern, self.platform.part(d), tuple(cables),
                       tuple(base.part(d) for base in self.bases),
                       self.gravity, self.winch.part(d) if self.winch else None,
@@ -557,5 +573,7 @@ def _said(value: Any) -> Any:
     """A part's value as a file has it: "unlimited" is said by leaving it out."""
     if isinstance(value, Pose):
         return PoseBlock.of(value)
+    if isinstance(value, Pulley):
+        return PulleyBlock.of(value)
     plain = value.tolist() if hasattr(value, "tolist") else value
     return None if plain == float("inf") else plain

@@ -12,8 +12,11 @@ from .reader import read
 def updated_document(world: Any) -> Any:
     """A copy of the world's document that says what the world is now; only values that changed are touched."""
     document = copied(world.document) if world.document else styled(WorldFile.of(world))
-    if document.get("cable_limits"):
-        _share_limits(own(document, "cable_limits"), world.robot.cables)
+    for block in ("cable_limits", "cable"):
+        if document.get(block):
+            _share(own(document, block), world.robot.cables)
+            if not document[block]:
+                del document[block]
     wanted, found = WorldFile.of(world), SimpleNamespace(**read(document, world.name))
     before, tasks, scene = _tasks(found), _tasks(world), SceneBlock.of(world.scene)
     other_scene = scene != SceneBlock.of(found.scene)
@@ -37,9 +40,9 @@ def _tasks(world: Any) -> Any:
     return {name: TaskBlock.described(task) for name, task in world.tasks.items()}
 
 
-def _share_limits(shared: Any, cables: tuple[Cable, ...]) -> None:
-    """Put limits that all cables share into cable_limits, and drop a shared speed that no longer holds for all."""
-    for key in list(shared):
+def _share(shared: Any, cables: tuple[Cable, ...]) -> None:
+    """Put what all cables share into the block for all, and drop from it what no longer holds for all."""
+    for key in CableBlock.model_fields.keys() & shared:
         values = [CableBlock.of(cable)[key] for cable in cables]
         if None in values:
             del shared[key]

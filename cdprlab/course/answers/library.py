@@ -15,7 +15,8 @@ from ...simulate.state import State
 
 
 def _cable_vectors(exit_points: Array, anchor_points: Array, position: Array, rotation: Array) -> Array:
-    lengths, W = cables(exit_points, anchor_points, np.asarray(position)[None], np.asarray(rotation)[None])
+    lengths, W = cables(exit_points, anchor_points, np.asarray(position)[None], np.asarray(rotation)[None],
+                           np.zeros((0, 4)))
     return lengths[0, :, None] * W[0, :exit_points.shape[1]].T
 
 

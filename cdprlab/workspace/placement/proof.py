@@ -25,8 +25,10 @@ def why_impossible(robot: Robot, duty: Duty) -> str:
     cable on a base that cannot move keeps u_i; one on a base that drives along E pulls within
     {α (A_i − B_i) + E β, α ≥ 0}, |f_i| ≤ τ_max. Standing is a linear bound on the f_i too. The
     largest share λ ≤ 1 of w_e that Σ [f_i; (R b_i) × f_i] = −λ w_e allows is a linear program;
-    below 1, no placement balances w_e.
+    below 1, no placement balances w_e. Over pulleys u_i turns otherwise, and nothing is proven.
     """
+    if robot.pulleys.size:
+        return ""
     for i, pose in enumerate(duty.poses):
         for load in duty.loads[i]:
             share = largest_share(robot, pose, load, duty.tipping)
