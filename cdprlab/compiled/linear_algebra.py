@@ -19,6 +19,7 @@ FREE, HELD, CARRIED = -1, -2, -3
 # A row this much smaller than it was depends on those before it: elimination leaves about 1e-15
 # of it.
 DEPENDENT = 1e-12
+NOUGHT = 1e-15
 
 
 @compiled
@@ -80,6 +81,8 @@ def balance(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: Arr
         if owner[j] == FREE:
             for i in range(m):
                 D[i, free] = -rows[owner[i], j] if owner[i] >= 0 else 0.0
+                if abs(D[i, free]) < NOUGHT:   # of a wish at 1e12 N it would make something
+                    D[i, free] = 0.0
             D[j, free] = 1.0
             free += 1
     if not agree:

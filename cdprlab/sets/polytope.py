@@ -20,7 +20,7 @@ from ..errors import InvalidInput, NotListable, quoted
 from .elimination import eliminate
 from .frame import Frame, affine_hull
 from .listing import SAME, Planes, asked_hull, candidates, hull, meet, meetings, without_superfluous
-from .simplex import TOLERANCE, Program, maximize
+from .simplex import SPREAD, TOLERANCE, Program, maximize
 from .subspace import RANK, null_space, solve
 from .zonotope import ALONG, MOST_COMBINATIONS, hyperplane_shifting, products, zonotope_volume
 
@@ -98,7 +98,7 @@ class Polytope:
     @property
     def is_empty(self) -> bool:
         """Whether nothing satisfies the limits."""
-        return not bool(self._program.is_feasible[0])
+        return not bool(self._program.is_feasible)
 
     def support(self, direction: ArrayLike) -> Array:
         """h(d) = max d·x over the set; −inf when it is empty, inf where it is unbounded.
@@ -115,7 +115,7 @@ class Polytope:
         return np.asarray(self._program.maximize(d @ self.map).points @ self.map.T + self.shift)
 
     def contains(self, x: ArrayLike) -> Flags:
-        """Whether some q gives x, to 1e-9 of the largest limit.
+        """Whether some q gives x, to 1e-9 of the point and of the limits, generous ones left aside.
 
         x : (…, n)
         Returns (…) of bool.
@@ -126,7 +126,8 @@ class Polytope:
             values = maximize(self.rows @ self._null, left, np.zeros(self._null.shape[1])).values
             inside = np.asarray(values > -np.inf)
         else:
-            inside = np.asarray((left >= -TOLERANCE * self._row_scale).all(axis=-1))
+            size = np.abs(q).max(axis=-1, initial=0.0)[..., None] * np.linalg.norm(self.rows, axis=1)
+            inside = np.asarray((left >= -TOLERANCE * (np.abs(self.limits) + size)).all(axis=-1))
         return np.asarray(inside & reached)[()]
 
     def component_range(self) -> Array:
@@ -249,7 +250,7 @@ class Polytope:
         try:
             more = f", flat: dimension {self.dimension}" if self.dimension < self.n else ""
         except NotListable:
-            more = ", unbounded"
+            more = ", unbounded or nearly so"
         return f"Polytope({self.n}-D {type(self).__name__.lower()}{more})"
 
     # --- inside -----------------------------------------------------------------------------------
@@ -257,12 +258,25 @@ class Polytope:
     def _frame(self) -> Frame:
         eye = np.eye(self.n)
         ends = self.support_point(np.stack([-eye, eye]))
+        if not self._is_listable:
+            raise NotListable("some limits are so much larger than others that facets cannot be told apart; ask contains, "
+                              "support or axis_section, or give limits that a machine has")
         if not np.isnan(ends).any():
             return affine_hull(ends, self.support_point)
         if self.is_empty:
             return Frame(np.zeros(self.n), np.ones(self.n), np.zeros((self.n, 0)), eye)
         raise NotListable("the set is unbounded (a cable without a speed limit, or too few cables), so it has no list "
                           "of vertices and facets; contains, support and the ranges still answer")
+
+    @property
+    def _is_listable(self) -> bool:
+        """Whether the narrowest of all rows' slabs is seen beside the widest, of which listing forgives `SAME`."""
+        if self._program.spread < SPREAD:
+            return True
+        ways = np.concatenate([self.rows, -self.rows])
+        widths = self._program.maximize(ways).values.reshape(2, -1).sum(axis=0) / np.linalg.norm(self.rows, axis=1)
+        widths = widths[widths > TOLERANCE * np.abs(self.limits)]   # without those that have no choice
+        return not np.isfinite(widths).all() or widths.max(initial=0.0) <= 1e-2 / SAME * widths.min(initial=np.inf)
 
     @cached_property
     def _planes(self) -> Planes:
@@ -311,14 +325,6 @@ class Polytope:
     @cached_property
     def _null(self) -> Array:
         return frozen(null_space(self.map))
-
-    @cached_property
-    def _row_scale(self) -> Array:
-        """(r,) what 1e-9 is a share of: the largest limit, in each row's own size."""
-        sizes = np.linalg.norm(self.rows, axis=1)
-        finite = np.isfinite(self.limits) & (sizes > 0)
-        largest = np.abs(self.limits[finite] / sizes[finite]).max(initial=0.0)
-        return frozen(np.where(sizes > 0, sizes, 1.0) * (largest or 1.0))
 
     def _points(self, x: ArrayLike, name: str) -> Array:
         return as_array(x, name, (self.n,), batch=True)

@@ -6,6 +6,9 @@ with equality, and every step is a handful of small matrix products over the who
 answer is solved from its own active rows, so rounding never adds up.
 """
 
+from __future__ import annotations
+
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +16,13 @@ import numpy as np
 from ..arrays import Array, Flags, Indices
 
 TOLERANCE = 1e-9
-"""How far a row may be overstepped, as a share of the largest limit; rounding is about 1e-12 of it."""
+"""How far a row may be overstepped, as a share of the largest limit that is not generous; rounding is about 1e-12."""
+
+_GENEROUS = 100.0
+"""Limits larger than all others by more than this are asked only where they are reached."""
+
+SPREAD = 1e4
+"""Largest over smallest limit, up to which a tolerance that is a share of the largest harms none."""
 
 _SLOPE = 1e-11
 """Multipliers and edge slopes below this are zero; rows, limits and objectives have size 1 by then."""
@@ -49,6 +58,51 @@ def maximize(A: Array, b: Array, c: Array) -> Optima:
 
 class Program:
     """A q ≤ b, for a batch of b, asked again and again: where the walks start is found once.
+
+    The largest limit is what rounding is a share of, so that a generous one would be felt at all
+    others: an answer that keeps it without being told has nothing to do with it.
+
+    spread : the largest limit over the smallest that is not 0
+    """
+
+    def __init__(self, A: Array, b: Array) -> None:
+        self._rows, self._limits = A, b
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = np.abs(b) / np.linalg.norm(A, axis=1)
+        reach = np.where(np.isfinite(reach), reach, 0.0).reshape(-1, len(A)).min(axis=0, initial=np.inf)
+        sizes = np.sort(reach[reach > 0])
+        self.spread = sizes[-1] / sizes[0] if sizes.size else 1.0
+        steps = np.flatnonzero(sizes[1:] > _GENEROUS * sizes[:-1])
+        self._usual = None
+        if self.spread > SPREAD and steps.size:
+            self._generous = reach > sizes[steps[-1]]
+            self._usual = Program(A[~self._generous], b[..., ~self._generous])
+
+    @cached_property
+    def _walks(self) -> _Walks:
+        return _Walks(self._rows, self._limits)
+
+    @property
+    def is_feasible(self) -> Flags:
+        """For each b, whether there is any q."""
+        return np.asarray(self.maximize(np.zeros(self._rows.shape[1])).values > -np.inf)
+
+    def maximize(self, c: Array) -> Optima:
+        """max c·q for each b and each row of c, (…, k)."""
+        if self._usual is None:
+            return self._walks.maximize(c)
+        values, points = self._usual.maximize(c)
+        beyond = points @ self._rows[self._generous].T > self._limits[..., self._generous]
+        reached = np.isposinf(values) | beyond.any(axis=-1)
+        if reached.any():
+            found = self._walks.maximize(c)
+            values = np.where(reached, found.values, values)
+            points = np.where(reached[..., None], found.points, points)
+        return Optima(values, points)
+
+
+class _Walks:
+    """The same where all limits are of one size.
 
     Rows are of size 1, over the directions they say something about (the others are free).
     """

@@ -8,6 +8,7 @@ from .method import Answers, BatchSolver, vectorized
 def batch() -> BatchSolver:
     """τ = τ_m − W⁺ (w_e + W τ_m), τ_m = (τ_min + τ_max)/2; cables with equal limits stay at them.
 
+    A limit of as much as you like moves that middle, and so the answer: it is what is aimed at.
     Found whenever ‖τ − τ_m‖₂ ≤ min (τ_max − τ_min)/2, never when it exceeds ‖τ_max − τ_min‖₂/2.
     Source: Pott, Bruckmann and Mikelsons 2009; Okoli 2016, eq. (6.27)–(6.29), whose bounds are
     misprinted.

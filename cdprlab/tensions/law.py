@@ -58,6 +58,14 @@ def tension_scale(w_e: Array, low: Array) -> Array:
     return np.asarray(1 + np.abs(w_e).max() + low)
 
 
+def forgiven(w_e: Array, low: Array) -> Array:
+    """(…, m) by how much solvers may widen limits, for a last tension on the very border: half of what the law allows.
+
+    w_e : (…, n); low : (m,)
+    """
+    return np.asarray(TOLERANCE / 2 * (1 + np.abs(w_e).max(axis=-1, keepdims=True) + low))
+
+
 def limits_kept(tensions: Array, w_e: Array, low: Array, high: Array) -> bool:
     """Whether one wrench's tensions keep the limits to the law's tolerance."""
     room = np.minimum(tensions - low, high - tensions)

@@ -21,7 +21,9 @@ def batch() -> BatchSolver:
         way = inner - start
         outside = np.clip(start, low, high) - start   # of each cable, which the way makes good as far as τ_c is inside
         steps = outside / np.where(outside * way > 0, way, np.inf)
-        share = np.where(reasons == "", np.minimum(steps.max(axis=-1), 1.0), 1.0)
+        share, kept = np.minimum(steps.max(axis=-1), 1.0), ~outside.any(axis=-1)
+        share[(reasons != "") & ~kept] = 1.0
+        reasons[kept] = ""   # whatever became of τ_c
         return start + share[:, None] * way, reasons
 
     return solve

@@ -9,7 +9,7 @@ from ..compiled import TOLERANCE
 from ..errors import InvalidInput, needed_by, quoted
 from ..mechanics.optimization import least_quadratic
 from .feasible_polygon import least_norm_points
-from .law import NOT_FINITE, tension_scale
+from .law import NOT_FINITE, forgiven
 from .method import (
     INFEASIBLE,
     UNREACHABLE,
@@ -74,8 +74,8 @@ class LeastNorm:
             return nothing, (f"the cables cannot exert this wrench at any tension: W has rank {len(rows)} of "
                              f"{len(W)}, and {outside:.3g} N or N m lies outside its range")
         found = least_quadratic(*LeastNorm(len(rows), self.low, self.high).program(rows, -values))
-        if found is None:   # one last tension on the very border is lost to rounding: half of what the check forgives
-            slack = TOLERANCE / 2 * tension_scale(w_e, self.low)
+        if found is None:   # one last tension on the very border is lost to rounding
+            slack = forgiven(w_e, self.low)
             wider = LeastNorm(len(rows), self.low - slack, self.high + slack)
             found = least_quadratic(*wider.program(rows, -values))
             if found is None:

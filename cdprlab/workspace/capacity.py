@@ -11,18 +11,26 @@ from ..errors import InvalidInput
 from ..mechanics.optimization import largest_last
 from ..robot import Robot
 from ..sets.zonotope import facet_normals, products
+from ..tensions import distribute_tensions
+from ..tensions.law import forgiven
 from .margins import margin_by_program, tension_margins
 
-ROUNDING = 1e-9
-"""Of the wrench, and of the least τ_min: margins this far below zero are rounding."""
+NEAR = 1e-6
+"""Of 1 + |w|∞ and the largest τ_min: margins this close to 0 leave the verdict to the law of tension distributions."""
 
 
-def not_negative(margins: Array, w_e: Array, low: Array) -> Flags:
-    """Whether margins (N,) are not negative but by rounding; no upper limit counts.
+def balanced(margins: Array, W: Array, w_e: Array, loads: Array, low: Array, high: Array) -> Flags:
+    """(N,) whether the least margin over all loads is not negative, or the law forgives it: no upper limit counts.
 
-    w_e : (N, n) [N, N m]; low : (m,) [N]
+    W : (N, n, m); w_e : (N, n); loads : (k, N or 1, n) [N, N m]; low, high : (m,) [N]
     """
-    return np.asarray(margins >= -ROUNDING * (1 + np.abs(w_e).max(axis=-1) + low.min()))
+    inside = np.asarray(margins >= 0)
+    size = 1 + np.abs(w_e).max(axis=-1) + np.abs(loads).max(axis=(0, -1)) + low.max()
+    near = np.abs(margins) <= NEAR * size
+    if near.any():
+        wanted = np.broadcast_to(w_e + loads, (len(loads), *w_e.shape))[:, near]
+        inside[near] = distribute_tensions(W[near], wanted, low, high).feasible.all(axis=0)
+    return inside
 
 
 def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> tuple[Array, Array]:
@@ -47,7 +55,8 @@ def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
         _, found, _ = polygons(*map(plain, (W, w_e, low[None], high[None])), NOTHING)
         inside, many = np.asarray(found == FOUND), np.asarray(found == TOO_REDUNDANT)
     if many.any():
-        inside[many] = not_negative(tension_margins(W[many], w_e[many], low, high), w_e[many], low)
+        s = tension_margins(W[many], w_e[many], low, high)
+        inside[many] = balanced(s, W[many], w_e[many], np.zeros((1, 1, w_e.shape[1])), low, high)
     return inside
 
 
@@ -60,7 +69,8 @@ def standing_margin(robot: Robot, W: Array, w_e: Array, A: Array, b: Array) -> f
     rows = np.zeros((2 * m + len(A), m + 1))
     rows[:, :m] = np.concatenate([-np.eye(m), np.eye(m), A])
     rows[2 * m:, m] = 1.0
-    sides = np.concatenate([-robot.tension_min, robot.tension_max, b])
+    slack = forgiven(w_e, robot.tension_min)
+    sides = np.concatenate([slack - robot.tension_min, slack + robot.tension_max, b])
     return largest_last(rows, sides, np.column_stack([W, np.zeros(n)]), -w_e)[0]
 
 

@@ -6,23 +6,23 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, checked
+from ..compiled import TOLERANCE
 from ..errors import InvalidInput, quoted
 from ..mechanics.dynamics import mass_matrix
 from ..mechanics.statics import gravity_wrench, tipping_rows, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
 from .capacity import (
-    ROUNDING,
+    balanced,
     box_half_widths,
     box_loads,
     capacity_margins,
     external_wrenches,
     feasible,
-    not_negative,
     standing_margin,
 )
 from .criterion import Criterion, Judgement, unknown
-from .margins import tension_margins
+from .margins import PARALLEL, tension_margins
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class WrenchClosure(Criterion):
         n, m = W.shape[-2:]
         s = tension_margins(W, np.zeros((len(W), n)), np.zeros(m), np.ones(m), at_high=False)
         s = np.where(np.linalg.matrix_rank(W) == n, s, 0.0)
-        return Judgement(s > ROUNDING, s)
+        return Judgement(s > PARALLEL, s)
 
 
 @checked
@@ -77,18 +77,14 @@ class WrenchFeasible(Criterion):
         half = box_half_widths(self.half_widths, robot.n_dof, "N, N m")
         if self._by_facets():
             s = capacity_margins(W, weight, loads, half, low, high, exact=margin)[0]
-            found = Judgement(not_negative(s, weight, low), s)
-            return found if margin else unknown(found.inside)
-        return _balanced(robot, W, [weight + load for load in box_loads(loads, half)], margin)
+            inside = balanced(s, W, weight, box_loads(loads, half)[:, None], low, high)
+            return Judgement(inside, s) if margin else unknown(inside)
+        return _balanced(robot, W, weight, box_loads(loads, half)[:, None], margin)
 
     def _by_facets(self) -> bool:
         if self.by not in (None, "tensions", "facets"):
             raise InvalidInput(f"by must be 'tensions' or 'facets', got {quoted(self.by)}")
         return self.by == "facets" or (self.by is None and self.half_widths is not None)
-
-
-BOUNDLESS = 1e9
-"""Weights: a cable that needs more is flat to double precision."""
 
 
 @dataclass(frozen=True)
@@ -103,12 +99,16 @@ class StaticEquilibrium(Criterion):
 
     @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
+        from scipy.optimize import nnls
+
         W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
-        none, heavy = np.zeros(robot.n_cables), np.full(robot.n_cables, robot.mass * max(robot.gravity, 1.0))
-        free = tension_margins(W, weight, none, BOUNDLESS * heavy, at_high=False)
-        inside = not_negative(free, weight, none)
-        bounded = tension_margins(W, weight, none, 100 * heavy, at_high=False)
-        return Judgement(inside, np.where(inside, np.maximum(bounded, 0.0), free))
+        none, most = np.zeros(robot.n_cables), np.full(robot.n_cables, 100 * robot.mass * max(robot.gravity, 1.0))
+        s = tension_margins(W, weight, none, most, at_high=False)
+        inside = np.asarray(s >= 0)
+        for k in np.flatnonzero(s < 0):   # the cone of all pulls has no largest
+            missed = nnls(W[k], -weight[k], maxiter=1000)[1]
+            inside[k] = missed <= TOLERANCE * (1 + np.abs(weight[k]).max())
+        return Judgement(inside, np.where(inside, np.maximum(s, 0.0), s))
 
 
 @checked
@@ -132,7 +132,7 @@ class DynamicEquilibrium(Criterion):
         # Wrenches are convex in the acceleration: the corners decide, and directions that are
         # held make none.
         corners = box_loads(np.zeros((1, half.size)), half)
-        return _balanced(robot, W, [weight - M @ corner for corner in corners], margin)
+        return _balanced(robot, W, weight, -np.array([M @ corner for corner in corners]), margin)
 
 
 @dataclass(frozen=True)
@@ -154,14 +154,15 @@ class TippingSafe(Criterion):
         A = np.concatenate([edge.matrix for edge in rows.values()], axis=-2)
         b = -np.concatenate([edge.offset for edge in rows.values()], axis=-1)
         W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
-        s = np.array([standing_margin(robot, *pose) for pose in zip(W, weight, A, b)])
+        s, held = np.full(len(W), -np.inf), feasible(W, weight, robot.tension_min, robot.tension_max)
+        s[held] = [standing_margin(robot, *pose) for pose in zip(W[held], weight[held], A[held], b[held])]
         return Judgement(s >= 0, s)
 
 
-def _balanced(robot: Robot, W: Array, wanted: list[Array], margin: bool) -> Judgement:
-    """Whether tensions within the limits balance all wrenches that are wanted."""
+def _balanced(robot: Robot, W: Array, weight: Array, loads: Array, margin: bool) -> Judgement:
+    """Whether tensions within the limits balance the weight and each of the loads (k, N or 1, n)."""
     low, high = robot.tension_min, robot.tension_max
     if margin:
-        s = np.array([tension_margins(W, w_e, low, high) for w_e in wanted])
-        return Judgement(np.asarray(not_negative(s, np.array(wanted), low).all(axis=0)), s.min(axis=0))
-    return unknown(np.logical_and.reduce([feasible(W, w_e, low, high) for w_e in wanted]))
+        s = np.min([tension_margins(W, weight + load, low, high) for load in loads], axis=0)
+        return Judgement(balanced(s, W, weight, loads, low, high), s)
+    return unknown(np.logical_and.reduce([feasible(W, weight + load, low, high) for load in loads]))

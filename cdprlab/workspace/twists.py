@@ -13,8 +13,11 @@ from ..mechanics.optimization import largest_last
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..sets.twist import base_speeds, moving_columns
-from .capacity import ROUNDING, box_half_widths, box_loads
+from .capacity import box_half_widths, box_loads
 from .criterion import Criterion, Judgement
+
+_ROUNDING = 1e-9
+"""Of the speeds asked for; no speed limit is a tolerance."""
 
 
 @checked
@@ -58,7 +61,7 @@ class TwistFeasible(Criterion):
         else:
             spare = (robot.speed_max - np.abs(J @ wanted.T).max(axis=-1) - np.abs(J) @ half).min(axis=-1)
         asked = (np.abs(J @ wanted.T).max(axis=-1) + np.abs(J) @ half).max(axis=-1)
-        return Judgement(spare >= -ROUNDING * (1 + asked), spare)   # no speed limit is a tolerance
+        return Judgement(spare >= -_ROUNDING * (1 + asked), spare)
 
 
 def speed_margin(rates: Array, B: Array, cables: Array, bases: Array) -> float:

@@ -23,8 +23,8 @@ def place_bases(robot: Robot, poses: Pose, wrenches: ArrayLike, *, tipping: bool
 
     It maximizes the worst margin s over all poses and wrenches, one linear program a placement:
     max s with W τ + w_e = 0, τ_min + s h ≤ τ ≤ τ_max − s h and moments ≤ −s M about every
-    footprint edge; h is half the range of each cable, M what each base's own weight holds
-    against tipping, the mean over its edges.
+    footprint edge; h is half the range of each cable, up to a hundred times the smallest, M
+    what each base's own weight holds against tipping, the mean over its edges.
 
     A pattern search over the directions in which the bases can drive (speed limit above 0),
     from their present poses and from layouts around the wanted ones. Bases keep clear of each

@@ -12,9 +12,14 @@ from ...mechanics.optimization import largest_last
 from ...mechanics.statics import tipping_rows, wrench_matrix
 from ...robot import Robot
 from ...robot.pose import Pose
+from ...tensions.law import forgiven
 
 UNREACHABLE = -1e3
 """Margin where the cables cannot exert a wrench at all, whatever their tensions."""
+
+
+_GENEROUS = 100.0
+"""A cable's range counts up to so many times the smallest: without a limit it would be the measure of all."""
 
 
 class Duty(NamedTuple):
@@ -55,11 +60,12 @@ def _limits(robot: Robot, duty: Duty) -> tuple[Array, Array]:
     """Rows (N k, f, m + 1) and sides (N k, f): tension limits, then footprint edges; the last column is that of s."""
     k, m = duty.loads.shape[1], robot.n_cables
     half = (robot.tension_max - robot.tension_min) / 2
+    half = np.minimum(half, _GENEROUS * half[half > 0].min(initial=np.inf))
     eye = np.eye(m)
     rows = [np.broadcast_to(np.column_stack([sign * eye, half]), (len(duty.poses), m, m + 1))
             for sign in (-1.0, 1.0)]
-    sides = [np.broadcast_to(side, (len(duty.poses), m))
-             for side in (-robot.tension_min, robot.tension_max)]
+    slack = forgiven(np.abs(duty.loads).max(axis=1), robot.tension_min)
+    sides = [slack + side for side in (-robot.tension_min, robot.tension_max)]
     for edges in tipping_rows(robot, duty.poses).values() if duty.tipping else ():
         holds = np.abs(edges.offset).mean(axis=-1, keepdims=True)
         rows.append(np.concatenate([edges.matrix, np.broadcast_to(holds, edges.offset.shape)[..., None]], axis=-1))
