@@ -259,8 +259,8 @@ class Polytope:
         eye = np.eye(self.n)
         ends = self.support_point(np.stack([-eye, eye]))
         if not self._is_listable:
-            raise NotListable("some limits are so much larger than others that facets cannot be told apart; ask contains, "
-                              "support or axis_section, or give limits that a machine has")
+            raise NotListable("some limits are so much larger than others that facets cannot be told apart; ask "
+                              "contains, support or axis_section, or give limits that a machine has")
         if not np.isnan(ends).any():
             return affine_hull(ends, self.support_point)
         if self.is_empty:
