@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.stats import chi2
+from test_pulleys import PULLEYED, poses_of
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
@@ -12,22 +13,23 @@ from cdprlab.mechanics.calibration import length_slopes
 from robots import ROBOTS, differences, random_poses
 
 NOISE = 1e-4
-EVERY = ["exit_points", "anchor_points", "length_offsets"]
+EVERY = ["exit_points", "anchor_points", "length_offsets", "pulley_radius"]
 
 
 def changed(robot, table):
-    """The robot with the numbers of a table (m, 2 d + 1) added, but for the offsets in its last column."""
+    """The robot with the numbers of a table (m, 2 d + 2) added, but for the offsets in its last column but one."""
     d = robot.dimension
     return replace(robot, cables=tuple(
-        replace(cable, exit_point=cable.exit_point + row[:d], anchor_point=cable.anchor_point + row[d:2 * d])
+        replace(cable, exit_point=cable.exit_point + row[:d], anchor_point=cable.anchor_point + row[d:2 * d],
+                pulley=cable.pulley and replace(cable.pulley, radius=cable.pulley.radius + row[-1]))
         for cable, row in zip(robot.cables, table)))
 
 
 def planted(robot, rng, unknown, size=0.02):
     """Errors of ± size [m] in what is unknown, as a table."""
     d = robot.dimension
-    table = rng.uniform(-size, size, (robot.n_cables, 2 * d + 1))
-    for kind, columns in zip(EVERY, (slice(d), slice(d, 2 * d), slice(2 * d, None))):
+    table = rng.uniform(-size, size, (robot.n_cables, 2 * d + 2))
+    for kind, columns in zip(EVERY, (slice(d), slice(d, 2 * d), -2, -1)):
         if kind not in unknown:
             table[:, columns] = 0.0
     if robot.motion_pattern == "2R3T":   # its anchor points stay on x'
@@ -37,7 +39,7 @@ def planted(robot, rng, unknown, size=0.02):
 
 def read(robot, table, poses, rng, noise=NOISE):
     """What the winches of the robot with these errors say."""
-    return cl.cable_lengths(changed(robot, table), poses) + table[:, -1] + rng.normal(0, noise,
+    return cl.cable_lengths(changed(robot, table), poses) + table[:, -2] + rng.normal(0, noise,
                                                                                      (len(poses), robot.n_cables))
 
 
@@ -48,18 +50,19 @@ def some_poses(robot, count, seed=0):
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_slopes_are_finite_differences(name):
-    robot = ROBOTS[name]()
+@pytest.mark.parametrize("pulleys", [False, True])
+def test_slopes_are_finite_differences(name, pulleys):
+    robot = PULLEYED[name] if pulleys else ROBOTS[name]()
     if not robot.pattern.turns or robot.motion_pattern == "2R3T":   # whose anchor points must not move
         robot = replace(robot, pattern=ROBOTS["1R2T" if robot.dimension == 2 else "3R3T"]().pattern)
-    poses, m = random_poses(robot, 3, 5), robot.n_cables
+    poses, m = poses_of(robot, 3, 5), robot.n_cables
 
     def lengths(x):
         table = x.reshape(m, -1)
-        return cl.cable_lengths(changed(robot, table), poses) + table[:, -1]
+        return cl.cable_lengths(changed(robot, table), poses) + table[:, -2]
 
-    expected = differences(lengths, m * (2 * robot.dimension + 1), 1e-6)
-    np.testing.assert_allclose(length_slopes(robot, poses), expected, atol=1e-9)
+    expected = differences(lengths, m * (2 * robot.dimension + 2), 1e-6)
+    np.testing.assert_allclose(length_slopes(robot, poses), expected, atol=1e-8)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -80,21 +83,34 @@ def test_exits_with_offsets_are_recovered_from_poses_that_tell(world):
     poses, table = cl.calibration_poses(world, 40), planted(robot, rng, ["exit_points", "length_offsets"])
     found = cl.calibrate(robot, poses, read(robot, table, poses, rng))
     assert np.linalg.norm(found.robot.exit_points - changed(robot, table).exit_points, axis=1).max() < 2e-3
-    np.testing.assert_allclose(found.length_offsets, table[:, -1], atol=2e-3)
+    np.testing.assert_allclose(found.length_offsets, table[:, -2], atol=2e-3)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_without_noise_everything_is_exact(name):
     robot, rng = ROBOTS[name](), np.random.default_rng(6)
-    unknown = EVERY if robot.pattern.turns else ["exit_points", "length_offsets"]
+    unknown = EVERY[:3] if robot.pattern.turns else ["exit_points", "length_offsets"]
     poses, table = some_poses(robot, 60, 1), planted(robot, rng, unknown)
     found = cl.calibrate(robot, poses, read(robot, table, poses, rng, 0.0), unknown, length_noise=1e-7)
     np.testing.assert_allclose(found.residual, 0.0, atol=1e-9)
     if not found.undetermined:   # a cable that is always nearly parallel to itself keeps what cannot be told
         np.testing.assert_allclose(found.robot.exit_points, changed(robot, table).exit_points, atol=1e-7)
         np.testing.assert_allclose(found.robot.anchor_points, changed(robot, table).anchor_points, atol=1e-7)
-        np.testing.assert_allclose(found.length_offsets, table[:, -1], atol=1e-7)
+        np.testing.assert_allclose(found.length_offsets, table[:, -2], atol=1e-7)
     assert not found.undetermined or name == "1T"
+
+
+@pytest.mark.parametrize("name", ["2T", "1R2T", "3R3T", "two bases"])
+def test_radii_of_pulleys_are_found(name):
+    robot, rng = PULLEYED[name], np.random.default_rng(9)
+    poses, table = poses_of(robot, 40, 3), planted(robot, rng, ["pulley_radius", "length_offsets"], 0.01)
+    found = cl.calibrate(robot, poses, read(robot, table, poses, rng), ["pulley_radius", "length_offsets"])
+    wheels = [i for i, cable in enumerate(robot.cables) if cable.pulley]
+    assert list(found.estimates)[:len(wheels)] == [f"pulley_radius {i + 1}" for i in wheels]
+    off = np.array(list(found.estimates.values())) - [
+        *(changed(robot, table).cables[i].pulley.radius for i in wheels), *table[:, -2]]
+    assert (np.abs(off) < 4 * np.sqrt(found.covariance.diagonal())).all() and np.abs(off).max() < 3e-3
+    assert found.robot.cables[wheels[0]].pulley.radius == found.estimates[f"pulley_radius {wheels[0] + 1}"]
 
 
 def coverage(trials):
@@ -168,6 +184,7 @@ def test_mass_and_center_of_mass_from_tensions_at_rest(name):
     ({"unknown": []}, "unknown must be some of"),
     ({"unknown": ["mass", "mass"]}, "each once"),
     ({"unknown": ["mass"]}, "give tensions"),
+    ({"unknown": ["pulley_radius"]}, "no cable of this robot leaves over a pulley"),
     ({"length_noise": 0}, "length_noise must be positive"),
     ({"lengths": np.ones((5, 7))}, r"lengths must be an array of shape \(5, 8\)"),
     ({"tensions": np.ones((4, 8))}, r"tensions must be an array of shape \(5, 8\)"),

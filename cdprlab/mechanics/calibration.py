@@ -12,7 +12,7 @@ from ..arrays import Array, Indices, as_array, as_number, checked, frozen, lasti
 from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from ..robot.pose import Pose
-from .cables import cable_directions, cable_lengths, check_dimension
+from .cables import anchor_offsets, cable_lengths, cables_at, check_dimension
 from .statics import gravity_wrench, wrench_matrix
 
 TOLD = 0.010
@@ -66,7 +66,7 @@ def calibrate(robot: Robot, poses: Pose, lengths: ArrayLike,
     poses : (N,) as measured; their errors act as errors of the lengths
     lengths : (N, m) read from the winches [m]
     unknown : of "exit_points" (in their base's frame), "anchor_points", "length_offsets",
-        "mass", "center_of_mass"
+        "pulley_radius" (of each there is), "mass", "center_of_mass"
     tensions : (N, m) at rest [N]; both of the last two are found if unknown names neither
     length_noise : standard deviation of a length [m]
     Raises InvalidInput.
@@ -101,7 +101,7 @@ def calibrate(robot: Robot, poses: Pose, lengths: ArrayLike,
     def too_long(x: Array) -> tuple[Array, Array]:
         table.flat[own] = x
         changed = _rebuilt(robot, table)
-        return ((cable_lengths(changed, poses) + table[:, -1] - measured).ravel(),
+        return ((cable_lengths(changed, poses) + table[:, -2] - measured).ravel(),
                 length_slopes(changed, poses).reshape(measured.size, -1)[:, own])
 
     x, covariance, told = _fit(too_long, table.flat[own], noise, names)
@@ -121,37 +121,44 @@ def calibrate(robot: Robot, poses: Pose, lengths: ArrayLike,
         x = np.concatenate([x, scale * y])
         covariance = block_diag(covariance, more * np.outer(scale, scale))
         told += untold
-    return Calibration(found, frozen(table[:, -1].copy()), dict(zip(names, x.tolist())), frozen(covariance),
+    return Calibration(found, frozen(table[:, -2].copy()), dict(zip(names, x.tolist())), frozen(covariance),
                        frozen(left.reshape(shape)), told)
 
 
 def length_slopes(robot: Robot, poses: Pose) -> Array:
-    """∂l/∂A = u, ∂l/∂b = −Rᵀ u, ∂l/∂offset = 1.
+    """∂l/∂A = u, ∂l/∂b = −Rᵀ u, ∂l/∂offset = 1, ∂l/∂r = (l − u · (A − B)) / r, as l of A − B and r is homogeneous.
 
-    Returns (N, m, m (2 d + 1)): cable after cable its exit point in its base's frame, anchor
-    point, offset.
+    Returns (N, m, m (2 d + 2)): cable after cable its exit point in its base's frame, anchor
+    point, offset, radius of its pulley.
 
     >>> import cdprlab as cl
     >>> length_slopes(cl.load_world("caroca").robot, cl.Pose([[0, 0, 1]])).shape
-    (1, 8, 56)
+    (1, 8, 64)
     """
-    u = cable_directions(robot, poses)
+    u, lengths = cables_at(robot, poses)[:2]
     exits = u.copy()
     for i, base in enumerate(robot.base_indices):
         if base >= 0:
             exits[:, i] = u[:, i] @ robot.bases[base].rotation
-    own = np.concatenate([exits, -u @ poses.rotation, np.ones((*u.shape[:2], 1))], axis=-1)
-    return (own[:, :, None] * np.eye(robot.n_cables)[:, :, None]).reshape(*u.shape[:2], -1)
+    along = (u * (robot.exit_points - poses.position[:, None] - anchor_offsets(robot, poses))).sum(axis=-1)
+    radii = np.array([cable.pulley.radius if cable.pulley else np.inf for cable in robot.cables])
+    own = np.concatenate([exits, -u @ poses.rotation, np.ones((*lengths.shape, 1)),
+                          ((lengths - along) / radii)[..., None]], axis=-1)
+    return (own[:, :, None] * np.eye(robot.n_cables)[:, :, None]).reshape(*lengths.shape, -1)
 
 
 def _table(robot: Robot) -> Array:
-    """(m, 2 d + 1): what is believed of each cable, as `length_slopes` orders it."""
-    return np.array([[*cable.exit_point, *cable.anchor_point, 0.0] for cable in robot.cables])
+    """(m, 2 d + 2): what is believed of each cable, as `length_slopes` orders it; radius 0 without pulley."""
+    return np.array([[*cable.exit_point, *cable.anchor_point, 0.0, cable.pulley.radius if cable.pulley else 0.0]
+                     for cable in robot.cables])
 
 
 def _rebuilt(robot: Robot, table: Array) -> Robot:
     d = robot.dimension
-    return replace(robot, cables=tuple(replace(cable, exit_point=row[:d], anchor_point=row[d:2 * d])
+    return replace(robot, cables=tuple(replace(
+        cable, exit_point=row[:d], anchor_point=row[d:2 * d],
+        # A step of the search may pass zero.
+        pulley=replace(cable.pulley, radius=max(float(row[-1]), 1e-6)) if cable.pulley else None)
                                        for cable, row in zip(robot.cables, table)))
 
 
@@ -159,7 +166,7 @@ def _chosen(robot: Robot, kinds: list[str]) -> tuple[Indices, list[str]]:
     """Places of the unknowns in the table, and after it in the platform's mass and center; and their names."""
     axes, turns = "xyz"[:robot.dimension], len(robot.pattern.turn_axes)
     labels = [*(f"exit_points {{}} {axis}" for axis in axes), *(f"anchor_points {{}} {axis}" for axis in axes),
-              "length_offsets {}"]
+              "length_offsets {}", "pulley_radius {}"]
     names = [label.format(i + 1) for i in range(robot.n_cables) for label in labels]
     names += ["mass", *(f"center_of_mass {axis}" for axis in axes)]
     known = dict.fromkeys(name.split()[0] for name in names)
@@ -168,8 +175,12 @@ def _chosen(robot: Robot, kinds: list[str]) -> tuple[Indices, list[str]]:
     if "anchor_points" in kinds and not turns:
         raise InvalidInput(f"in {robot.motion_pattern} all cables meet at P: anchor_points cannot be unknown")
     fixed = "yz" if turns == 2 else ""   # 2R3T: anchor points stay on the x′ axis
+    wheels = [f"pulley_radius {i + 1}" for i, cable in enumerate(robot.cables) if cable.pulley]
+    if "pulley_radius" in kinds and not wheels:
+        raise InvalidInput("no cable of this robot leaves over a pulley: pulley_radius cannot be unknown")
     places = [k for kind in sorted(kinds, key=_PLATFORM.__contains__) for k, name in enumerate(names)
-              if name.split()[0] == kind and not (kind == "anchor_points" and name[-1] in fixed)]
+              if name.split()[0] == kind and not (kind == "anchor_points" and name[-1] in fixed)
+              and (kind != "pulley_radius" or name in wheels)]
     return np.array(places, dtype=int), [names[k] for k in places]
 
 
