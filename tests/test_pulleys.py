@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, root
+from test_rest import hung
 
 import cdprlab as cl
 import robots
 from cdprlab.mechanics.cables import have_directions, tangent_points
+from cdprlab.workspace.certified import certify
 from robots import BASED, ROBOTS, moved, random_poses
 
 SPATIAL_AXES = [[0, 0, 1], [1, 0, 0], [0, -0.6, 0.8], [0.48, 0.6, -0.64]]   # the second is horizontal
@@ -206,3 +208,241 @@ def test_forward_kinematics_recovers_random_poses(name):
         found = cl.forward_kinematics(robot, cl.cable_lengths(robot, pose), start)
         np.testing.assert_allclose(found.position, pose.position, atol=1e-9)
         np.testing.assert_allclose(found.rotation, pose.rotation, atol=1e-9)
+
+
+# --- engines --------------------------------------------------------------------------------------------
+def settled(world, cables, lengths, start):
+    """The engine's state once a braked load hangs still on ropes of these lengths, let go at a pose nearby."""
+    robot = world.robot
+    brake = np.array([45.0] * robot.dimension + [3.0] * (robot.n_dof - robot.dimension))
+    with cl.open_simulator(world, cables) as simulator:
+        simulator.reset(start)
+        for k in range(3500):
+            if not k % 5:
+                simulator.push(-brake * simulator.twist[:robot.n_dof])
+            simulator.wind(lengths)
+        assert np.abs(simulator.twist).max() < 1e-5
+        return simulator.state()
+
+
+def stretched(robot, lengths, guess):
+    """The pose where ropes of these unstrained lengths balance the weight by Hooke's law, arcs and all."""
+    ea = robot.elasticity.axial_stiffness
+
+    def unrest(x):
+        there = moved(robot, guess, x)
+        pulls = ea * (cl.cable_lengths(robot, there) / lengths - 1)
+        return cl.wrench_matrix(robot, there) @ pulls + cl.gravity_wrench(robot, there)
+
+    return moved(robot, guess, root(unrest, np.zeros(robot.n_dof), tol=1e-13).x)
+
+
+@pytest.mark.parametrize("cables, d, axis", [(2, 2, [0, 1]), (3, 3, [0.6, 0, 0.8])])
+def test_a_load_on_pulleys_comes_to_rest_where_statics_says(cables, d, axis):
+    if d == 3:
+        pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
+    world, _ = hung(cables, d)
+    world = replace(world, robot=over_pulleys(world.robot, 0.08, [axis]))
+    lengths = cl.cable_lengths(world.robot, world.pose) + np.linspace(0, 0.03, cables)
+    rest = cl.equilibrium(world.robot, lengths, world.pose)
+    state = settled(world, "length", lengths, world.pose)
+    np.testing.assert_allclose(state.position, rest.pose.position, atol=1e-5)
+    np.testing.assert_allclose(state.rotation, rest.pose.rotation, atol=1e-5)
+    np.testing.assert_allclose(state.tensions, rest.tensions, atol=0.01)   # a leg's tip weighs 1e-3 N
+
+
+@pytest.mark.parametrize("radius", [None, 0.08])
+def test_a_load_on_cables_that_stretch_rests_where_statics_says(radius):
+    pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
+    world, _ = hung(3, 3)
+    robot = over_pulleys(world.robot, radius, [[0, 0, 1]]) if radius else world.robot
+    world = replace(world, robot=replace(robot, elasticity=cl.Elasticity(2e4, 0.1)))
+    lengths = cl.cable_lengths(world.robot, world.pose) + np.linspace(0, 0.02, 3)
+    stiff = cl.equilibrium(world.robot, lengths, world.pose)
+    pose = stretched(world.robot, lengths, stiff.pose)
+    assert np.linalg.norm(pose.position - stiff.pose.position) > 1e-3
+    state = settled(world, "elastic", lengths, world.pose)
+    np.testing.assert_allclose(state.position, pose.position, atol=1e-5)
+    np.testing.assert_allclose(state.rotation, pose.rotation, atol=1e-5)
+
+
+def fastkit(radius=0.06):
+    """FASTKIT, its bases free to turn and drive, every cable over a pulley that comes from below."""
+    world = cl.load_world("fastkit_suspended")
+    robot = over_pulleys(world.robot, radius, [[0, 0, 1]])
+    free = tuple(replace(base, speed_max=np.full(3, 0.2)) for base in robot.bases)
+    return replace(world, robot=replace(robot, bases=free))
+
+
+def holding(simulator):
+    """Tensions that balance the platform's weight."""
+    robot = simulator.world.robot
+    weight = cl.gravity_wrench(robot, simulator.state().pose)
+    return cl.distribute_tensions(simulator.wrench_matrix, weight, robot.tension_min, robot.tension_max).tensions
+
+
+def test_wheels_of_bases_carry_what_pulls_at_the_tangent_points():
+    pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
+    world = fastkit()
+    with cl.open_simulator(world, bodies=True) as simulator:
+        for _ in range(300):
+            tau = holding(simulator)
+            simulator.step(tau)
+        np.testing.assert_allclose(simulator.tensions, tau, atol=2e-3)   # put together again from leg and rest
+        assert np.linalg.norm(simulator.position - world.pose.position) < 2e-4
+        for base in world.robot.bases:
+            load, corners = simulator.wheel_loads()[base.name], base.footprint
+            rows = cl.tipping_moments(world.robot, simulator.state().pose, tau)[base.name]
+            points = cl.tipping_moments(cl.load_world("fastkit_suspended").robot, world.pose, tau)[base.name]
+            assert np.abs(rows - points).max() > 1
+            for k, moment in enumerate(rows):
+                along = corners[(k + 1) % 4] - corners[k]
+                inward = (corners - corners[k]) @ [-along[1], along[0]] / np.linalg.norm(along)
+                assert -moment == pytest.approx(load @ inward, abs=0.02)   # of 400 N m
+
+
+@pytest.mark.parametrize("name", ["spatial", "planar"])
+def test_exits_of_bases_that_turn_and_drive_go_as_the_base_jacobian_says(name):
+    speeds = np.array([0.15, 0.1, 0.05, -0.1, 0.1, -0.1])
+    if name == "spatial":
+        pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
+        world, options, off = fastkit(), {"bodies": True}, 1e-4   # motors lag
+    else:
+        world, options, off = cl.load_world("planar_mcdpr"), {"cables": "length"}, 1e-4   # a step's mean velocity
+        robot = over_pulleys(world.robot, 0.05, [[0, 1]])
+        free = tuple(replace(base, speed_max=np.ones(3)) for base in robot.bases)
+        world = replace(world, robot=replace(robot, bases=free))
+    with cl.open_simulator(world, **options) as simulator:
+        simulator.drive(speeds)
+        for _ in range(200):
+            if name == "spatial":
+                simulator.step(holding(simulator))
+            else:
+                simulator.wind(simulator.lengths)
+        robot, pose = simulator.robot, simulator.state().pose
+        np.testing.assert_allclose(simulator.lengths, cl.cable_lengths(robot, pose), atol=1e-5)
+        velocities = simulator.exit_velocities if name == "spatial" else simulator.bases.reel_velocities()
+        rates = (cl.cable_directions(robot, pose) * velocities).sum(axis=-1)
+        np.testing.assert_allclose(rates, -cl.base_jacobian(robot, pose) @ speeds, atol=off)
+
+
+@pytest.mark.parametrize("cables", ["tension", "length"])
+def test_ropes_over_pulleys_hold_the_platform_while_a_planar_base_turns_and_drives(cables):
+    world = cl.load_world("planar_mcdpr")
+    robot = over_pulleys(world.robot, 0.05, [[0, 1]])
+    free = tuple(replace(base, speed_max=np.ones(3)) for base in robot.bases)
+    world = replace(world, robot=replace(robot, bases=free))
+    with cl.open_simulator(world, cables) as simulator:
+        law, still = cl.ComputedTorque(), cl.hold(world.pose, 1.0)(0.0)
+        simulator.drive([0.1, -0.2, 0, 0, 0, 0])
+        for k in range(1, 301):
+            heading = 1e-4 * k
+            base = world.robot.bases[0]
+            place = base.position + np.array([-np.sin(heading), np.cos(heading) - 1]) * 2
+            ahead = world.robot.with_bases({base.name: (*place, heading)})
+            if cables == "length":
+                simulator.wind(cl.cable_lengths(ahead, world.pose))
+            else:
+                wanted = law(0.0, simulator.state(), still)
+                simulator.step(cl.distribute_tensions(simulator.wrench_matrix, -wanted, robot.tension_min,
+                                                      robot.tension_max).tensions)
+            assert np.abs(simulator.position - world.pose.position).max() < 1e-4
+
+
+# --- what cannot be ---------------------------------------------------------------------------------------
+def hook(radius=0.1, axis=(0, 0, 1)):
+    """A point on one cable over a pulley at the origin."""
+    return over_pulleys(robots.build("3T", [[0, 0, 0]], [[0, 0, 0]], limits=(0, 1000)), radius, [axis])
+
+
+WRONG = [([0, 0, -2], "on the line that it comes along"), ([0, 0, 2], "on the line that it comes along"),
+         ([0.1, 0.05, 0], "inside the wheel of its pulley, whose radius is 0.1 m"),
+         ([0.15, 0, -2], "more than half a turn")]
+
+
+@pytest.mark.parametrize("place, reason", WRONG)
+@pytest.mark.parametrize("function", [cl.cable_lengths, cl.cable_vectors, cl.cable_directions, cl.wrench_matrix,
+                                      cl.jacobian, cl.base_jacobian])
+def test_a_cable_that_cannot_lie_on_its_pulley_is_named(function, place, reason):
+    good = [1.0, 0.5, -1.0]
+    with pytest.raises(cl.errors.InvalidInput, match=f"cable 1 has no direction at this pose.*{reason}"):
+        function(hook(), cl.Pose(place))
+    with pytest.raises(cl.errors.InvalidInput, match=f"cable 1 has no direction at pose 2 of the batch.*{reason}"):
+        function(hook(), cl.Pose([good, good, place]))
+    function(hook(), cl.Pose([good, good]))
+
+
+def test_half_a_turn_is_the_most():
+    robot = hook()
+    assert cl.cable_lengths(robot, cl.Pose([0.2 + 1e-9, 0, -2]))[0] == pytest.approx(0.1 * np.pi + 2, abs=1e-8)
+    np.testing.assert_allclose(cl.cable_directions(robot, cl.Pose([0.2 + 1e-9, 0, -2]))[0], [0, 0, 1], atol=1e-8)
+    # As good as straight on: no wrap at all.
+    assert cl.cable_lengths(robot, cl.Pose([1e-6, 0, 2]))[0] == pytest.approx(2, abs=1e-9)
+
+
+def test_a_sweep_calls_such_poses_outside_and_says_why():
+    robot = PULLEYED["3R3T"]
+    poses = random_poses(robot, 30, 2)
+    places = poses.position.copy()
+    places[[4, 17]] = robot.exit_points[0] - [0, 0, 1] - robot.anchor_points[0]
+    for chunk in (7, 4096):
+        with pytest.warns(cl.errors.CdprWarning, match=r"2 of 30 poses are outside .* cable 1 has no direction"):
+            found = cl.workspace(robot, cl.Pose(places), cl.WrenchFeasible(), chunk=chunk)
+        assert not found.inside[[4, 17]].any() and np.isnan(found.margin[[4, 17]]).all()
+    kept = np.delete(np.arange(30), [4, 17])
+    np.testing.assert_array_equal(found.inside[kept],
+                                  cl.workspace(robot, cl.Pose(places[kept]), cl.WrenchFeasible()).inside)
+
+
+def test_forward_kinematics_that_comes_to_a_wheel_does_not_converge():
+    robot = hook()
+    with pytest.raises(cl.errors.NoConvergence, match="start nearer"):
+        cl.forward_kinematics(robot, [1.0], cl.Pose([0, 0, -2.0]))
+
+
+@pytest.mark.parametrize("radius, axis, words", [
+    (0.0, [0, 0, 1], "radius of a pulley must be positive"), (np.nan, [0, 0, 1], "radius"), (0.1, [0, 0, 0], "unit"),
+    (0.1, [0, 0, 2], "unit vector.*of length 2"), (0.1, [0, np.nan, 1], "axis"), (0.1, 3.0, "axis")])
+def test_a_pulley_that_is_none(radius, axis, words):
+    with pytest.raises(cl.errors.InvalidInput, match=words):
+        cl.Pulley(radius, axis)
+
+
+def test_a_pulley_lives_in_its_cables_dimension():
+    with pytest.raises(cl.errors.InvalidInput, match="axis of a pulley must be 3 numbers"):
+        cl.Cable([0, 0, 0], [0, 0, 0], 0, 1, pulley=cl.Pulley(0.1, [0, 1]))
+    np.testing.assert_array_equal(cl.Pulley(0.1, [0.7071, 0.7071]).axis, np.full(2, np.sqrt(0.5)))
+
+
+def test_proofs_say_that_they_know_points_only():
+    robot = PULLEYED["3R3T"]
+    with pytest.raises(cl.errors.InvalidInput, match="pulleys: use workspace"):
+        certify(robot, [0, 0, 1], [0.1, 0.1, 1.1])
+    for question in (lambda: cl.classify_configurations(PULLEYED["3T"], [0, 0, 1]),
+                     lambda: cl.plan_configurations(PULLEYED["3T"], [0, 0, 1], [0.5, 0, 1])):
+        with pytest.raises(cl.errors.InvalidInput, match="pulleys"):
+            question()
+    world = fastkit()
+    poses, weight = cl.Pose([[0, 0, 0.5]]), cl.gravity_wrench(world.robot, world.pose)
+    with pytest.raises(cl.errors.NoPlacement, match="a search, no proof"):
+        cl.place_bases(world.robot, poses, 100 * weight, evaluations=1)
+
+
+@pytest.mark.parametrize("name", ["point_mass", "planar_point"])
+def test_a_load_that_comes_under_its_pulley_ends_the_flight_and_says_why(name):
+    if name == "point_mass":
+        pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
+    world = cl.load_world(name)
+    d = world.robot.dimension
+    world = replace(world, robot=over_pulleys(world.robot, 0.05, [np.eye(d)[-1]]))
+    exit_point = world.robot.exit_points[0]
+    towards = np.zeros(d)
+    towards[0] = np.sign(world.pose.position[0] - exit_point[0])
+    start = exit_point + 0.3 * towards - np.eye(d)[-1]
+    with cl.open_simulator(world, "force") as simulator:
+        simulator.reset(cl.Pose(start))
+        simulator.push(-2000 * towards)
+        with pytest.raises(cl.errors.SimulationDiverged, match="cable 1 has no direction at this pose") as caught:
+            for _ in range(300):
+                simulator.step(np.zeros(world.robot.n_cables))
+    assert caught.value.time > 0 and caught.value.cable == 1

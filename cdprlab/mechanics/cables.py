@@ -76,7 +76,7 @@ def cable_vectors(robot: Robot, pose: Pose) -> Array:
     """
     vectors = robot.exit_points - (pose.position[..., None, :] + anchor_offsets(robot, pose))
     if robot.pulleys.size:
-        return straight_lengths(-vectors, robot.pulleys)[..., None] * cable_directions(robot, pose)
+        return cable_directions(robot, pose) * straight_lengths(-vectors, robot.pulleys)[..., None]
     return vectors
 
 

@@ -77,7 +77,7 @@ class WinchControl(Command):
         rows, offsets = [np.zeros((0, engine.tensions.size))], [np.zeros(0)]
         for footing in self.footings:
             edges = footing.rows(engine.directions,
-                                 turned_to(engine.base_poses[footing.base, 2], 3))
+                                 turned_to(engine.base_poses[footing.base, 2], 3), engine.shifts)
             rows.append(edges.matrix)
             offsets.append(edges.offset + self.reserve)
         tau, reason = standing_tensions(W, -wrench, self.low, self.high, np.concatenate(rows),
