@@ -33,9 +33,10 @@ from .robot.pattern import MotionPattern as MotionPattern
 from .robot.pose import Pose
 from .run import Run, run
 from .run.compare import TensionComparison, compare_tensions
-from .run.controllers import ComputedTorque
+from .run.controllers import ComputedTorque, LengthControl
 from .run.controllers import Controller as Controller
 from .run.reading import read_log
+from .run.sensors import Sensors
 from .run.start import Cuts as Cuts
 from .run.winches import TorqueControl, VelocityControl
 from .sets import Polytope, available_twist_set, available_wrench_set
@@ -63,14 +64,15 @@ from .world import World, load_world, world_names, world_schema
 from .world.model import Box as Box
 from .world.model import Scene as Scene
 from .world.model import Task as Task
+from .world.perturbation import perturbed
 
 __version__ = "0.2.0"
 
 __all__ = [
     "Base", "Cable", "Calibration", "CdprError", "ComputedTorque", "Configuration",
     "ConfigurationSequence", "Criterion",
-    "DynamicEquilibrium", "InterferenceFree", "Judgement",
-    "Platform", "Polytope", "Pose", "PoseGrid", "Pulley", "Reference", "Robot", "Run", "Simulator", "State",
+    "DynamicEquilibrium", "InterferenceFree", "Judgement", "LengthControl",
+    "Platform", "Polytope", "Pose", "PoseGrid", "Pulley", "Reference", "Robot", "Run", "Sensors", "Simulator", "State",
     "StaticEquilibrium",
     "StaticallyStable", "TensionComparison", "TensionDistribution", "TippingSafe",
     "TorqueControl", "Trajectory",
@@ -81,7 +83,7 @@ __all__ = [
     "cable_vectors", "calibrate", "calibration_poses", "classify_configurations",
     "compare_tensions", "distribute_tensions",
     "equilibrium", "errors",
-    "forward_kinematics", "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator",
+    "forward_kinematics", "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator", "perturbed",
     "place_bases",
     "plan_configurations", "plot", "quintic", "read_log", "resolve_twist", "run",
     "sagging_cable", "sagging_lengths", "stiffness", "straight_tensions",

@@ -8,7 +8,7 @@ import pytest
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.fastkit import DONE, STOPPED, Machine, Phase, Sensors, pick_and_place
+from cdprlab.fastkit import DONE, STOPPED, Machine, Phase, Readings, pick_and_place
 from cdprlab.fastkit.job.phases import driving_speed, driving_time, job_phases
 from cdprlab.mechanics.dynamics import mass_and_bias, pose_error
 from cdprlab.mechanics.winch import (
@@ -305,7 +305,7 @@ def test_computed_torque_is_mass_and_bias_at_the_wanted_acceleration(turned):
 def sensed(time, **seen):
     calm = {"error": 0.0, "turn_error": 0.0, "tensions": np.full(8, 9.0), "overloaded": 0.0, "missing": 0.0,
             "wheels": {"active": np.full(4, 100.0)}, "base_error": 0.0, "gripped": False, "slipped": 0.0}
-    return Sensors(time, **{**calm, **seen})
+    return Readings(time, **{**calm, **seen})
 
 
 def test_a_shut_guard_waits_then_stops():

@@ -59,7 +59,7 @@ GOOD: dict[str, dict[str, Any]] = {
                       "method": "quadratic_program", "weights": None, "pivot": "base"},
     "run": {"world": CAROCA, "task": "default", "method": "quadratic_program", "cables": "force", "controller": None,
             "dt": 1e-3, "control_period": None, "infeasible": "relax", "external_wrench": None, "duration": 2e-3,
-            "cut": None, "progress": None, "simulator": None},
+            "cut": None, "real": CAROCA, "sensors": None, "progress": None, "simulator": None},
     "open_simulator": {"world": POINT, "cables": "force", "dt": 1e-3},
     "compare_tensions": {"world": CAROCA, "task": "default", "methods": "kernel", "time_step": 1.0},
     "stiffness": {"robot": CAROCA.robot, "pose": CAROCA.pose, "tensions": np.full(8, 400.0), "axial_stiffness": 1e5},
@@ -68,6 +68,10 @@ GOOD: dict[str, dict[str, Any]] = {
     "workspace": {"robot": CAROCA.robot, "poses": GRID, "criterion": cl.WrenchFeasible(), "margin": True,
                   "n_jobs": None, "chunk": 4096, "checkpoint": None, "progress": None},
     "wrench_matrix": {"robot": CAROCA.robot, "pose": CAROCA.pose},
+    "LengthControl": {"kp": 100.0, "kd": [20.0, 30.0]},
+    "Sensors": fields(cl.Sensors(rate=100.0)),
+    "perturbed": {"world": CAROCA, "exit_points": 0.01, "anchor_points": 0.0, "mass": 0.1, "center_of_mass": 0.0,
+                  "lengths": 0.01, "seed": 0},
     "plot": {"run_or_table": None},
 }
 """Public name → arguments that it takes; each is in turn replaced by each of the bad ones."""

@@ -115,21 +115,21 @@ def _turn_back(R: Array, R_d: Array, v: Array, turned: Array) -> None:
                 turned[i] += R[i, j] * R_d[k, j] * v[k]
 
 
-@compiled_for(2, 2, 0, 2, 1, 0, 1, 2, 1, 1, 2, 1, 1)
-def computed_torque(K_p: Array, K_d: Array, mass: float, inertia: Array, center: Array,
+@compiled_for(2, 2, 1, 0, 2, 1, 0, 1, 2, 1, 1, 2, 1, 1)
+def computed_torque(K_p: Array, K_d: Array, z: Array, mass: float, inertia: Array, center: Array,
                     gravity: float,
                     p: Array, R: Array, t: Array, p_d: Array, R_d: Array, t_d: Array, a_d: Array) -> Array:
-    """W τ = M a + h, (3 planar or 6 spatial,), with the a that makes ë + K_d ė + K_p e = 0 of `put_error`'s e.
+    """W τ = M a + h, (3 planar or 6 spatial,), with the a that makes ë + K_d ė + K_p e + z = 0 of `put_error`'s e.
 
-    Along the axes, and in the plane, a = a_d + x with x = K_d ė + K_p e and ė = t_d − t. About
+    Along the axes, and in the plane, a = a_d + x with x = K_d ė + K_p e + z and ė = t_d − t. About
     them u = R R_dᵀ ω_d − ω = J_r(e) ė, so that α = R R_dᵀ α_d + ω × u + J_r x − J̇_r ė.
 
-    K_p, K_d : (n, n) gains in world axes; then as in `mass_and_bias` and `put_error`, and the
-        wanted twist and a_d
+    K_p, K_d : (n, n) gains in world axes; z : (n,) what an integral adds; then as in
+        `mass_and_bias` and `put_error`, and the wanted twist and a_d
     """
     n = t.size
     M, h = mass_and_bias(mass, inertia, center, gravity, R, t)
-    e, rate, x, a = np.empty(n), t_d - t, np.zeros(n), a_d.copy()
+    e, rate, x, a = np.empty(n), t_d - t, z.copy(), a_d.copy()
     put_error(p, R, p_d, R_d, e)
     if n == 6:
         r, w, u, v = e[3:], t[3:], np.empty(3), rate[3:]

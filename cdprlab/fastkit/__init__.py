@@ -11,7 +11,7 @@ from ..errors import needed_by
 from .events import DONE, STOPPED, Event
 from .job.job import pick_and_place
 from .job.job_record import Job, least_edge_loads
-from .job.machine import Machine, Phase, Sensors
+from .job.machine import Machine, Phase, Readings
 from .mission.engine_pair import EnginePair, pair_pose
 from .mission.mission_record import Mission
 from .mission.scenery import in_hall
@@ -53,7 +53,7 @@ __all__ = [
     "Phase",
     "Plan",
     "Scanner",
-    "Sensors",
+    "Readings",
     "Stage",
     "Trip",
     "Vehicle",

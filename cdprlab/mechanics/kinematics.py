@@ -18,6 +18,12 @@ Pivot = Literal["base", "world"]
 _STARTS = 20
 """From where other assemblies are sought."""
 
+_NEWTON = 10
+"""Steps at most; from a millimeter away two are enough."""
+
+_ARRIVED = 1e-7
+"""[m, rad] of a step whose error is then its square."""
+
 _DISTINCT = 1e-5
 """[m], and of rotation matrices: solutions closer than this are one; a double root is found to about 1e-7."""
 
@@ -120,6 +126,26 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance:
                           Pose.of(position[index], rotation[index]), tolerance)
         position[index], rotation[index] = found.position, found.rotation
     return Pose.of(position, rotation)
+
+
+def nearby_pose(robot: Robot, lengths: Array, last: Pose) -> Pose:
+    """Forward kinematics as a control loop wants it: Newton's steps min ‖l + J x − lengths‖ from a pose near by.
+
+    robot, lengths : (m,) [m]; last : single pose, such as that of a moment ago
+
+    >>> import cdprlab as cl
+    >>> robot, pose = cl.load_world("caroca").robot, cl.Pose([0.3, 0.2, 1.0])
+    >>> nearby_pose(robot, cl.cable_lengths(robot, pose), cl.Pose([0.31, 0.2, 1.0])).position.round(9)
+    array([0.3, 0.2, 1. ])
+    """
+    pose = last
+    for _ in range(_NEWTON):
+        _, there, W = cables_at(robot, pose)
+        step = np.asarray(np.linalg.lstsq(-W.T, lengths - there)[0], dtype=float)
+        pose = moved(robot, pose, step)
+        if np.abs(step).max() < _ARRIVED:
+            break
+    return pose
 
 
 def cross(a: Array, b: Array) -> Array:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, checked, frozen, lasting
+from ..arrays import Array, as_array, as_number, checked, frozen, lasting
 from ..errors import InvalidInput, NoConvergence
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -21,6 +21,9 @@ _TAUT = 1e-6
 _STILL = 1e-9
 """Of the weight and of a metre: what may be left of equilibrium and of taut cables' lengths."""
 
+_NO_REST = ("no pose near the guess is at rest on cables of these lengths; check the lengths, or start nearer to "
+            "where the load should hang")
+
 
 @lasting
 class AtRest(NamedTuple):
@@ -31,7 +34,8 @@ class AtRest(NamedTuple):
 
 
 @checked
-def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose) -> AtRest:
+def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
+                axial_stiffness: float | None = None) -> AtRest:
     """Where the load hangs still: the least potential energy min −w_g · x with l(x) ≤ lengths, near a guess.
 
     At rest W τ + w_g = 0 with τ ≥ 0, and τ_i = 0 where l_i is below its length: cables do not
@@ -40,6 +44,8 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose) -> AtRest:
     robot : m cables, with gravity
     lengths : (m,) of the cables [m]
     guess : single pose to descend from
+    axial_stiffness : EA of cables that stretch, τ_i = EA (l_i − L_i) / L_i where they are taut;
+        default: they do not [N]
     Returns AtRest: ``(pose, tensions)``.
     Raises InvalidInput; NoConvergence where no pose near the guess is at rest.
     Source: Carricato and Merlet 2013 (geometrico-static problem of underconstrained robots).
@@ -61,6 +67,10 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose) -> AtRest:
     if robot.gravity <= 0:
         raise InvalidInput("without gravity nothing hangs: the robot's gravity must be positive [m/s²]")
     weight, n = robot.mass * robot.gravity, robot.n_dof
+    tight = 4 * np.finfo(float).eps
+    if axial_stiffness is not None:
+        stiffness = as_number(axial_stiffness, "axial_stiffness", "N", positive=True)
+        return _stretched(robot, allowed, guess, stiffness)
 
     def height(x: Array) -> float:
         pose = moved(robot, guess, x)
@@ -87,12 +97,41 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose) -> AtRest:
         missed = wrench_matrix(robot, pose)[:, carrying] @ z[n:] + gravity_wrench(robot, pose) / weight
         return np.concatenate([missed, (cable_lengths(robot, pose) - allowed)[carrying]])
 
-    tight = 4 * np.finfo(float).eps
     found = least_squares(unrest, np.concatenate([x, pulls[carrying]]), xtol=tight, ftol=tight, gtol=tight)
     pose, tensions = moved(robot, guess, found.x[:n]), np.zeros(robot.n_cables)
     tensions[carrying] = weight * found.x[n:]
     over = cable_lengths(robot, pose) - allowed
     if np.abs(unrest(found.x)).max() > _STILL or over.max() > _TAUT or tensions.min() < 0:
-        raise NoConvergence("no pose near the guess is at rest on cables of these lengths; check the lengths, or "
-                            "start nearer to where the load should hang", over)
+        raise NoConvergence(_NO_REST, over)
     return AtRest(pose, frozen(tensions))
+
+
+def _stretched(robot: Robot, lengths: Array, guess: Pose, stiffness: float) -> AtRest:
+    """Where the weight's and the cables' energy is least, and W τ + w_g = 0."""
+    from scipy.optimize import least_squares, minimize
+
+    weight = robot.mass * robot.gravity
+
+    def pulls(pose: Pose) -> Array:
+        return np.asarray(stiffness * np.maximum(cable_lengths(robot, pose) / lengths - 1, 0.0))
+
+    def energy(x: Array) -> float:
+        pose = moved(robot, guess, x)
+        height = (pose.position + pose.rotation @ robot.platform.center_of_mass)[-1]
+        return float(height + (pulls(pose)**2 * lengths).sum() / (2 * stiffness * weight))
+
+    def imbalance(x: Array) -> Array:
+        pose = moved(robot, guess, x)
+        return (wrench_matrix(robot, pose) @ pulls(pose) + gravity_wrench(robot, pose)) / weight
+
+    def slope(x: Array) -> Array:
+        return -imbalance(x) @ moved_rates(robot, guess, x)
+
+    # Newton's steps alone may go to and fro where a cable turns slack.
+    low = minimize(energy, np.zeros(robot.n_dof), jac=slope, method="BFGS").x
+    tight = 4 * np.finfo(float).eps
+    found = least_squares(imbalance, low, xtol=tight, ftol=tight, gtol=tight)
+    if not np.abs(found.fun).max() <= _STILL:
+        raise NoConvergence(_NO_REST, found.fun)
+    pose = moved(robot, guess, found.x)
+    return AtRest(pose, frozen(pulls(pose)))

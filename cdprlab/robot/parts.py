@@ -55,6 +55,7 @@ class Cable:
     speed_max : largest |l̇| [m/s]
     base : name of the mobile base that carries the exit point
     pulley : that it leaves over, None: straight from the exit point
+    length_offset : what its winch's encoder reads, minus the length there is [m]
     """
 
     exit_point: Array
@@ -64,6 +65,7 @@ class Cable:
     speed_max: float = float("inf")
     base: str | None = None
     pulley: Pulley | None = None
+    length_offset: float = 0.0
 
     def __post_init__(self) -> None:
         _keep_array(self, "exit_point", ("d",), "m")
@@ -77,6 +79,7 @@ class Cable:
             _keep_number(self, "speed_max", "speed", "m/s", positive=True, location=("speed",))
         if self.pulley is not None:
             as_array(self.pulley.axis, "axis of a pulley", self.exit_point.shape, location=("pulley", "axis"))
+        _keep_number(self, "length_offset", "length_offset", "m", location=("length_offset",))
 
 
 @lasting

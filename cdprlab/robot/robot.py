@@ -112,6 +112,11 @@ class Robot:
         return frozen(np.array([cable.speed_max for cable in self.cables]))
 
     @cached_property
+    def length_offsets(self) -> Array:
+        """(m,) what the winches' encoders read, minus the lengths there are [m]."""
+        return frozen(np.array([cable.length_offset for cable in self.cables]))
+
+    @cached_property
     def _base_of(self) -> dict[str, int]:
         return {base.name: k for k, base in enumerate(self.bases)}
 

@@ -3,30 +3,38 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, as_array, checked, lasting
+from ..arrays import Array, as_array, checked, frozen, lasting
 from ..errors import InvalidInput
+from ..mechanics.cables import cables_at
+from ..mechanics.dynamics import inverse_dynamics, pose_error
 from ..mechanics.trajectory import Reference
 from ..robot import Robot
+from ..robot.pose import Pose
 from ..simulate.state import State
 
 Controller = Callable[[float, State, Reference], Array]
 """W τ of the cables, weight not subtracted: at rest it is minus the gravity wrench."""
+
+_NONE = frozen(np.zeros(6))
 
 
 @lasting
 @checked
 @dataclass(frozen=True, eq=False)
 class ComputedTorque:
-    """Computed torque: w = M a + C v − f_g with the a that makes ë + K_d ė + K_p e = 0, e = [p_d − p; log(R_d Rᵀ)].
+    """Computed torque: w = M a + C v − f_g with the a that makes ë + K_d ė + K_p e + K_i ∫e dt = 0.
 
-    a = a_d + K_d ė + K_p e along the axes; about them ė = J_l⁻¹(e) (ω_d − R_d Rᵀ ω), and a is
-    what makes the law hold about each, however the reference turns and spins.
+    e = [p_d − p; log(R_d Rᵀ)]. Along the axes a = a_d + K_d ė + K_p e + K_i ∫e dt; about them
+    ė = J_l⁻¹(e) (ω_d − R_d Rᵀ ω), and a is what makes the law hold about each, however the
+    reference turns and spins.
 
     kp : K_p, a number or (n,) [1/s²]
     kd : K_d, a number or (n,) [1/s]; K_d times the control period must stay below 2
+    ki : K_i, a number or (n,), below K_p K_d; the integral begins anew where time does [1/s³]
     Raises InvalidInput for negative gains.
     Source: Okoli 2016, eq. (6.3)–(6.5), with the sign of f_g that (2.24) has, and the
     orientation included.
@@ -37,15 +45,12 @@ class ComputedTorque:
 
     kp: float | Array = 100.0
     kd: float | Array = 100.0
-    _in_world: dict[str, tuple[Array, Array]] = field(default_factory=dict, init=False,
-                                                      repr=False)
+    ki: float | Array = 0.0
+    _in_world: dict[str, tuple[Array, ...]] = field(default_factory=dict, init=False, repr=False)
+    _integral: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        for name in ("kp", "kd"):
-            gain = as_array(getattr(self, name), name, (), batch=True)
-            if (gain < 0).any():
-                raise InvalidInput(f"{name} must not be negative, got {gain.tolist()}")
-            object.__setattr__(self, name, gain)
+        _keep_gains(self, "kp", "kd", "ki")
 
     @cached_property
     def _law(self) -> Callable[..., Array]:   # looked up once: an import in the loop takes 1 % of it
@@ -55,7 +60,9 @@ class ComputedTorque:
 
     def __call__(self, t: float, state: State, reference: Reference) -> Array:
         robot, body, wanted = state.robot, state.robot.platform, reference.pose
-        wrench = self._law(*self._gains(robot, state.rotation), body.mass,
+        K_p, K_d, K_i = self._gains(robot, state.rotation)
+        integral = K_i @ self._integrated(t, state, wanted) if np.any(self.ki) else _NONE[:K_i.shape[0]]
+        wrench = self._law(K_p, K_d, integral, body.mass,
                            np.atleast_2d(body.inertia),
                            body.center_of_mass, robot.gravity, state.position, state.rotation,
                            state.twist,
@@ -63,12 +70,77 @@ class ComputedTorque:
                            reference.acceleration)
         return wrench if robot.n_dof == 6 else wrench @ robot.pattern.basis(state.rotation)
 
-    def _gains(self, robot: Robot, rotation: Array) -> tuple[Array, Array]:
-        """S diag(K) Sᵀ for both: gains of the motion pattern's rows in world axes, with which a platform may turn."""
+    def _integrated(self, t: float, state: State, wanted: Pose) -> Array:
+        """∫e dt until now; a time before the last one begins a new one."""
+        error = pose_error(state.pose, wanted)
+        since = t - self._integral.get("time", np.inf)
+        total = self._integral["total"] + since * error if since >= 0 else np.zeros_like(error)
+        self._integral.update(time=t, total=total)
+        return total
+
+    def _gains(self, robot: Robot, rotation: Array) -> tuple[Array, ...]:
+        """S diag(K) Sᵀ for all: gains of the motion pattern's rows in world axes, with which a platform may turn."""
         if robot.motion_pattern not in self._in_world or robot.motion_pattern == "2R3T":
-            if not {np.shape(self.kp), np.shape(self.kd)} <= {(), (robot.n_dof,)}:
-                raise InvalidInput(f"kp and kd must be numbers or {robot.n_dof} of them for a {robot.motion_pattern} "
-                                   f"robot, got shapes {np.shape(self.kp)} and {np.shape(self.kd)}")
+            gains = self.kp, self.kd, self.ki
+            if not set(map(np.shape, gains)) <= {(), (robot.n_dof,)}:
+                raise InvalidInput(f"kp, kd and ki must be numbers or {robot.n_dof} of them for a "
+                                   f"{robot.motion_pattern} robot, got shapes {[*map(np.shape, gains)]}")
             S = robot.pattern.basis(rotation)
-            self._in_world[robot.motion_pattern] = (self.kp * S) @ S.T, (self.kd * S) @ S.T
+            self._in_world[robot.motion_pattern] = tuple((gain * S) @ S.T for gain in gains)
         return self._in_world[robot.motion_pattern]
+
+
+@lasting
+@checked
+@dataclass(frozen=True, eq=False)
+class LengthControl:
+    """Joint space: w = M (a_d + J⁺ (k_d (l̇_d − l̇) + k_p (l_d − l))) + h with M, J and h at the reference's pose.
+
+    l are the measured lengths, l̇ = J t the rates of the observed twist: no pose is asked for.
+
+    kp, kd : k_p [1/s²] and k_d [1/s], numbers or (m,)
+    Raises InvalidInput for negative gains.
+    Source: Okoli 2016, sec. 6.1.
+
+    >>> LengthControl(100, 20).kd
+    array(20.)
+    """
+
+    kp: float | Array = 100.0
+    kd: float | Array = 20.0
+
+    def __post_init__(self) -> None:
+        _keep_gains(self, "kp", "kd")
+
+    def __call__(self, t: float, state: State, reference: Reference) -> Array:
+        robot, pose = state.robot, reference.pose
+        _, wanted, W = cables_at(robot, pose)
+        if not {np.shape(self.kp), np.shape(self.kd)} <= {(), (robot.n_cables,)}:
+            raise InvalidInput(f"kp and kd must be numbers or {robot.n_cables} of them, a cable one, "
+                               f"got shapes {np.shape(self.kp)} and {np.shape(self.kd)}")
+        S = robot.pattern.basis(pose.rotation)
+        rates = -(reference.twist - state.twist) @ S @ W
+        missing = self.kd * rates + self.kp * (wanted - state.lengths)
+        acceleration = reference.acceleration + S @ np.linalg.lstsq(-W.T, missing)[0]
+        return inverse_dynamics(robot, pose.rotation, reference.twist, acceleration)
+
+
+def _keep_gains(law: Any, *names: str) -> None:
+    for name in names:
+        gain = as_array(getattr(law, name), name, (), batch=True)
+        if (gain < 0).any():
+            raise InvalidInput(f"{name} must not be negative, got {gain.tolist()}")
+        object.__setattr__(law, name, gain)
+
+
+def described(controller: Any) -> str:
+    """A controller in words: its name, and its gains if it has such.
+
+    >>> described(LengthControl(100, 20))
+    'LengthControl(kp=100.0, kd=20.0)'
+    """
+    name = getattr(controller, "__name__", type(controller).__name__)
+    if isinstance(controller, ComputedTorque | LengthControl):
+        gains = {key: getattr(controller, key, None) for key in ("kp", "kd", "ki")}
+        name += f"({', '.join(f'{key}={gain.tolist()}' for key, gain in gains.items() if gain is not None)})"
+    return str(name)

@@ -8,7 +8,9 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ..arrays import Progress, as_answer
+from ..arrays import Array, Progress, as_answer
+from ..mechanics.cables import cables_at
+from ..mechanics.dynamics import inverse_dynamics
 from ..mechanics.trajectory import Reference
 from ..robot import Robot
 from ..simulate import Simulator
@@ -77,6 +79,35 @@ class LengthCommand(Command):
         return *wish, self.engine.wind(wish, self.substeps)
 
 
+class StretchedLengths(Command):
+    """Winches on ropes that stretch: wound shorter by what the tensions that hold the platform stretch them.
+
+    A wish is the Reference of where the platform shall be by the end of the control step.
+    """
+
+    def __init__(self, distributor: Distributor) -> None:
+        self.distributor = distributor
+
+    def columns(self, robot: Robot) -> Columns:
+        return {"commanded_tensions": ((robot.n_cables,), "N"), **LengthCommand().columns(robot)}
+
+    def step(self, wish: Reference) -> Iterable[float]:
+        tensions, lengths = self.wound(self.engine.robot, wish, self.engine.time)
+        wound = lengths.tolist()
+        return *tensions.tolist(), *wound, self.engine.wind(wound, self.substeps)
+
+    def wound(self, robot: Robot, wish: Reference, now: float) -> tuple[Array, Array]:
+        """(m,) wanted tensions [N], and the rope that the winches let out then [m]."""
+        assert robot.elasticity is not None
+        _, lengths, W = cables_at(robot, wish.pose)
+        wrench = inverse_dynamics(robot, wish.pose.rotation, wish.twist, wish.acceleration)
+        tensions = self.distributor.tensions(W, wrench, now)
+        return tensions, lengths / (1 + tensions / robot.elasticity.axial_stiffness)
+
+    def cut(self, cables: list[int]) -> None:
+        self.distributor.cut(cables)
+
+
 class Flight(NamedTuple):
     """What `fly` kept.
 
@@ -111,12 +142,7 @@ def fly(engine: Simulator, command: Command, wishes: Iterable[Any],
     happen : called as each step begins, with its number from 0: what else there is, such as
         cuts and pushes
     """
-    asked = command.start(engine, substeps)
-    robot = engine.world.robot
-    d, m = robot.dimension, robot.n_cables
-    log = Log({"position": ((d,), "m"), "rotation": ((d, d), ""),
-               "twist": ((3 * (d - 1),), "m/s, rad/s"),
-               "lengths": ((m,), "m"), "measured_tensions": ((m,), "N"), **asked})
+    log = Log({**engine.columns(), **command.start(engine, substeps)})
     keep, sample, step = log.keep_numbers, engine.sample, command.step
     began = time.perf_counter()
     k, seen = 0, None

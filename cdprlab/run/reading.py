@@ -77,7 +77,7 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
                         for whose in ("", "reference_"))
     error, basis = pose_error(poses, reference), robot.pattern.basis(poses.rotation)
     period = float(np.median(np.diff(time))) if count > 1 else 1.0
-    wound = not np.isfinite(told["commanded_tension"]).any()
+    wound = np.isfinite(told["commanded_length"]).any() or not np.isfinite(told["commanded_tension"]).any()
     return Run(world=world, task="as logged", method="as logged", cables="as logged", time=frozen(time),
                poses=poses, twists=frozen(told["twist"]),
                reference=Reference(reference, told["reference_twist"], np.full((count, full), np.nan)),

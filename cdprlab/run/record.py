@@ -15,6 +15,8 @@ from ..world import World
 from .log import flat_columns, save_record
 from .loop import Flight
 
+_AS_IT_WAS: Any = None
+
 
 @lasting
 @dataclass(frozen=True, eq=False)
@@ -39,6 +41,9 @@ class Run:
     base_poses : (N, p, 3) x, y, heading of each mobile base, None where none was driven
         [m, m, rad]
     cut_short : '' or what ended it early, and carries it as ``.run``
+    real : the world that flew, None where it is the world believed in
+    estimates : Pose of batch (N,) as measured, and beside it estimated_twists, sensed_lengths,
+        sensed_tensions (N, …): what was known as each step began, without sensors the truth
     """
 
     world: World
@@ -61,6 +66,18 @@ class Run:
     commanded_lengths: Array | None = None
     base_poses: Array | None = None
     cut_short: str = ""
+    real: World | None = None
+    estimates: Pose = _AS_IT_WAS
+    estimated_twists: Array = _AS_IT_WAS
+    sensed_lengths: Array = _AS_IT_WAS
+    sensed_tensions: Array = _AS_IT_WAS
+
+    def __post_init__(self) -> None:
+        true = {"estimates": self.poses, "estimated_twists": self.twists, "sensed_lengths": self.lengths,
+                "sensed_tensions": self.measured_tensions}
+        for name, values in true.items():
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, values)
 
     @classmethod
     def of(cls, flight: Flight, reference: Reference, *, world: World, at_end: bool = False, **about: Any) -> Self:
@@ -75,6 +92,11 @@ class Run:
         reference = Reference(reference.pose[:steps], reference.twist[:steps],
                               reference.acceleration[:steps])
         poses = Pose.of(log["position"][rows], log["rotation"][rows])
+        if "sensed_position" in log:
+            about |= {"estimates": Pose.of(log["sensed_position"][rows], log["sensed_rotation"][rows]),
+                      "estimated_twists": log["sensed_twist"][rows],
+                      "sensed_lengths": log["sensed_lengths"][rows],
+                      "sensed_tensions": log["sensed_tensions"][rows]}
         commanded = (log["commanded_tensions"][:steps] if "commanded_tensions" in log else
                      frozen(np.full((steps, world.robot.n_cables), np.nan)))
         error, basis = pose_error(poses, reference.pose), world.robot.pattern.basis(poses.rotation)
@@ -143,13 +165,16 @@ class Run:
     def save(self, folder: str | Path, every: int = 1) -> Path:
         """Write log.npz (named arrays and their units), log.csv, the world used and the settings.
 
-        folder : made if missing; every : of how many rows log.csv keeps one
+        folder : made if missing, also for the real world; every : of how many rows log.csv keeps one
         """
         settings = {"task": self.task, "method": self.method, "cables": self.cables,
                     **self.settings}
         if self.cut_short:
             settings["cut_short"] = self.cut_short
-        return save_record(folder, self.columns(), self.world, settings, every)
+        target = save_record(folder, self.columns(), self.world, settings, every)
+        if self.real is not None:
+            self.real.save(target / "real.yaml")
+        return target
 
     def columns(self) -> dict[str, tuple[Any, str]]:
         """Name → array, unit of each log column group."""
@@ -170,6 +195,12 @@ class Run:
             "commanded_tension": (self.commanded_tensions, "N"),
             "measured_tension": (self.measured_tensions, "N"),
             "length": (self.lengths, "m"),
+            **({} if self.estimates is self.poses else {
+                "estimated_position": (self.estimates.position, "m"),
+                "estimated_rotation": (turn(self.estimates), "rad"),
+                "estimated_twist": (self.estimated_twists, "m/s, rad/s"),
+                "sensed_length": (self.sensed_lengths, "m"),
+                "sensed_tension": (self.sensed_tensions, "N")}),
             **({} if self.commanded_lengths is None else {"commanded_length": (self.commanded_lengths, "m")}),
             **({} if self.base_poses is None else {"base_pose": (self.base_poses,
                                                                  "m, m, rad")}),

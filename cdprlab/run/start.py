@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 from warnings import warn
 
@@ -11,21 +13,26 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, Progress, as_answer, as_number, as_seed, checked, frozen
-from ..errors import CdprWarning, InvalidInput, quoted
+from ..errors import CdprWarning, InvalidInput, NoConvergence, quoted
 from ..mechanics.cables import cable_lengths
+from ..mechanics.rest import equilibrium
 from ..mechanics.statics import wrench_matrix
 from ..mechanics.trajectory import Reference
+from ..robot import Robot
 from ..simulate import WOUND, Simulator, open_simulator
 from ..simulate.simulator import cable_indices
 from ..world import World
-from .controllers import ComputedTorque, Controller
+from .controllers import ComputedTorque, Controller, described
 from .distributor import Distributor
 from .drive import Drive
-from .loop import Flight, LengthCommand, TensionCommand, counted, fly
+from .loop import Command, Flight, LengthCommand, StretchedLengths, TensionCommand, counted, fly
 from .record import Run
+from .sensors import Belief, Sensors
 
 Cuts = Mapping[float, ArrayLike]
 """Time [s] → the cables cut then, by index from 0."""
+
+_WOUND = 1e-9   # m: what rounding leaves of a rope's length
 
 _MOST_STEPS = 10_000_000
 """Control steps of one run; its log would not fit into memory."""
@@ -39,6 +46,7 @@ def run(world: World, task: str = "default",
         external_wrench: Any = None,
         duration: float | None = None, seed: int = 0, *, base_speeds: Any = None,
         cut: Cuts | None = None,
+        real: World | None = None, sensors: Sensors | None = None,
         progress: Progress | None = None, simulator: Simulator | None = None, **engine_options: Any) -> Run:
     """Move a world's robot along a task in its engine and log every control step.
 
@@ -48,7 +56,8 @@ def run(world: World, task: str = "default",
     cables : "tension" (constraint cables under torque), "force" (ideal massless baseline) or
         "length" (winches pay ropes in and out by inverse kinematics of the reference; method,
         controller and infeasible then have no say; a step is feasible where the platform is held
-        as commanded: see `Run`)
+        as commanded: see `Run`) or "elastic" (the same with ropes that stretch: wound shorter by
+        what the method's tensions stretch them)
     controller : (t, state, reference) → wrench the cables shall exert; default
         ComputedTorque(100, 100)
     dt, control_period : engine step and control step [s], the second a multiple of the first;
@@ -65,6 +74,9 @@ def run(world: World, task: str = "default",
         [rad/s, m/s]
     cut : time [s] → cables cut then, by index from 0; methods know at once: limits 0 to 0, and
         a zero column of W
+    real : the world that the engine flies; the world is then what controller, method and winches
+        believe in. See `perturbed`. Where lengths are commanded it begins at rest on these ropes
+    sensors : what is measured of it; default the truth
     progress : called as (steps done, steps in all), about a hundred times
     simulator : an open Simulator to use (and leave open) instead of a new one
     engine_options : passed to ``open_simulator``
@@ -79,6 +91,7 @@ def run(world: World, task: str = "default",
     cdprlab.errors.WorldError: unknown world 'nowhere'; there are ...
     """
     job, robot, wound = world.task(task), world.robot, cables in WOUND
+    flown = world if real is None else real
     distributor = Distributor(robot, method, infeasible)
     substeps, period = control_steps(dt, control_period)
     length = job.duration + job.hold if duration is None else as_number(duration, "duration",
@@ -92,7 +105,10 @@ def run(world: World, task: str = "default",
     if wound and controller is not None:
         raise InvalidInput(f"cables={quoted(cables)} winds by inverse kinematics and takes no controller")
     law = ComputedTorque() if controller is None else controller
-    command = LengthCommand() if wound else TensionCommand(law, distributor)
+    command: Command = TensionCommand(law, distributor)
+    if wound:
+        stretches = cables == "elastic" and robot.elasticity is not None
+        command = StretchedLengths(distributor) if stretches else LengthCommand()
     cuts = _cut_steps(cut or {}, robot.n_cables, times.size, period)
     drive = None if base_speeds is None else Drive(base_speeds, period)
     path = job.trajectory()
@@ -100,28 +116,38 @@ def run(world: World, task: str = "default",
     frozen(reference.twist)   # a controller is handed its rows
     frozen(reference.acceleration)
     name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
-    name, ruler = ("inverse_kinematics",) * 2 if wound else (name, _describe(law))
+    name, ruler = ("inverse_kinematics",) * 2 if wound else (name, described(law))
+    if real is not None and simulator is not None and simulator.world is not real:
+        raise InvalidInput("the simulator must be one of the real world: open_simulator(real)")
     settings = {"dt": dt, "control_period": period, "controller": ruler,
                 "infeasible": infeasible,
                 "external_wrench": None if external_wrench is None else str(external_wrench),
                 "duration": float(times.size * period), "seed": as_seed(seed), **engine_options}
     if base_speeds is not None:
         settings["base_speeds"] = str(base_speeds)
+    if sensors is not None:
+        settings["sensors"] = {name: np.asarray(value).tolist() for name, value in vars(sensors).items()}
     if cut:
         settings["cut"] = {float(at): np.ravel(indices).tolist() for at, indices in cut.items()}
     if robot.winch is not None:
         warn("the world's `winch:` has no effect in a run: its torque, speed and friction limit nothing here, "
              "only in fastkit.pick_and_place", CdprWarning, stacklevel=2)
-    engine = simulator or open_simulator(world, cables, dt, **engine_options)
+    body = simulator or open_simulator(flown, cables, dt, **engine_options)
+    engine: Any = body if flown is world and sensors is None else Belief(body, world, sensors, period)
     try:
         engine.reset(job.start)
         wishes: Iterable[Any] = map(Reference, *reference)
         if wound:
             # By each step's end the lengths of where the platform should then be, from where
             # its bases then stand.
-            ahead = path(times + period).pose
-            wishes = (cable_lengths(robot, ahead).tolist() if drive is None else
-                      (cable_lengths(drive.step(engine), pose).tolist() for pose in ahead))
+            ahead = path(times + period)
+            if isinstance(command, StretchedLengths):
+                wishes = map(Reference, *ahead)
+            elif drive is None:
+                wishes = cable_lengths(robot, ahead.pose).tolist()
+            else:
+                wishes = (cable_lengths(drive.step(engine), pose).tolist() for pose in ahead.pose)
+            wishes = chain(_at_rest(engine, body, command, path(0.0)), wishes)
         if external_wrench is not None and not callable(external_wrench):
             engine.push(external_wrench)
 
@@ -138,18 +164,19 @@ def run(world: World, task: str = "default",
 
         def record(flight: Flight) -> Run:
             steps = flight.steps
-            run = Run.of(flight, reference, world=world, task=task, method=name, cables=cables,
+            run = Run.of(flight, reference, world=world, real=real, task=task, method=name, cables=cables,
                          time=frozen(times[:steps]),
                          real_time_factor=steps * period / flight.elapsed, dt=dt, control_period=period,
                          settings=settings,
                          base_poses=None if drive is None else
                          frozen(np.reshape(drive.poses[:steps], (steps, len(robot.bases), 3))))
             if wound:
-                held = _held(run, flight.log["lengths"][1:], flight.log["commanded_lengths"][:-1])
+                let_out = flight.log["commanded_lengths"][:-1] - getattr(engine, "offsets", 0.0)
+                held = _held(run, flown.robot, flight.log["lengths"][1:], let_out)
                 return replace(run, feasible=run.feasible & held)
             if not flight.cut_short:
                 _mistrust(run)
-            W = (wrench_matrix(robot, run.poses) if drive is None else
+            W = (wrench_matrix(robot, run.estimates) if drive is None else
                  np.reshape(drive.matrices[:steps], (steps, robot.n_dof, robot.n_cables)))
             wanted = flight.log["wanted_wrench"][:-1]
             return replace(run, feasible=frozen(distributor.feasible(W, -wanted, run.commanded_tensions, cuts)))
@@ -159,7 +186,21 @@ def run(world: World, task: str = "default",
                    happen if eventful else None)
     finally:
         if simulator is None:
-            engine.close()
+            body.close()
+
+
+def _at_rest(engine: Any, body: Simulator, command: Command, begin: Reference) -> Iterator[Any]:
+    """No wishes, but asked for the first one it hangs the robot on the ropes that are let out as the run begins."""
+    robot, offsets = engine.robot, getattr(engine, "offsets", 0.0)
+    lengths = (command.wound(robot, begin, 0.0)[1] if isinstance(command, StretchedLengths) else
+               cable_lengths(robot, begin.pose)) - offsets
+    if np.abs(lengths - body.paid_out).max() > _WOUND:
+        real, elastic = body.robot, body.world.robot.elasticity
+        stiffness = elastic.axial_stiffness if elastic and body.cables == "elastic" else None
+        with suppress(NoConvergence, InvalidInput):   # no rest: it begins where the task does
+            engine.reset(equilibrium(real, lengths, begin.pose, axial_stiffness=stiffness).pose)
+        body.paid_out = lengths.tolist()
+    yield from ()
 
 
 def control_steps(dt: float, control_period: float | None) -> tuple[int, float]:
@@ -177,15 +218,15 @@ def control_steps(dt: float, control_period: float | None) -> tuple[int, float]:
     return substeps, substeps * step
 
 
-def _held(run: Run, lengths: Array, commanded: Array) -> Array:
+def _held(run: Run, robot: Robot, lengths: Array, let_out: Array) -> Array:
     """(N,) every cable measures what was let out: longer or slack by at most 1 mm and the stretch."""
-    elasticity = run.world.robot.elasticity
+    elasticity = robot.elasticity
     if run.cables == "elastic" and elasticity is not None:
         stretch = lengths * run.measured_tensions / elasticity.axial_stiffness
         allowed = 1e-3 + stretch.max(axis=1, keepdims=True)
     else:
         allowed = np.full((len(lengths), 1), 1e-3)
-    return (np.abs(lengths - commanded) <= allowed).all(axis=1)
+    return (np.abs(lengths - let_out) <= allowed).all(axis=1)
 
 
 def _mistrust(run: Run) -> None:
@@ -212,9 +253,3 @@ def _cut_steps(cut: Cuts, m: int, steps: int, period: float) -> dict[int, list[i
             raise InvalidInput(f"a cut must fall within the run, 0 to {steps * period:g} s, got {at:g} s")
         due.setdefault(step, []).extend(cable_indices(cables, m))
     return due
-
-
-def _describe(controller: Any) -> str:
-    if isinstance(controller, ComputedTorque):
-        return f"ComputedTorque(kp={np.asarray(controller.kp).tolist()}, kd={np.asarray(controller.kd).tolist()})"
-    return getattr(controller, "__name__", type(controller).__name__)

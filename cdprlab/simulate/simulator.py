@@ -167,6 +167,14 @@ class Simulator(ABC):
         """What the winches have let out of each rope, None where there are none [m]."""
         return np.array(self.paid_out) if self.is_wound else None
 
+    def columns(self) -> dict[str, tuple[tuple[int, ...], str]]:
+        """Name → shape and unit of what `sample` gives, in its order."""
+        robot = self.world.robot
+        d, m = robot.dimension, robot.n_cables
+        return {"position": ((d,), "m"), "rotation": ((d, d), ""),
+                "twist": ((3 * (d - 1),), "m/s, rad/s"),
+                "lengths": ((m,), "m"), "measured_tensions": ((m,), "N")}
+
     def loose_boxes(self) -> Iterable[tuple[Pose, Array]]:
         """Pose and (3,) size of each [m]."""
         return ()
@@ -175,7 +183,8 @@ class Simulator(ABC):
         """The present state."""
         return State(self.time, self.robot, self.position, self.rotation, self.twist,
                      self.tensions,
-                     self.world.scene, self.rope_lengths, tuple(self.loose_boxes()))
+                     self.world.scene, self.rope_lengths, tuple(self.loose_boxes()),
+                     self.lengths)
 
     def diverge(self) -> None:
         """Raise SimulationDiverged, which names the cable that pulls hardest."""

@@ -103,7 +103,7 @@ class SpatialSimulator(Simulator):
         self._reach = 5 * (1 + float(np.abs(robot.exit_points).max() + np.abs(start.position).max()
                                      + abs(self.world.scene.floor_height)))
         self._read()
-        self.carry(robot)
+        self.carry(0.0, _NOTHING[:3])
         self.paid_out = self._wound_at_rest() if self.is_wound else []
 
     def pull(self, tensions: Array, substeps: int) -> None:
@@ -174,12 +174,12 @@ class SpatialSimulator(Simulator):
             for deed in ("pull", "reel", "place", "sever"):
                 setattr(self, deed, closed)
 
-    def carry(self, robot: Robot) -> None:
-        """Let those who command, and ropes of commanded length, know what hangs on them.
+    def carry(self, mass: float, position: Array) -> None:
+        """Let those who command, and ropes of commanded length, know the payload that hangs on them now.
 
-        robot : the world's with the payload it carries now
+        mass : [kg]; position : (3,) in the platform frame [m]
         """
-        self.carrying = robot
+        self.carrying = robot = self.world.robot.with_payload(mass, position) if mass else self.world.robot
         if self.is_wound:   # anew: which ropes were taut is the last flight's memory
             self.ropes = RopeLaw(robot, self.dt,
                                  robot.elasticity if self.cables == "elastic" else None)

@@ -2,7 +2,9 @@
 
 from typing import NamedTuple
 
-from ..arrays import Array, lasting
+import numpy as np
+
+from ..arrays import Array, frozen, lasting
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import Scene
@@ -21,6 +23,10 @@ class State(NamedTuple):
     scene : what stands around the robot
     rope_lengths : (m,) let out by winches, None where tensions are commanded [m]
     boxes : pose and (3,) size [m] of each loose box
+    lengths : (m,) of the cables [m]
+
+    To a controller position, rotation, tensions and lengths are what its sensors measured, the
+    twist is what an observer makes of that, and the robot is the one it believes in.
     """
 
     time: float
@@ -32,6 +38,7 @@ class State(NamedTuple):
     scene: Scene | None = None
     rope_lengths: Array | None = None
     boxes: tuple[tuple[Pose, Array], ...] = ()
+    lengths: Array = frozen(np.zeros(0))
 
     @property
     def pose(self) -> Pose:

@@ -199,6 +199,12 @@ class CableBlock(LimitsBlock):
     """name of the base that carries the exit point"""
     pulley: PulleyBlock | None = None
     """that it leaves over: at A it enters the groove; default that of `cable`, else none"""
+    length_offset: float | None = None
+    """what its winch's encoder reads, minus the length there is [m]; default 0"""
+
+    @classmethod
+    def of(cls, part: Cable) -> Words:
+        return super().of(part) | {"length_offset": part.length_offset or None}
 
     def cable(self, shared: Words, d: int) -> Cable:
         """The cable, with what all share where it states nothing."""

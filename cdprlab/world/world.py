@@ -25,6 +25,8 @@ from .model import NAME, Scene, Task
 class World:
     """A robot, where it starts, what is around it and what it shall do.
 
+    errors : by how much it is off the world it was drawn from, as `perturbed` says; not saved
+
     >>> import cdprlab as cl
     >>> cl.load_world("caroca")
     World('caroca': Robot(3R3T, 8 cables, 150 kg), tasks default)
@@ -38,6 +40,7 @@ class World:
     scene: Scene
     tasks: Mapping[str, Task]
     document: Any = field(default=None, repr=False)
+    errors: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         if not NAME.fullmatch(self.name):

@@ -15,6 +15,7 @@ from ...mechanics.trajectory import Reference, Trajectory, hold, quintic, rest_t
 from ...robot.pose import Pose
 from ...run import Log
 from ...run.loop import Flight, fly
+from ...run.sensors import Belief, Sensors
 from ...run.start import control_steps
 from ...run.winches import WinchControl, winch_control
 from ...simulate.spatial import SpatialSimulator
@@ -23,7 +24,7 @@ from ...world.model import PickAndPlace
 from ..events import STOPPED
 from ..plane import relative
 from .job_record import Job
-from .machine import FAULTS, Guard, Machine, Sensors
+from .machine import FAULTS, Guard, Machine, Readings
 from .phases import ACCELERATION, BOX, driving_speed, job_phases, payload
 
 _ROLLERS = 0.1         # the box's factor of 0.05 with a board: boards that a box is drawn from have rollers
@@ -36,6 +37,7 @@ def pick_and_place(world: World, task: str = "pick_and_place",
                    control: str | WinchControl = "torque", *, speed: float = 0.5,
                    dt: float = 2e-3, control_period: float = 4e-3,
                    faults: tuple[Guard, ...] = FAULTS, fold: bool = False,
+                   real: World | None = None, sensors: Sensors | None = None,
                    progress: Progress | None = None) -> Job:
     """Deploy the bases, take a box from a shelf, put it in its place, return; stop safely where something fails.
 
@@ -46,6 +48,7 @@ def pick_and_place(world: World, task: str = "pick_and_place",
     faults : what stops the job, see `machine`
     fold : in the end drive the bases together again and couple them; who works on at the same
         shelf need not
+    real, sensors : the world that the engine flies, and what is measured of it, as `run` takes them
     progress : called as (milliseconds done, in all)
     Returns Job: `.state` is "done" or "stopped", `.reason` why.
     Raises InvalidInput for another kind of task; SimulationDiverged.
@@ -62,16 +65,20 @@ def pick_and_place(world: World, task: str = "pick_and_place",
         raise InvalidInput(f"task {task!r} is of kind {job.kind}, not pick_and_place: use cl.run(world, ...)")
     substeps, period = control_steps(dt, control_period)
     law = winch_control(control)
-    begin = replace(world, robot=world.robot.with_bases(job.coupled), pose=job.start,
-                    tasks={task: job})
+    begin, flown = (replace(one, robot=one.robot.with_bases(job.coupled), pose=job.start,
+                            tasks={task: job}) for one in (world, real or world))
     machine = Machine(job_phases(world, job, speed, fold=fold), faults)
-    with SpatialSimulator(begin, law.cables, dt, bodies=True, solver_iterations=20) as engine:
+    with SpatialSimulator(flown, law.cables, dt, bodies=True, solver_iterations=20) as body:
+        engine: Any = body
+        if sensors is not None or real not in (None, world):
+            engine = Belief(body, begin, sensors, period)
+            engine.reset()
         engine.boxes.add(BOX, job.box_position, job.box_size, job.box_mass, friction=_ROLLERS)
         work = _Work(engine, job, machine, law, period)
         settings = {"dt": dt, "control_period": period, "speed": speed}
 
         def record(flight: Flight) -> Job:
-            return work.record(flight, world=world, task=task, method=law.name,
+            return work.record(flight, world=world, real=real, task=task, method=law.name,
                                cables=law.cables, dt=dt, control_period=period,
                                settings=settings)
 
@@ -170,14 +177,14 @@ class _Work:
         load, place = payload(self.task, self.stroke) if engine.boxes.is_gripped(BOX) else (0.0, self.task.seat)
         if (load, *place) != self.carried:
             self.carried = load, *place
-            engine.carry(self.empty.with_payload(load, place) if load else self.empty)
+            engine.carry(load, place)
 
     # --- looking and writing down -----------------------------------------------------------------
     def _held(self, box: Pose) -> Array:
         """(3,) the box's center in the platform frame [m]."""
         return (box.position - self.engine.position) @ self.engine.rotation
 
-    def _look(self, now: float, wish: Reference, box: Pose) -> Sensors:
+    def _look(self, now: float, wish: Reference, box: Pose) -> Readings:
         engine, phase = self.engine, self.machine.phase
         gripped = engine.boxes.is_gripped(BOX)
         place = self.offset + (self.stroke - 1) * self.task.stroke if gripped else self.task.seat + self.task.stroke
@@ -188,11 +195,11 @@ class _Work:
                          default=0.0)
         x, y, z, *turn = pose_error(Pose.of(engine.position, engine.rotation),
                                     wish.pose).tolist()
-        return Sensors(now, math.hypot(x, y, z), math.hypot(*turn), engine.tensions,
+        return Readings(now, math.hypot(x, y, z), math.hypot(*turn), engine.tensions,
                        self.overloaded, self.missing, engine.wheel_loads(), base_error,
                        gripped, slipped)
 
-    def _note(self, wish: Reference, box: Pose, sensors: Sensors) -> None:
+    def _note(self, wish: Reference, box: Pose, sensors: Readings) -> None:
         """A row: how all is as the step begins."""
         engine = self.engine
         self.wished.append(wish)

@@ -14,7 +14,7 @@ SETTLING = 0.1
 """[s] the engine's wheels take to find the floor."""
 
 
-class Sensors(NamedTuple):
+class Readings(NamedTuple):
     """What the machine may look at.
 
     time : [s]
@@ -40,18 +40,18 @@ class Sensors(NamedTuple):
     slipped: float
 
 
-Guard = Callable[[Sensors], str]
+Guard = Callable[[Readings], str]
 """'' if the phase may end (fault: if all is well), else what is in the way."""
 
 
-def settled(sensors: Sensors) -> str:
+def settled(sensors: Readings) -> str:
     """The guard of most phases: the platform within 5 mm and 1° of where it should be."""
     if sensors.error > 5e-3:
         return f"the platform is {sensors.error * 1e3:.0f} mm off its reference"
     return f"the platform is {np.degrees(sensors.turn_error):.1f}° off" if sensors.turn_error > 0.0175 else ""
 
 
-def box_there(sensors: Sensors) -> str:
+def box_there(sensors: Readings) -> str:
     """The guard before the gripper closes: a box within 2 cm of where it is to be taken."""
     if sensors.slipped > 0.02:
         return f"no box to grip: it is {sensors.slipped * 1e3:.0f} mm from where it should be"
@@ -118,7 +118,7 @@ class Machine:
         """Name of the state of now."""
         return self.ended or self.phase.name
 
-    def step(self, sensors: Sensors) -> bool:
+    def step(self, sensors: Readings) -> bool:
         """Look, decide; True if a new state begins now."""
         if self.ended:
             return False
@@ -142,7 +142,7 @@ class Machine:
         return True
 
 
-def standing(sensors: Sensors) -> str:
+def standing(sensors: Readings) -> str:
     """Fault: a base stands on fewer than two loaded corners' worth of wheels: one of its edges carries nothing."""
     if sensors.time < SETTLING:
         return ""
@@ -153,19 +153,19 @@ def standing(sensors: Sensors) -> str:
     return ""
 
 
-def cables_within_limits(sensors: Sensors) -> str:
+def cables_within_limits(sensors: Readings) -> str:
     """Fault: a cable was off its limits for longer than a tenth of a second."""
     if sensors.overloaded > 0.1:
         return f"cables off their limits, {sensors.tensions.min():.1f} to {sensors.tensions.max():.1f} N"
     return "no tensions within the limits balance the platform" if sensors.missing > 0.1 else ""
 
 
-def on_its_path(sensors: Sensors) -> str:
+def on_its_path(sensors: Readings) -> str:
     """Fault: the platform is farther from its reference than it may ever be."""
     return f"the platform is {sensors.error * 1e3:.0f} mm off its path" if sensors.error > 0.05 else ""
 
 
-def box_in_hand(sensors: Sensors) -> str:
+def box_in_hand(sensors: Readings) -> str:
     """Fault: a gripped box is not where the gripper holds it."""
     off = sensors.gripped and sensors.slipped > 0.03
     return f"the box slipped by {sensors.slipped * 1e3:.0f} mm" if off else ""

@@ -12,7 +12,7 @@ from ...robot.pose import Pose
 from ...world import World
 from ...world.model import PickAndPlace
 from ..plane import placed, relative
-from .machine import Phase, Sensors, box_there, settled
+from .machine import Phase, Readings, box_there, settled
 
 BOX = "box"
 
@@ -134,7 +134,7 @@ def _move(name: str, what: str, start: Pose, end: Pose, speed: float) -> Phase:
     return Phase(name, what, max(1.0, PEAK_SPEED * way / speed), end)
 
 
-def _arrived(sensors: Sensors) -> str:
+def _arrived(sensors: Readings) -> str:
     if sensors.base_error > 0.01:
         return f"a base is {sensors.base_error * 1e3:.0f} mm from its place"
     return settled(sensors)

@@ -1,0 +1,283 @@
+"""What a controller may know: its own model of the robot, and what sensors tell of the one that flies."""
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array, as_array, as_number, as_seed, checked, frozen, lasting
+from ..errors import InvalidInput, quoted
+from ..mechanics.cables import Cables, cables_at
+from ..mechanics.dynamics import mass_and_bias, pose_error
+from ..mechanics.kinematics import moved, nearby_pose
+from ..robot import Robot
+from ..robot.pose import Pose, rotation_from_vector
+from ..simulate.state import State
+from ..world import World
+from .log import Columns
+
+
+@lasting
+@checked
+@dataclass(frozen=True, eq=False)
+class Sensors:
+    """What is measured of a robot as it flies; noise is Gaussian, its numbers standard deviations.
+
+    pose : "true", as a tracker sees it, or "from_lengths": forward kinematics of the measured
+        lengths, started from the last pose
+    position_noise, rotation_noise : of each coordinate of the pose [m], and about each axis [rad]
+    length_noise : [m]; length_offset : read too much, a number or (m,) [m]
+    tension_noise : [N]
+    quantization : step of the measured lengths, 0 for none [m]
+    rate : samples a second, None: one each control step [1/s]
+    delay : from a sample to the controller [s]
+    seed : of the noise
+    observer_frequency : of the double pole of the observer that the twist comes from [Hz]
+    Raises InvalidInput for negative numbers.
+
+    >>> Sensors(position_noise=1e-3, delay=0.01).pose
+    'true'
+    """
+
+    pose: str = "true"
+    position_noise: float = 0.0
+    rotation_noise: float = 0.0
+    length_noise: float = 0.0
+    length_offset: float | Array = 0.0
+    tension_noise: float = 0.0
+    quantization: float = 0.0
+    rate: float | None = None
+    delay: float = 0.0
+    seed: int = 0
+    observer_frequency: float = 3.0
+
+    def __post_init__(self) -> None:
+        if self.pose not in ("true", "from_lengths"):
+            raise InvalidInput(f"pose must be 'true' or 'from_lengths', got {quoted(self.pose)}")
+        for name, unit in (("position_noise", "m"), ("rotation_noise", "rad"), ("length_noise", "m"),
+                           ("tension_noise", "N"), ("quantization", "m"), ("delay", "s")):
+            as_number(getattr(self, name), name, unit, minimum=0.0)
+        if self.rate is not None:
+            as_number(self.rate, "rate", "1/s", positive=True)
+        as_number(self.observer_frequency, "observer_frequency", "Hz", positive=True)
+        object.__setattr__(self, "length_offset",
+                           as_array(self.length_offset, "length_offset", (), "m", batch=True))
+        as_seed(self.seed)
+
+_SOON = 1e-9   # s: what rounding leaves of a time
+
+
+class Observer:
+    """Position, rotation and twist: predicted with the wrench just commanded, corrected by the pose then measured.
+
+    p̂ += (1 − z²) e, v̂ += (1 − z)² e / T with e = measured − predicted and z = exp(−2π f T): a
+    double pole, whatever the time T between two samples.
+
+    pose : where the robot rests at first; frequency : f [Hz]
+    """
+
+    def __init__(self, robot: Robot, pose: Pose, frequency: float) -> None:
+        self.pose, self.twist = pose, np.zeros(3 * (robot.dimension - 1))
+        self._speed = 2 * np.pi * frequency
+
+    def predict(self, robot: Robot, wrench: Array | None, period: float) -> None:
+        """A period later, under a wrench of the cables (n,); without one at the same twist."""
+        rotation = self.pose.rotation
+        if wrench is not None:
+            M, h = mass_and_bias(robot, rotation, self.twist)
+            S = robot.pattern.basis(rotation)
+            self.twist = self.twist + period * S @ np.linalg.solve(S.T @ M @ S, wrench - h @ S)
+        self._move(period * self.twist)
+
+    def correct(self, error: Array, elapsed: float) -> None:
+        """By how far the measured pose was from the predicted one, so long after the last time [m, rad; s]."""
+        z = np.exp(-self._speed * elapsed)
+        self._move((1 - z**2) * error)
+        self.twist = self.twist + (1 - z)**2 / elapsed * error
+
+    def _move(self, step: Array) -> None:
+        d = self.pose.dimension
+        self.pose = Pose.of(self.pose.position + step[:d],
+                            rotation_from_vector(step[d:]) @ self.pose.rotation)
+
+
+class _Sample(NamedTuple):
+    """What is measured at one instant, and how far the pose then is from the observer's."""
+
+    time: float
+    pose: Pose
+    lengths: Array
+    tensions: Array
+    error: Array
+
+
+class Belief:
+    """An engine as those who command it see it: their own robot in the place of the one that flies, and measurements.
+
+    engine : the Simulator that flies the real robot; all else that is asked of a Belief, it answers
+    world : what is believed
+    sensors : None: the pose, twist, lengths and tensions there are
+    period : control step [s]
+    """
+
+    def __init__(self, engine: Any, world: World, sensors: Sensors | None, period: float) -> None:
+        real, believed = engine.world.robot, world.robot
+        names = [[base.name for base in robot.bases] for robot in (real, believed)]
+        if (real.motion_pattern, real.n_cables, names[0]) != (believed.motion_pattern, believed.n_cables, names[1]):
+            raise InvalidInput(f"the real robot must have the cables, bases and motion pattern of the one believed "
+                               f"in, {believed!r}, got {real!r}")
+        self.engine, self.world, self.sensors, self.period = engine, world, sensors, period
+        self.carrying = world.robot
+        self.offsets = real.length_offsets - believed.length_offsets
+        """(m,) what the winches read too much [m]."""
+        if sensors is not None:
+            extra = as_array(sensors.length_offset, "length_offset",
+                             (real.n_cables,) if np.ndim(sensors.length_offset) else (), "m")
+            self._read_too_much = self.offsets + extra
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.engine, name)
+
+    # --- what is commanded ------------------------------------------------------------------------
+    def reset(self, pose: Pose | None = None) -> State:
+        """As the engine does; the sensors begin anew."""
+        self._home = self.world.pose if pose is None else pose
+        self.engine.reset(self._home)
+        self._seen_at, self._samples = -1, deque[_Sample]()
+        self._wrench: Array | None = None
+        if self.sensors is not None:
+            self._rng = np.random.default_rng(self.sensors.seed)
+            self._measured: _Sample | None = None
+        return self.state()
+
+    def carry(self, mass: float, position: Array) -> None:
+        """As the engine does."""
+        self.engine.carry(mass, position)
+        robot = self.world.robot
+        self.carrying = robot.with_payload(mass, position) if mass else robot
+
+    def pull(self, tensions: Array, substeps: int) -> None:
+        """As the engine does."""
+        self._wrench = self.wrench_matrix @ tensions
+        self.engine.pull(tensions, substeps)
+
+    def step(self, tensions: Array, substeps: int = 1) -> None:
+        """As the engine does."""
+        self._wrench = self.wrench_matrix @ tensions
+        self.engine.step(tensions, substeps)
+
+    def wind(self, lengths: Any, substeps: int = 1) -> bool:
+        """As the engine does; the lengths are what encoders shall read."""
+        return self.engine.wind((np.asarray(lengths) - self.offsets).tolist(), substeps)
+
+    # --- what is seen -----------------------------------------------------------------------------
+    @property
+    def robot(self) -> Robot:
+        """The one believed in, its bases where they are."""
+        real = self.engine.robot
+        if real is self.engine.world.robot:
+            return self.world.robot
+        return self.world.robot.with_bases({base.name: base.pose for base in real.bases})
+
+    def state(self) -> State:
+        """What is known now; measured once a control step."""
+        engine = self.engine
+        if self._seen_at != engine.steps:
+            self._seen_at = engine.steps
+            true = engine.state()
+            self._state = (true._replace(robot=self.robot, lengths=frozen(engine.lengths + self.offsets))
+                           if self.sensors is None else self._sense(true, self.sensors))
+            self._cables: Cables | None = None
+        return self._state
+
+    def cables_at(self, pose: Pose) -> Cables:
+        """Directions, lengths and wrench matrix at a pose, the bases where they are."""
+        return cables_at(self.robot, pose)
+
+    @property
+    def cables_now(self) -> Cables:
+        """The same at the pose that is known."""
+        state = self.state()
+        if self._cables is None:
+            self._cables = cables_at(state.robot, state.pose)
+        return self._cables
+
+    @property
+    def position(self) -> Array:
+        return self.state().position
+
+    @property
+    def rotation(self) -> Array:
+        return self.state().rotation
+
+    @property
+    def twist(self) -> Array:
+        return self.state().twist
+
+    @property
+    def tensions(self) -> Array:
+        return self.state().tensions
+
+    @property
+    def wrench_matrix(self) -> Array:
+        return self.cables_now.wrench_matrix
+
+    @property
+    def directions(self) -> Array:
+        return self.cables_now.directions
+
+    @property
+    def rope_lengths(self) -> Array | None:
+        wound = self.engine.rope_lengths
+        return None if wound is None else wound + self.offsets
+
+    def columns(self) -> Columns:
+        """Those of the engine, and what was known."""
+        true = self.engine.columns()
+        return {**true, **{f"sensed_{name.removeprefix('measured_')}": kind for name, kind in true.items()}}
+
+    def sample(self) -> list[float]:
+        """The engine's, and what is known."""
+        state = self.state()
+        known = (state.position, state.rotation, state.twist, state.lengths, state.tensions)
+        return [*self.engine.sample(), *np.concatenate(known, axis=None).tolist()]
+
+    # --- sensors ----------------------------------------------------------------------------------
+    def _sense(self, true: State, sensors: Sensors) -> State:
+        """The last sample that has arrived, and the observer's twist."""
+        now, robot = true.time, self.robot
+        if self._measured is None:   # at home all is known from the start
+            self._fitted = self._home
+            self._observer = Observer(robot, self._home, sensors.observer_frequency)
+            self._measured = self._look(true, sensors, robot)
+            self._observer.pose = self._measured.pose
+            self._taken = 1
+        else:
+            self._observer.predict(self.carrying, self._wrench, self.period)
+            if sensors.rate is None or now >= self._taken / sensors.rate - _SOON:
+                self._taken += 1
+                self._samples.append(self._look(true, sensors, robot))
+            while self._samples and self._samples[0].time + sensors.delay <= now + _SOON:
+                arrived = self._samples.popleft()
+                self._observer.correct(arrived.error, arrived.time - self._measured.time)
+                self._measured = arrived
+        seen = self._measured
+        return true._replace(robot=robot, position=seen.pose.position, rotation=seen.pose.rotation,
+                             twist=frozen(self._observer.twist), tensions=seen.tensions,
+                             lengths=seen.lengths)
+
+    def _look(self, true: State, sensors: Sensors, robot: Robot) -> _Sample:
+        m, n, normal = robot.n_cables, robot.n_dof, self._rng.normal
+        lengths = self.engine.lengths + self._read_too_much + sensors.length_noise * normal(size=m)
+        if sensors.quantization:
+            lengths = np.round(lengths / sensors.quantization) * sensors.quantization
+        pose = true.pose
+        if sensors.pose == "from_lengths":
+            pose = self._fitted = nearby_pose(robot, lengths, self._fitted)
+        size = np.full(n, sensors.position_noise)
+        size[n - len(robot.pattern.turn_axes):] = sensors.rotation_noise
+        pose = moved(robot, pose, size * normal(size=n))
+        tensions = true.tensions + sensors.tension_noise * normal(size=m)
+        return _Sample(true.time, pose, frozen(lengths), frozen(tensions),
+                       pose_error(self._observer.pose, pose))

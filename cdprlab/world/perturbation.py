@@ -1,0 +1,63 @@
+"""Robots that are not what their model says: each number off by a small error, drawn from a seed."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..arrays import as_number, as_seed, checked, frozen
+from ..errors import InvalidInput
+from ..robot import turned_to
+from .world import World
+
+
+@checked
+def perturbed(world: World, exit_points: float = 0.0, anchor_points: float = 0.0,
+              mass: float = 0.0, center_of_mass: float = 0.0, lengths: float = 0.0,
+              seed: int = 0) -> World:
+    """A world like it, each number off by an error drawn evenly from ± the one given.
+
+    exit_points, anchor_points, center_of_mass : of each coordinate that the motion pattern leaves
+        free [m]
+    mass : as a fraction, below 1; the inertia follows
+    lengths : of each winch's encoder zero: it reads l + `Cable.length_offset` [m]
+    seed : the same one draws the same errors for every size
+    Returns World, whose ``errors`` says by how much, by these names: (m, d) and (d,) in world and
+        platform axes, (m,), and the fraction. It is saved like any other, its errors are not.
+    Raises InvalidInput for negative sizes, and for errors the motion pattern has no room for.
+
+    >>> import cdprlab as cl
+    >>> world = cl.load_world("caroca")
+    >>> real = perturbed(world, exit_points=0.005, seed=1)
+    >>> np.allclose(real.robot.exit_points - world.robot.exit_points, real.errors["exit_points"])
+    True
+    """
+    robot, body = world.robot, world.robot.platform
+    m, d = robot.n_cables, robot.dimension
+    sizes = {"exit_points": exit_points, "anchor_points": anchor_points, "mass": mass,
+             "center_of_mass": center_of_mass, "lengths": lengths}
+    for name, size in sizes.items():
+        as_number(size, name, "" if name == "mass" else "m", minimum=0.0)
+    if mass >= 1:
+        raise InvalidInput(f"mass must be a fraction below 1, got {mass:g}")
+    if anchor_points and not robot.pattern.turns:
+        raise InvalidInput(f"in {robot.motion_pattern} all cables meet at P: anchor_points must be 0")
+    rng = np.random.default_rng(as_seed(seed))
+    shapes = {"exit_points": (m, d), "anchor_points": (m, d), "mass": (), "center_of_mass": (d,),
+              "lengths": (m,)}
+    errors = {name: np.asarray(rng.uniform(-1.0, 1.0, shape) * sizes[name])
+              for name, shape in shapes.items()}
+    if robot.motion_pattern == "2R3T":   # all anchor points lie on the platform's x′ axis
+        errors["anchor_points"][:, 1:] = 0.0
+    turns = [np.eye(d) if cable.base is None else turned_to(robot.base(cable.base).heading, d)
+             for cable in robot.cables]
+    cables = [replace(cable, exit_point=cable.exit_point + exit_error @ turn,
+                      anchor_point=cable.anchor_point + anchor_error,
+                      length_offset=cable.length_offset + float(offset))
+              for cable, turn, exit_error, anchor_error, offset
+              in zip(robot.cables, turns, errors["exit_points"], errors["anchor_points"],
+                     errors["lengths"])]
+    heavier = 1 + float(errors["mass"])
+    platform = replace(body, mass=body.mass * heavier, inertia=body.inertia * heavier,
+                       center_of_mass=body.center_of_mass + errors["center_of_mass"])
+    return replace(world, robot=replace(robot, cables=tuple(cables), platform=platform),
+                   errors={name: frozen(error) for name, error in errors.items()})
