@@ -59,8 +59,9 @@ lab: $(VENV)/.students  ## JupyterLab with your own copies of the lessons, in my
 	$(BIN)/python -m cdprlab lessons my_lessons
 	cd my_lessons && "$(abspath $(BIN))/jupyter" lab $(if $(filter 0,$(shell id -u)),--allow-root)
 
-designer: $(VENV)/.students  ## the robot designer as a page in your browser
-	$(BIN)/voila cdprlab/course/designer/page.ipynb
+designer: $(VENV)/.students  ## the robot designer as a page in your browser; robots are saved in my_robots/
+	mkdir -p my_robots && cp cdprlab/course/designer/page.ipynb my_robots/designer.ipynb
+	$(BIN)/voila my_robots/designer.ipynb
 
 lessons: $(VENV)/.tests  ## for instructors: the lessons without their solutions, from lessons/source/
 	$(BIN)/python lessons/source/release.py

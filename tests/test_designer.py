@@ -116,6 +116,7 @@ def test_an_edited_number_changes_that_number_and_nothing_else(name):
             node = node[part]
         node[field.path[-1]] = old + 0.001
         found = contents(new)
+        assert found.pop("title") == expected.pop("title") + " (changed)"
         if field.path[0] == "platform" and field.path[1] in ("mass", "size"):
             expected["platform"]["inertia"] = found["platform"]["inertia"]  # of a uniform box, if left out
         if field.path[:2] == ("cables", 0):
@@ -131,6 +132,8 @@ def test_comments_of_the_file_survive_edits():
     begun.edit(("platform", "mass"), 160.0)
     begun.edit(("cables", 3, "exit_point", 2), 3.25)
     comments = [line.split("#", 1)[1] for line in cl.load_world("caroca").to_yaml().splitlines() if "#" in line]
+    # A number that is not the source's any more does not claim to be.
+    comments[comments.index(" kg, source")] = " changed; before: kg, source"
     assert [line.split("#", 1)[1] for line in begun.world.to_yaml().splitlines() if "#" in line] == comments
 
 
@@ -353,7 +356,7 @@ def test_every_group_shows_its_fields_and_every_choice_answers(designer):
     designer.groups.value = "cables"
     for cable in range(designer.world.robot.n_cables):
         designer.cables.value = cable
-        first = designer.form.entries["exit point A", "x"].value
+        first = float(designer.form.entries["exit point A", "x"].value)
         assert first == pytest.approx(designer.world.robot.cables[cable].exit_point[0])
     for plane in designer.planes.options:
         designer.planes.value = plane
@@ -365,17 +368,102 @@ def test_every_group_shows_its_fields_and_every_choice_answers(designer):
 
 def test_typing_edits_and_a_mistake_is_shown_beside_the_fields(designer):
     picture = designer.picture
-    designer.form.entries["exit point A", "x"].value += 0.25
-    assert designer.picture != picture and designer.undo_button.description == "Undo: cable 1: exit_point[1]"
+    entry = designer.form.entries["exit point A", "x"]
+    entry.value = str(float(entry.value) + 0.25)
+    assert designer.picture != picture and designer.undo_button.description == "Undo: cable 1: exit point A x"
     x, good = designer.form.entries["tension limits", "min"], designer.world
-    x.value = 1e9
-    assert 'role="alert"' in designer.message.value and "cable 1: tension" in designer.message.value
-    assert designer.world is good
+    x.value = "1e9"
+    assert 'role="alert"' in designer.message.value and "cable 1: tension limits min: " in designer.message.value
+    assert designer.world is good and "cdprlab-refused" in x._dom_classes
+    designer.take_back.click()
+    assert x.value == f"{good.robot.tension_min[0]:g}" and "cdprlab-refused" not in x._dom_classes
+    assert 'role="alert"' not in designer.message.value and designer.take_back.layout.display == "none"
     designer.undo_button.click()
     assert designer.picture == picture and 'role="alert"' not in designer.message.value
-    assert designer.form.entries["tension limits", "min"].value == good.robot.tension_min[0]
+    assert float(designer.form.entries["tension limits", "min"].value) == good.robot.tension_min[0]
     designer.redo_button.click()
     assert contents(designer.world) == contents(good)
+
+
+@pytest.mark.parametrize("entry, said", [("", "nothing stands there"), ("1e400", "endless"), ("nan", "endless"),
+                                         ("0,5", "type one, as 0.5"), ("wide", "is no number")])
+def test_what_is_no_ordinary_number_is_said_beside_its_name(entry, said):
+    designer = course.robot_designer("planar_rigid")
+    designer.form.entries["exit point A", "y"].value = entry
+    assert f"cable 1: exit point A y: {said}" in designer.message.value or said in designer.message.value
+    assert "cable 1: exit point A y: " in designer.message.value and not designer.session.unsaved
+    designer.close()
+
+
+def test_what_is_loaded_is_named_and_what_is_not_saved_is_marked(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    designer = course.robot_designer("caroca")
+    world, begun = designer.world, designer.session
+    assert f"<b>{world.title}</b> (caroca)" in designer.head.value and "not saved" not in designer.head.value
+    designer.edit(("platform", "mass"), 120.0)
+    assert f"<b>{world.title} (changed)</b>" in designer.head.value and "not saved" in designer.head.value
+    designer.undo()
+    assert "not saved" not in designer.head.value
+    designer.redo()
+    assert designer.save("mine.yaml") and "not saved" not in designer.head.value
+    assert cl.load_world(tmp_path / "mine.yaml").robot.mass == 120.0 and str(tmp_path) not in designer.head.value
+    assert designer.do(begun.new, "planar_rigid") and begun.world.name == "my_robot" and begun.unsaved
+    assert designer.do(begun.new) and begun.world.robot.n_cables == 1 and "My robot" in designer.head.value
+    designer.close()
+
+
+@every_world
+def test_mirrored_edits_keep_a_symmetric_robot_symmetric(name):
+    begun = session(name)
+    robot = begun.world.robot
+    begun.mirrored = "xy" if robot.dimension == 3 else "x"
+    middle = (robot.exit_points.min(axis=0) + robot.exit_points.max(axis=0)) / 2
+    flipped = np.where(np.arange(robot.dimension) == 0, -1.0, 1.0)
+
+    def images():
+        """Pairs of cables whose exit points mirror each other in x."""
+        places = begun.world.robot.exit_points - middle
+        return {(i, j) for i, one in enumerate(places) for j, other in enumerate(places)
+                if np.allclose(other, flipped * one)}
+
+    before, free = images(), not robot.bases
+    assert begun.edit(("cables", 0, "exit_point", 0), float(robot.cables[0].exit_point[0]) + 0.0625)
+    assert begun.edit(("cables", 0, "tension", 0), float(robot.tension_min[0]) + 1.0)
+    assert not free or images() == before
+    raised = begun.world.robot.tension_min != robot.tension_min
+    assert raised[0] and (free or raised.sum() == 1)
+    assert all(raised[i] == raised[j] for i, j in before if free)
+
+
+def test_an_anchor_moves_its_images_and_an_exit_the_whole_corner():
+    begun = session("caroca")
+    begun.mirrored = "xy"
+    exits, anchors = begun.world.robot.exit_points, begun.world.robot.anchor_points
+    assert begun.edit(("cables", 0, "exit_point", 0), -3.0) and begun.edit(("cables", 0, "anchor_point", 0), 0.5)
+    np.testing.assert_allclose(begun.world.robot.exit_points, exits * [6 / 7, 1, 1])
+    lower = anchors[:, [2]] < 0
+    expected = np.where(lower, anchors * [5 / 6, 1, 1], anchors)
+    np.testing.assert_allclose(begun.world.robot.anchor_points, expected)
+
+
+def test_the_window_of_the_slice_stays_where_it_is():
+    begun = session()
+    low, high = begun.history.present.window
+    begun.edit(("cables", 0, "exit_point", 0), -2.0)
+    begun.edit(("cables", 1, "exit_point", 0), -2.0)
+    assert np.array_equal(begun.history.present.window, (low, high))
+    begun.edit(("cables", 0, "exit_point", 0), -4.0)
+    assert begun.history.present.window[0][0] == -4.0
+    begun.load("planar_rigid")
+    assert begun.undo() and begun.history.present.window[0][0] == -4.0
+
+
+def test_a_flight_that_fails_says_so():
+    designer = course.robot_designer("planar_point")
+    designer.edit(("cable_limits", "tension", 1), 6.0)
+    designer.simulate()
+    assert 'role="alert"' in designer.message.value and "The flight failed: at " in designer.message.value
+    designer.close()
 
 
 def test_the_text_of_the_world_file_can_be_edited(designer):

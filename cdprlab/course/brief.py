@@ -212,12 +212,12 @@ class _Case:
         low, high = self.brief.hall
         exits = self.robot.exit_points
         out = ((exits < low - _ROUNDING) | (exits > high + _ROUNDING)).any(axis=1)
-        return _none(out, "all in the hall", "outside the hall")
+        return _none(out, "all in the hall", "exit points outside the hall")
 
     def anchors(self) -> _Found:
         off = (np.abs(self.robot.anchor_points) > self.brief.size / 2 + _ROUNDING).any(axis=1)
         return _none(off, "all on the load",
-                     "beyond the box of the load: there is nothing to fix a cable to")
+                     "anchor points beyond the box of the load: there is nothing to fix a cable to")
 
     def directions(self) -> _Found:
         limp = (cable_lengths(self.robot, self.poses) < 1e-9).any(axis=0)
@@ -247,12 +247,14 @@ class _Case:
         if not pairs:
             return True, "none can cross"
         gaps = cable_distances(self.robot, self.poses)
-        i, k = np.unravel_index(np.argmin(gaps), gaps.shape)
-        gap, (one, other) = float(gaps[i, k]), pairs[k]
-        if gap < self.brief.clearance:
-            return False, (f"cables {one + 1} and {other + 1} come as near as {1e3 * gap:.0f} mm, at "
-                           f"{_place(self.poses[int(i)])}. Cables that share an exit or an anchor point never cross")
-        return True, f"by {1e3 * gap:.0f} mm at least"
+        nearest, worst = gaps.min(axis=0), gaps.argmin(axis=0)
+        near = [f"{pairs[k][0] + 1} and {pairs[k][1] + 1} ({1e3 * nearest[k]:.0f} mm)"
+                for k in np.argsort(nearest) if nearest[k] < self.brief.clearance]
+        if near:
+            place = _place(self.poses[int(worst[nearest.argmin()])])
+            return False, (f"too near come cables {', '.join(near)}; the nearest at {place}. "
+                           "Cables that share an exit or an anchor point never cross")
+        return True, f"by {1e3 * nearest.min():.0f} mm at least"
 
     def free(self) -> _Found:
         robot, poses = self.robot, self.poses

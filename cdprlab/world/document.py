@@ -16,6 +16,7 @@ from ruamel.yaml.representer import RoundTripRepresenter
 from ruamel.yaml.resolver import implicit_resolvers
 from ruamel.yaml.scalarfloat import ScalarFloat
 from ruamel.yaml.scalarint import BinaryInt, HexCapsInt, HexInt, OctalInt, ScalarInt
+from ruamel.yaml.tokens import CommentToken
 
 from ..errors import Location, WorldError, shortened
 
@@ -112,6 +113,7 @@ def overlay(node: Any, before: dict[str, Any], after: dict[str, Any]) -> None:
         old, value = before.get(key), after.get(key)
         if old == value:
             continue
+        _mark_changed(node, key)
         if value in (None, []):
             node.pop(key, None)
         elif key in node and isinstance(old, dict) and isinstance(value, dict):
@@ -119,7 +121,9 @@ def overlay(node: Any, before: dict[str, Any], after: dict[str, Any]) -> None:
         elif key in node and isinstance(value, list) and isinstance(value[0], dict):
             entries = own(node, key)
             for i, (one, other) in enumerate(zip(old or [], value)):
-                overlay(own(entries, i), one, other)
+                if one != other:
+                    _mark_changed(entries, i)
+                    overlay(own(entries, i), one, other)
             del entries[len(value):]
             entries.extend(styled(block) for block in value[len(entries):])
         else:
@@ -146,8 +150,17 @@ def changed(old: Any, value: Any) -> Any:
         return styled(value)
     for i, number in enumerate(value):
         if old[i] != number:
+            _mark_changed(old, i)
             old[i] = changed(old[i], number)
     return old
+
+
+def _mark_changed(node: Any, key: str | int) -> None:
+    """The comment beside a value, which tells where that came from, says that it is another one now."""
+    after = node.ca.items.get(key, ())[0 if isinstance(key, int) else 2:][:1] if hasattr(node, "ca") else ()
+    for token in after:
+        if isinstance(token, CommentToken) and not token.value.startswith("# changed"):
+            token.value = "# changed; before:" + token.value.removeprefix("#")
 
 
 # --- places -------------------------------------------------------------------------------------------

@@ -86,12 +86,15 @@ def page(server: str) -> Iterator[Any]:
         browser = playwright.chromium.launch(executable_path=chromium, args=OPTIONS, headless=True,
                                              ignore_default_args=["--headless"])
         page = browser.new_page(viewport={"width": 1280, "height": 900})
-        page.goto(server)
+        page.goto(server, timeout=120_000)
         page.wait_for_selector("img[alt*='robot at its start']", timeout=90_000)
         yield page
         SEEN.mkdir(parents=True, exist_ok=True)
         page.screenshot(path=SEEN / "designer.png")
         browser.close()
+
+
+FIELD = ".cdprlab-fields input[type=text]"
 
 
 def _picture(page: Any) -> str:
@@ -100,21 +103,22 @@ def _picture(page: Any) -> str:
 
 def test_nothing_is_wider_than_the_page(page: Any):
     assert page.evaluate("document.documentElement.scrollWidth") <= 1280
-    parts = ("input[type=number]", "img[alt*='robot at its start']", "img[alt*='are held']")
+    parts = (FIELD, "img[alt*='robot at its start']", "img[alt*='are held']")
     boxes = [page.locator(part).first.bounding_box() for part in parts]
     assert all(box["x"] + box["width"] <= 1280 for box in boxes)
-    # Fields, picture and slice stand side by side.
-    assert boxes[0]["x"] < boxes[1]["x"] < boxes[2]["x"] and boxes[2]["y"] < 450
+    # Fields beside the picture, the slice below it, all on the screen.
+    assert boxes[0]["x"] < min(boxes[1]["x"], boxes[2]["x"])
+    assert all(box["y"] + box["height"] <= 900 for box in boxes)
 
 
 def test_the_keyboard_edits_and_undoes(page: Any):
     before = _picture(page)
-    field = page.locator("input[type=number]").first
-    field.focus()
-    page.keyboard.press("ArrowUp")
+    field = page.locator(FIELD).first
+    field.fill("-3.45")
+    page.keyboard.press("Enter")
     page.wait_for_function("old => document.querySelector(\"img[alt*='robot at its start']\").src !== old", arg=before,
                            timeout=20_000)
-    undo = page.get_by_role("button", name="Undo: cable 1: exit_point[1]")
+    undo = page.get_by_role("button", name="Undo: cable 1: exit point A x")
     undo.focus()
     page.keyboard.press("Enter")
     page.wait_for_function("old => document.querySelector(\"img[alt*='robot at its start']\").src === old", arg=before,
@@ -124,7 +128,7 @@ def test_the_keyboard_edits_and_undoes(page: Any):
 
 def test_a_mistake_is_said_aloud_and_the_picture_stays(page: Any):
     before = _picture(page)
-    smallest = page.get_by_role("spinbutton", name="min")
+    smallest = page.get_by_role("textbox", name="min")
     smallest.fill("20000")
     smallest.press("Enter")
     page.wait_for_selector("[role=alert]", timeout=20_000)

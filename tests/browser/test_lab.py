@@ -202,7 +202,9 @@ def test_every_explorer_is_seen_at_once_and_whole(lesson: Any):
         assert widget.evaluate(CUT) == []
         if widget.locator(".cdprlab-columns").count() == 0:
             continue   # the player, one above the other
-        picture, beside = (widget.locator(f".cdprlab-{part}").first for part in ("picture", "beside"))
+        # The designer has its fields on the left, its pictures on the right.
+        picture, beside = (widget.locator(parts).first for parts in (".cdprlab-picture, .cdprlab-fields",
+                                                                     ".cdprlab-beside, .cdprlab-design"))
         assert picture.bounding_box()["x"] < beside.bounding_box()["x"]
         widget.evaluate("widget => { widget.style.width = '600px'; }")
         assert picture.bounding_box()["x"] == beside.bounding_box()["x"]

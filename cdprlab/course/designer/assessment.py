@@ -66,16 +66,21 @@ class Assessment(NamedTuple):
     slice: Slice
 
 
-def assess(world: World, plane: str = "x–y") -> Assessment:
+Window = tuple[Array, Array]
+"""Opposite corners (d,) of a box [m]."""
+
+
+def assess(world: World, plane: str = "x–y", window: Window | None = None) -> Assessment:
     """Judge a world at its start and over a plane through it.
 
     plane : of `PLANES`; planar robots have "x–y" only
+    window : what of the plane is looked at; default the box of exit points and floor
 
     >>> import cdprlab as cl
     >>> assess(cl.load_world("caroca"), "x–z").warnings
     ()
     """
-    robot, pose, found = world.robot, world.pose, workspace_slice(world, plane)
+    robot, pose, found = world.robot, world.pose, workspace_slice(world, plane, window)
     limp = cable_lengths(robot, pose) < 1e-9
     if limp.any():
         where = f"{cable_names(limp).capitalize()} has no length at the start: its anchor point is on its exit point."
@@ -99,12 +104,12 @@ def stretch(robot: Robot) -> float:
     return robot.elasticity.axial_stiffness if robot.elasticity else ASSUMED_STIFFNESS
 
 
-def workspace_slice(world: World, plane: str = "x–y") -> Slice:
-    """The plane's poses within the box of exit points and floor, judged at the start's orientation."""
+def workspace_slice(world: World, plane: str = "x–y", window: Window | None = None) -> Slice:
+    """The plane's poses within a window, judged at the start's orientation; see `assess`."""
     robot = world.robot
     if robot.dimension == 2:
         plane = PLANES[0]
-    grid = slice_grid(world, plane)
+    grid = slice_grid(world, plane, window)
     poses = grid.poses
     directed = (cable_lengths(robot, poses) > 1e-9).all(axis=-1)
     held, clear = np.zeros(len(grid), dtype=bool), np.zeros(len(grid), dtype=bool)
@@ -115,9 +120,9 @@ def workspace_slice(world: World, plane: str = "x–y") -> Slice:
     return Slice(plane, grid, held, clear)
 
 
-def slice_grid(world: World, plane: str) -> PoseGrid:
+def slice_grid(world: World, plane: str, window: Window | None = None) -> PoseGrid:
     """Centers of the cells of a plane through the start."""
-    low, high = exit_box(world)
+    low, high = window or exit_box(world)
     # Exit points on one line, or in one place, have no box: it gets some width.
     size = np.maximum(high - low, 0.3 * (high - low).max() or 1.0)
     chosen = ["xyz".index(name) for name in plane.split("–")]
@@ -129,7 +134,7 @@ def slice_grid(world: World, plane: str) -> PoseGrid:
     return PoseGrid(axes, world.pose)
 
 
-def exit_box(world: World) -> tuple[Array, Array]:
+def exit_box(world: World) -> Window:
     """Opposite corners (d,) of the box around all exit points, down to the floor [m]."""
     robot = world.robot
     low = robot.exit_points.min(axis=0)

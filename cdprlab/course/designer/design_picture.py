@@ -11,8 +11,8 @@ from ...view.picture import Picture
 from ...view.style import ORANGE, house_style
 from ...world import World
 
-SIZE = (5.2, 4.3)
-"""[inch at 100 pixels]: with the slice and the fields beside it, it fits a page 1280 pixels wide."""
+SIZE = (6.6, 3.7)
+"""[inch at 100 pixels]: beside the fields, on a page 848 pixels wide, it is shown a little smaller."""
 
 
 class DesignPicture:

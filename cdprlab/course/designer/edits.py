@@ -2,7 +2,10 @@
 
 from collections.abc import Mapping
 from functools import lru_cache
+from itertools import product
 from typing import Any
+
+import numpy as np
 
 from ...errors import InvalidInput
 from ...world import World
@@ -12,6 +15,9 @@ from ...world.writer import updated_document
 
 Path = tuple[str | int, ...]
 """Where in a world file a value stands: ``("cables", 2, "exit_point", 0)``."""
+
+CHANGED = " (changed)"
+"""At the end of a title that may no longer be true."""
 
 SHARED = "cable_limits"
 """The block whose limits, once edited, hold for every cable."""
@@ -60,8 +66,10 @@ def value_at(world: World, path: Path) -> Any:
     return found
 
 
-def edited(world: World, path: Path, value: Any) -> World:
+def edited(world: World, path: Path, value: Any, mirrored: str = "") -> World:
     """The world with another value at one place of its file; None leaves it out.
+
+    mirrored : axes as in "xy"; what is changed at a cable is changed at its mirror images, too
 
     world : of `opened`, or edited before
     Raises WorldError naming the place if that is no world; ``world`` itself is never changed.
@@ -72,12 +80,13 @@ def edited(world: World, path: Path, value: Any) -> World:
     (200.0, 200.0)
     """
     before, after = contents(world), copied(contents(world))
-    node: Any = after
-    for part in path[:-1]:
-        if isinstance(part, str) and node.get(part) is None:
-            node[part] = {}
-        node = node[part]
-    node[path[-1]] = plain(value)
+    for place, its_value in {path: value, **_images(world, path, value, mirrored)}.items():
+        node: Any = after
+        for part in place[:-1]:
+            if isinstance(part, str) and node.get(part) is None:
+                node[part] = {}
+            node = node[part]
+        node[place[-1]] = plain(its_value)
     if path[0] == SHARED:
         # Written whatever stood there: what is shown are the first cable's.
         key = path[1]
@@ -86,6 +95,36 @@ def edited(world: World, path: Path, value: Any) -> World:
         for cable in after["cables"]:
             cable[key] = None
     return _rewritten(world, before, after)
+
+
+def _images(world: World, path: Path, value: Any, axes: str) -> dict[Path, Any]:
+    """Where a cable's mirror images have what stands at ``path``, and what it becomes there.
+
+    Exit points are mirrored at the middle of them all, anchor points at the platform's axes; cables
+    that share the point go along.
+    """
+    robot = world.robot
+    if path[0] != "cables" or not axes or robot.bases:
+        return {}
+    key, component = path[2], path[3:]
+    cable = int(path[1])
+    middle = (robot.exit_points.min(axis=0) + robot.exit_points.max(axis=0)) / 2
+    points = robot.exit_points - middle
+    if key == "anchor_point":
+        middle, points = np.zeros(robot.dimension), robot.anchor_points
+    found: dict[Path, Any] = {}
+    for flips in product((1.0, -1.0), repeat=len(axes)):
+        signs = np.ones(robot.dimension)
+        signs[["xyz".index(axis) for axis in axes]] = flips
+        image = value
+        if component and key in ("exit_point", "anchor_point"):
+            axis = int(component[0])
+            image = float(middle[axis] + signs[axis] * (value - middle[axis]))
+        same = np.isclose(points, signs * points[cable], atol=1e-6).all(axis=1)
+        for other in np.flatnonzero(same):
+            if other != cable:
+                found.setdefault(("cables", int(other), key, *component), image)
+    return found
 
 
 def with_entry(world: World, key: str, block: Mapping[str, Any]) -> World:
@@ -133,4 +172,7 @@ def _rewritten(world: World, before: dict[str, Any], after: dict[str, Any]) -> W
     """The world whose file differs as the two contents do; its mistakes name no line, for the lines have moved."""
     document = copied(world.document)
     overlay(document, before, after)
+    title = document.get("title") or ""
+    if title and not title.endswith(CHANGED) and document != world.document:
+        document["title"] = title + CHANGED
     return World.from_dict(document, path="")

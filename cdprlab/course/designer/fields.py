@@ -12,8 +12,6 @@ from ...world import World
 from ...world.blocks import keys_at
 from .edits import Path, edited, on_base, value_at
 
-_STEPS = {"N": 1.0, "kg": 1.0, "deg": 1.0, "s": 0.5, "m/s²": 0.01}
-
 
 class Field(NamedTuple):
     """One thing to type or choose.
@@ -30,11 +28,6 @@ class Field(NamedTuple):
     unit: str
     kind: str = "number"
     options: tuple[Any, ...] = ()
-
-    @property
-    def step(self) -> float:
-        """Of an arrow key."""
-        return _STEPS.get(self.unit, 0.05)
 
     @property
     def scale(self) -> float:
@@ -113,27 +106,39 @@ def shown(field: Field, world: World) -> Any:
     value = value_at(world, field.path)
     if field.kind == "choice":
         return value
-    if field.kind == "number":
-        return float(f"{value / field.scale:.10g}")
     if value is None:
         return ""
+    if field.kind == "number":
+        return f"{value / field.scale:.10g}"
     points = value if field.kind == "points" else [np.ravel(value)]
     return "; ".join(", ".join(f"{x:.10g}" for x in point) for point in points)
 
 
-def typed(world: World, field: Field, entry: Any) -> World:
+def typed(world: World, field: Field, entry: Any, mirrored: str = "") -> World:
     """The world with what was typed into a field; the same world if that is what stood there.
 
-    Raises WorldError naming its place in the world file.
+    mirrored : see `edited`
+    Raises WorldError naming its place in the world file, InvalidInput for what is no number.
     """
     if entry == shown(field, world):
         return world
     if field.path[-1] == "base":
         return on_base(world, int(field.path[1]), entry)
     value = entry if field.kind == "choice" else _value(field, str(entry))
+    if field.kind == "number":
+        _check_number(value, entry)
     if value is None and field.path == ("cable", "axial_stiffness"):   # what does not stretch does not ring
         world = edited(world, ("cable", "damping"), 0.0)
-    return edited(world, field.path, value)
+    return edited(world, field.path, value, mirrored)
+
+
+def _check_number(value: Any, entry: Any) -> None:
+    if value is None:
+        raise InvalidInput("nothing stands there; type a number")
+    if not isinstance(value, float):
+        raise InvalidInput(f"{quoted(entry)} is no number; type one, as 0.5")
+    if not np.isfinite(value):
+        raise InvalidInput(f"{quoted(entry)} is endless; type an ordinary number")
 
 
 def _value(field: Field, text: str) -> Any:

@@ -4,9 +4,11 @@ import html
 from base64 import b64encode
 from collections.abc import Callable
 from functools import lru_cache
+from pathlib import Path as FilePath
 from typing import Any
 
 import ipywidgets
+import numpy as np
 
 from ...run import Run
 from ...tensions import tension_methods
@@ -14,9 +16,9 @@ from ...view.notebook import picture_tag
 from ...world import World, load_world, world_names
 from ..brief import Brief
 from ..explorers.player import run_player
-from ..shown import Shown
+from ..shown import Shown, boxed, style
 from .assessment import PLANES
-from .design_picture import SIZE, DesignPicture
+from .design_picture import DesignPicture
 from .edits import Path
 from .fields import GROUPS, rows
 from .forms import Form
@@ -25,8 +27,9 @@ from .session import DesignSession
 from .slice_picture import SlicePicture
 
 _START = "caroca"
-_WIDE = {"width": "21em"}
+_WIDE = {"width": "auto"}
 FILE, FLIGHT = "world file", "simulate"
+HALL = "an empty hall"
 
 
 class RobotDesigner(Shown):
@@ -66,9 +69,8 @@ class RobotDesigner(Shown):
             self._say(said)
             self.refresh()
         else:
-            self.message.value = (
-                '<div role="alert" style="color: #A32A00; white-space: pre-wrap; line-height: 1.35">'
-                f"<b>{html.escape(self.session.mistake)}</b>\nThe robot is the one before this edit.</div>")
+            self._say(f"{self.session.mistake}\nThe robot is the one before this edit.", "alert")
+        _show_only([] if worked else [self.take_back], [self.take_back])
         return worked
 
     def edit(self, path: Path, value: Any) -> bool:
@@ -100,10 +102,13 @@ class RobotDesigner(Shown):
         if self.player is not None:
             self.player.close()
             self.player, self.below.children = None, ()
-        self.do(self.session.simulate,
-                said="Simulated; played at the end of the page.", **chosen)
+        self.do(self.session.simulate, said="Simulated; played below.", **chosen)
         run = self.session.flown
         if run is not None:
+            if not run.feasible.all():
+                self._say(f"The flight failed: at {np.sum(~run.feasible)} of {len(run.time)} steps no "
+                          "tensions within the limits exert what the controller asks for. "
+                          "Played below.", "alert")
             self.player = run_player(run)
             table = "\n".join(f"{name:<32} {value}" for name, value in run.table().items())
             self.below.children = (ipywidgets.HTML(as_html(table)), self.player.widget)
@@ -125,7 +130,12 @@ class RobotDesigner(Shown):
         numbers, verdict = report(world, found), session.verdict
         judged = [] if verdict is None else [f"The brief is {'' if verdict.met else 'not '}met:", str(verdict), ""]
         self.text = "\n".join([*judged, *found.warnings, numbers])
-        self.brief.value = as_html("\n".join(judged))
+        self.brief.value = as_html("\n".join(judged)) if judged else ""
+        if world.name in self.names.options:
+            self.names.value = world.name
+        mark = " · <i>● not saved</i>" if session.unsaved else ""
+        self.head.value = (f"{style()}<b>{html.escape(world.title or world.name)}</b> "
+                           f"({html.escape(world.name)}){mark}")
         self.warnings.value, self.numbers.value = warnings_html(found), as_html(numbers)
         for button, word, label in ((self.undo_button, "Undo", session.history.undo_label),
                                     (self.redo_button, "Redo", session.history.redo_label)):
@@ -133,8 +143,8 @@ class RobotDesigner(Shown):
         _show_only([self.planes, self.eye] if world.robot.dimension == 3 else [],
                    [self.planes, self.eye])
 
-    def _say(self, words: str) -> None:
-        self.message.value = f'<div role="status">{html.escape(words)}</div>' if words else ""
+    def _say(self, words: str, role: str = "status") -> None:
+        self.message.value = f'<div role="{role}">{html.escape(words)}</div>' if words else ""
 
     def _draw(self) -> None:
         world, cable = self.world, self.session.place.cable
@@ -166,17 +176,25 @@ class RobotDesigner(Shown):
             self._quiet = False
         moves = group == "task" and self.world.tasks["default"].kind != "hold"
         _show_only([] if moves else [self._tools.get(group)], self._tools.values())
+        _show_only([self.mirror] if group == "cables" and not robot.bases else [], [self.mirror])
 
     # --- widgets ----------------------------------------------------------------------------------------------
     def _make_widgets(self) -> None:
         self._quiet = False
-        self.image, self.slice, self.warnings, self.numbers, self.message, self.download, self.brief = (
-            ipywidgets.HTML() for _ in range(7))
+        (self.head, self.image, self.slice, self.warnings, self.numbers, self.message, self.download,
+         self.brief) = (ipywidgets.HTML() for _ in range(8))
         self.groups = ipywidgets.ToggleButtons(options=[*GROUPS, FILE, FLIGHT],
-                                               style={"button_width": "6.3em"},
-                                               layout=_WIDE)
+                                               style={"button_width": "92px"}, layout=_WIDE)
         self.groups.observe(lambda _: self._show_group(), names="value")
-        self.form = Form(lambda field, entry: self.do(self.session.type, field, entry))
+        self.form = Form(lambda *what: self.do(self.session.type, *what))
+        self.mirror = ipywidgets.Dropdown(
+            options=[("nothing", ""), *((f"mirror images at {' and '.join(axes)}", axes)
+                                        for axes in ("x", "y", "xy"))],
+            description="edits also", layout=_WIDE, style={"description_width": "5em"})
+        self.mirror.observe(lambda change: setattr(self.session, "mirrored", change["new"]),
+                            names="value")
+        self.take_back = self._button("Take the entry back", "auto", self.do, lambda: True)
+        self.take_back.layout.display = "none"
         self._tools = self._make_tools()
         self.planes = ipywidgets.Dropdown(options=PLANES, description="Slice",
                                           layout={"width": "12em"},
@@ -184,27 +202,21 @@ class RobotDesigner(Shown):
         self.planes.observe(self._look, names="value")
         self.eye = ipywidgets.FloatSlider(
             value=25.0, min=-180, max=180, step=5, description="seen from [deg]",
-            readout_format=".0f",
-            style={"description_width": "9.5em"}, layout={"width": "32em", "max_width": "100%"})
+            readout_format=".0f", style={"description_width": "9.5em"}, layout=_WIDE)
         self.eye.add_class("view-only")  # it changes the picture, no number
         self.eye.observe(lambda _: self._draw(), names="value")
         cables, bases, start, task = self._tools.values()
-        self._parts = {"form": ipywidgets.VBox([cables, bases, self.form.box, start, task]),
-                       FILE: self._file_part(),
-                       FLIGHT: self._flight_part()}
+        form = ipywidgets.VBox([cables, bases, self.mirror, self.form.box, start, task])
+        self._parts = {"form": form, FILE: self._file_part(), FLIGHT: self._flight_part()}
         # Words and wishes first, then what they make: the order of the Tab key.
-        left = ipywidgets.VBox([self.groups, *self._parts.values(), self.message],
-                               layout={"width": "21.5em", "flex": "0 0 auto"})
-        middle = ipywidgets.VBox([self.image, self.eye, self.brief, self.warnings],
-                                 layout={"width": f"{100 * SIZE[0] + 4:.0f}px",
-                                         "max_width": "100%"})
-        right = ipywidgets.VBox([self.planes, self.slice, self.numbers],
-                                layout={"width": "350px"})
-        self.below = ipywidgets.VBox([])
-        wrapping = {"flex_flow": "row wrap", "align_items": "flex-start"}
-        self.widget = ipywidgets.VBox([self._toolbar(),
-                                       ipywidgets.HBox([left, middle, right], layout=wrapping),
-                                       self.below])
+        fields = boxed([self.groups, self.message, self.take_back, *self._parts.values(),
+                        self.warnings, self.brief], "fields")
+        worth = boxed([boxed([self.planes, self.slice], "slice"), boxed([self.numbers], "worth")],
+                      "columns")
+        picture = boxed([self.image, self.eye, worth], "design")
+        self.below = boxed([])
+        self.page = boxed([self.head, self._toolbar(), boxed([fields, picture], "columns")])
+        self.widget = ipywidgets.VBox([self.page, self.below])
 
     def _button(self, word: str, width: str, work: Callable[..., Any], *entries: Any) -> Any:
         """A button that does something."""
@@ -216,48 +228,53 @@ class RobotDesigner(Shown):
         session = self.session
         self.undo_button = self._button("Undo", "auto", self.do, session.undo)
         self.redo_button = self._button("Redo", "auto", self.do, session.redo)
-        names = ipywidgets.Dropdown(options=world_names(), value=_START, description="World",
-                                    layout={"width": "17em"},
-                                    style={"description_width": "3.5em"})
-        opens = self._button("Open", "5em", lambda: self.do(session.load, names.value))
-        return ipywidgets.HBox([names, opens, self.undo_button, self.redo_button],
+        names = self.names = ipywidgets.Dropdown(
+            options=[HALL, *world_names()], description="World", layout={"width": "210px"},
+            style={"description_width": "3.5em"})
+        opens = self._button("Open", "56px", lambda: self.do(session.load, names.value))
+        new = self._button("New", "52px", lambda: self.do(session.new,
+                                                          names.value.replace(HALL, "")))
+        new.tooltip = "a robot of your own: an empty hall, or a copy of this world"
+        names.observe(lambda change: setattr(opens, "disabled", change["new"] == HALL), names="value")
+        return ipywidgets.HBox([names, opens, new, self.undo_button, self.redo_button],
                                layout={"flex_flow": "row wrap"})
 
     def _make_tools(self) -> dict[str, Any]:
         """Group → what stands beside its fields."""
         session = self.session
         self.cables, self.bases = (ipywidgets.Dropdown(description="edit",
-                                                       layout={"width": "9.6em"},
+                                                       layout={"width": "auto", "flex": "1 1 auto"},
                                                        style={"description_width": "2em"})
                                    for _ in range(2))
         self.cables.observe(lambda change: self._turn(cable=change["new"]), names="value")
         self.bases.observe(lambda change: self._turn(base=change["new"]), names="value")
 
         def beside(choice: Any, word: str, add: Any, remove: Any) -> Any:
-            buttons = [self._button(word, "5.3em", self.do, add),
-                       self._button("Remove", "5.3em", self.do, remove)]
+            buttons = [self._button(word, "60px", self.do, add),
+                       self._button("Remove", "76px", self.do, remove)]
             return ipywidgets.HBox([choice, *buttons], layout=_WIDE)
 
         return {"cables": beside(self.cables, "Copy", session.add_cable, session.remove_cable),
                 "bases": beside(self.bases, "Add", session.add_base, session.remove_base),
-                "start": self._button("Frame around the exit points", "21em", self.do,
+                "start": self._button("Frame around the exit points", "auto", self.do,
                                       session.frame_exits),
-                "task": self._button("Make it a motion", "21em", self.do, session.make_motion)}
+                "task": self._button("Make it a motion", "auto", self.do, session.make_motion)}
 
     def _file_part(self) -> Any:
         session = self.session
-        self.file_text = ipywidgets.Textarea(layout=_WIDE | {"height": "24em"})
-        path = ipywidgets.Text(value="my_robot.yaml", description="path", layout=_WIDE,
-                               style={"description_width": "3em"})
+        self.file_text = ipywidgets.Textarea(layout=_WIDE | {"height": "250px"})
+        path = ipywidgets.Text(value="my_robot.yaml", description="file", layout=_WIDE,
+                               style={"description_width": "3em"},
+                               tooltip="in the folder of the notebook, or a whole path")
         upload = ipywidgets.FileUpload(accept=".yaml,.yml", multiple=False,
                                        description="Upload",
-                                       layout={"width": "7.5em"})
+                                       layout={"width": "120px"})
         upload.observe(lambda _: self._uploaded(upload), names="value")
-        self.apply = self._button("Apply this text", "21em",
+        self.apply = self._button("Apply this text", "auto",
                                   lambda: self.do(session.read, self.file_text.value))
-        save = self._button("Save", "6em", lambda: self.do(session.save, path.value,
-                                                           said=f"Saved as {path.value}."))
-        load = self._button("Load", "6em", lambda: self.do(session.load, path.value.strip()))
+        save = self._button("Save as", "84px", lambda: self.do(
+            session.save, path.value, said=f"Saved as {FilePath(path.value).expanduser().absolute()}."))
+        load = self._button("Open", "60px", lambda: self.do(session.load, path.value.strip()))
         return ipywidgets.VBox([self.file_text, self.apply, path,
                                 ipywidgets.HBox([save, load, upload]), self.download])
 
@@ -271,7 +288,7 @@ class RobotDesigner(Shown):
                                               description=name, **wide)
                   for name in ("K_p [1/s²]", "K_d [1/s]"))
         words = ipywidgets.HTML("Computed torque flies the default task of the group “task”.")
-        go = self._button("Simulate", "21em",
+        go = self._button("Simulate", "auto",
                           lambda: self.simulate(method=method.value, kp=kp.value, kd=kd.value))
         return ipywidgets.VBox([words, method, kp, kd, go])
 

@@ -30,10 +30,15 @@ def report(world: World, found: Assessment) -> str:
     table = [[str(i + 1), fixed(lengths[i], 2), "–" if np.isnan(tau) else fixed(tau, 1),
               f"{robot.tension_min[i]:g} to {robot.tension_max[i]:g}"]
              for i, tau in enumerate(tensions)]
-    lines += ["", "At the start, least-squares tensions:",
+    lines += ["At the start, least-squares tensions:",
               text_table(["cable", "l [m]", "τ [N]", "limits [N]"], table, gap=1)]
-    return "\n".join([*lines, "", *_stiffness(world, found), "", in_words(found.slice),
-                      f"Held and clear: {found.slice.area:.3g} m²."])
+    lines += [*_stiffness(world, found), in_words(found.slice),
+              f"Held and clear: {found.slice.area:.3g} m²."]
+    if held is not None and held.feasible and not found.slice.held.any():
+        step = 1e3 * found.slice.grid.step.max()
+        lines += ["The start is held, yet no middle of a cell: what is held around it is",
+                  f"smaller than a cell, {step:.0f} mm."]
+    return "\n".join(lines)
 
 
 def _stiffness(world: World, found: Assessment) -> list[str]:
@@ -62,10 +67,8 @@ def in_words(found: Slice) -> str:
 
 
 def as_html(text: str) -> str:
-    """Text as it stands, in small fixed letters."""
-    style = "line-height: 1.3; margin: 0.3em 0; font-size: 12px; white-space: pre-wrap; word-break: normal; "
-    style += "font-family: monospace"
-    return f'<pre style="{style}">{html.escape(text)}</pre>'
+    """Text as it stands, in small fixed letters, as widgets.css has it."""
+    return f"<pre>{html.escape(text)}</pre>"
 
 
 def warnings_html(found: Assessment) -> str:

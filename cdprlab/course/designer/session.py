@@ -16,7 +16,7 @@ from ...run.controllers import ComputedTorque
 from ...world import World, load_world
 from ...world.document import place_text
 from ..brief import Brief, Verdict
-from .assessment import PLANES, Assessment, assess, exit_box
+from .assessment import PLANES, Assessment, Window, assess, exit_box
 from .edits import Path, contents, edited, opened, with_entry, without_entry
 from .fields import Field, Place, typed
 from .history import History
@@ -41,10 +41,15 @@ def verb(work: Callable[..., None]) -> Callable[..., bool]:
 
 
 class Kept(NamedTuple):
-    """What undo brings back: the world, and which cable and base were being edited."""
+    """What undo brings back.
+
+    place : which cable and base were being edited
+    window : corners of the slice; it grows where exit points leave it, and else stays put [m]
+    """
 
     world: World
     place: Place
+    window: Window
 
 
 class DesignSession:
@@ -52,6 +57,8 @@ class DesignSession:
 
     world : where to begin
     brief : judged with every design, if there is one
+    kept : the world as it was opened or saved last, None for a new one
+    mirrored : axes at which edits of a cable are mirrored, as in "xy"
 
     >>> import cdprlab as cl
     >>> session = DesignSession(cl.load_world("caroca"))
@@ -66,12 +73,14 @@ class DesignSession:
     def __init__(self, world: World, brief: Brief | None = None) -> None:
         if not isinstance(world, World):
             raise InvalidInput(f"a designer takes a World, got {type(world).__name__}")
-        self.history: History[Kept] = History(Kept(opened(world), Place()))
-        self.plane = PLANES[0]
+        begun = opened(world)
+        self.history: History[Kept] = History(Kept(begun, Place(), exit_box(begun)))
+        self.kept: World | None = self.world
+        self.mirrored = ""
         self.mistake = ""
         self.brief = brief
         self.flown: Run | None = None
-        self.assessment: Assessment = assess(self.world, self.plane)
+        self.look_at(PLANES[0])
 
     @property
     def verdict(self) -> Verdict | None:
@@ -88,16 +97,32 @@ class DesignSession:
         """Which cable and which base are being edited, from 0."""
         return self.history.present.place
 
+    @property
+    def unsaved(self) -> bool:
+        """Whether no file has the world as it is now."""
+        return self.world is not self.kept
+
     # --- edits ------------------------------------------------------------------------------------------------
     @verb
     def edit(self, path: Path, value: Any) -> None:
         """Another value at a place of the world file."""
-        self._become(edited(self.world, path, value), place_text(path))
+        self._become(edited(self.world, path, value, self.mirrored), place_text(path))
 
     @verb
-    def type(self, field: Field, entry: Any) -> None:
-        """What was typed into a field."""
-        self._become(typed(self.world, field, entry), place_text(field.path))
+    def type(self, field: Field, entry: Any, name: str = "") -> None:
+        """What was typed into a field.
+
+        name : of the field on the screen, for messages
+        """
+        name = name or place_text(field.path)
+        try:
+            world = typed(self.world, field, entry, self.mirrored)
+        except CdprError as error:
+            why = str(error)
+            for depth in range(len(field.path), 0, -1):
+                why = why.removeprefix(place_text(field.path[:depth]) + ": ")
+            raise InvalidInput(f"{name}: {why}", field.path) from error
+        self._become(world, name)
 
     @verb
     def add_cable(self) -> None:
@@ -152,18 +177,26 @@ class DesignSession:
     def look_at(self, plane: str) -> None:
         """Another plane for the slice."""
         self.plane = plane
-        self.assessment = assess(self.world, plane)
+        self.assessment: Assessment = assess(self.world, plane, self.history.present.window)
 
     # --- files ------------------------------------------------------------------------------------------------
     @verb
+    def new(self, name: str = "") -> None:
+        """A world of one's own in place of this one: a copy of a shipped one, or an empty hall; it can be undone."""
+        document = load_world(name).to_dict() if name else _HALL
+        copy = {"name": "my_robot", "title": f"My robot, from {name}" if name else "My robot"}
+        self._open(World.from_dict(document | copy), "new robot")
+        self.kept = None
+
+    @verb
     def load(self, name_or_path: str) -> None:
         """A shipped world by name or a world file by path, in place of this one; it can be undone."""
-        self._become(opened(load_world(name_or_path)), f"{name_or_path} loaded", Place())
+        self._open(opened(load_world(name_or_path)), f"{name_or_path} loaded")
 
     @verb
     def read(self, text: str, name: str = "world file") -> None:
         """A world from the text of a world file, in place of this one; mistakes are named by line."""
-        self._become(World.from_yaml(text, path=name), f"{name} read", Place())
+        self._open(World.from_yaml(text, path=name), f"{name} read")
 
     @verb
     def save(self, path: str) -> None:
@@ -172,6 +205,7 @@ class DesignSession:
         if target.suffix not in (".yaml", ".yml"):
             raise InvalidInput(f"a world file ends in .yaml, got {path.strip() or 'nothing'!r}")
         self.world.save(target)
+        self.kept = self.world
 
     @verb
     def simulate(self, method: str = "quadratic_program", kp: float = 100.0, kd: float = 100.0) -> None:
@@ -195,14 +229,30 @@ class DesignSession:
         self._turn(self.history.redone())
 
     # --- inside -----------------------------------------------------------------------------------------------
+    def _open(self, world: World, label: str) -> None:
+        self._turn(self.history.done(label, Kept(world, Place(), exit_box(world))))
+        self.kept = self.world
+
     def _become(self, world: World, label: str, place: Place | None = None) -> None:
         if world is not self.world:
-            self._turn(self.history.done(label, Kept(world, place or self.place)))
+            (low, high), (least, most) = self.history.present.window, exit_box(world)
+            window = np.minimum(low, least), np.maximum(high, most)
+            self._turn(self.history.done(label, Kept(world, place or self.place, window)))
 
     def _turn(self, history: History[Kept]) -> None:
         # Judged first: what cannot be judged is not kept.
-        self.assessment = assess(history.present.world, self.plane)
+        self.assessment = assess(history.present.world, self.plane, history.present.window)
         self.history = history
+
+
+_HALL = {
+    "name": "my_robot", "engine": "spatial", "motion_pattern": "3R3T",
+    "platform": {"mass": 20.0, "size": [0.6, 0.4, 0.3], "pose": {"position": [0.0, 0.0, 1.0]}},
+    "cable_limits": {"tension": [5.0, 500.0]},
+    "cables": [{"exit_point": [0.0, 0.0, 3.0], "anchor_point": [0.0, 0.0, 0.15]}],
+    "scene": {"frame": {"lower": [-3.0, -2.0, 0.0], "upper": [3.0, 2.0, 3.0]}},
+}
+"""An empty hall: a frame, a load, and one cable to copy."""
 
 
 def _new_base(world: World) -> dict[str, Any]:

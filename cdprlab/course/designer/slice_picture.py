@@ -11,7 +11,7 @@ from ...world import World
 from .assessment import Slice
 from .report import in_words
 
-_SIZE = (3.4, 2.6)
+_SIZE = (2.5, 1.85)
 _KINDS = {"not held": "#FFFFFF", "held, but cables interfere (dotted)": "#F3C98B",
           "held within the limits": "#8FC1E3"}
 _LEGEND = "".join(f'<div><span style="background: {color}; border: 1px solid {INK}; padding: 0 0.6em"></span> '
@@ -24,7 +24,7 @@ class SlicePicture:
     def __init__(self) -> None:
         with house_style():
             figure = Figure(_SIZE, dpi=100)
-            self._axes = figure.add_axes((0.14, 0.18, 0.83, 0.78))
+            self._axes = figure.add_axes((0.2, 0.24, 0.77, 0.73))
             # Few ticks, no grid; title and legend are the page's: matplotlib spends much of its
             # time on these.
             self._axes.locator_params(nbins=4)
