@@ -86,6 +86,21 @@ def test_exits_with_offsets_are_recovered_from_poses_that_tell(world):
     np.testing.assert_allclose(found.length_offsets, table[:, -2], atol=2e-3)
 
 
+def test_a_calibrated_robot_knows_its_encoders():
+    world = cl.load_world("caroca")
+    real = cl.perturbed(world, exit_points=0.01, lengths=0.005, seed=3)
+    poses = random_poses(world.robot, 40, 0)
+    read_there = cl.cable_lengths(real.robot, poses) + real.robot.length_offsets
+    found = cl.calibrate(world.robot, poses, read_there)
+    np.testing.assert_allclose(found.robot.length_offsets, real.errors["lengths"], atol=1e-9)
+    # Offsets that are believed in stay where they are no unknowns.
+    known = replace(world.robot, cables=tuple(replace(cable, length_offset=cable_there.length_offset)
+                                              for cable, cable_there in zip(world.robot.cables, real.robot.cables)))
+    again = cl.calibrate(known, poses, read_there, ["exit_points"])
+    np.testing.assert_allclose(again.robot.exit_points, real.robot.exit_points, atol=1e-9)
+    np.testing.assert_array_equal(again.length_offsets, real.robot.length_offsets)
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 def test_without_noise_everything_is_exact(name):
     robot, rng = ROBOTS[name](), np.random.default_rng(6)

@@ -33,7 +33,7 @@ class Calibration:
     """What `calibrate` found: K unknowns in the order asked for, cable after cable, the platform's last.
 
     robot : with what was found in the place of what was believed
-    length_offsets : (m,) what the winches read too much [m]
+    length_offsets : (m,) what the winches read too much, as the robot has them [m]
     estimates : name of each unknown → its value [m, kg]
     covariance : (K, K) of them [m², kg²]; 1000² where the poses say nothing
     residual : (N, m) measured − computed lengths [m]
@@ -121,7 +121,7 @@ def calibrate(robot: Robot, poses: Pose, lengths: ArrayLike,
         x = np.concatenate([x, scale * y])
         covariance = block_diag(covariance, more * np.outer(scale, scale))
         told += untold
-    return Calibration(found, frozen(table[:, -2].copy()), dict(zip(names, x.tolist())), frozen(covariance),
+    return Calibration(found, found.length_offsets, dict(zip(names, x.tolist())), frozen(covariance),
                        frozen(left.reshape(shape)), told)
 
 
@@ -149,14 +149,14 @@ def length_slopes(robot: Robot, poses: Pose) -> Array:
 
 def _table(robot: Robot) -> Array:
     """(m, 2 d + 2): what is believed of each cable, as `length_slopes` orders it; radius 0 without pulley."""
-    return np.array([[*cable.exit_point, *cable.anchor_point, 0.0, cable.pulley.radius if cable.pulley else 0.0]
-                     for cable in robot.cables])
+    return np.array([[*cable.exit_point, *cable.anchor_point, cable.length_offset,
+                      cable.pulley.radius if cable.pulley else 0.0] for cable in robot.cables])
 
 
 def _rebuilt(robot: Robot, table: Array) -> Robot:
     d = robot.dimension
     return replace(robot, cables=tuple(replace(
-        cable, exit_point=row[:d], anchor_point=row[d:2 * d],
+        cable, exit_point=row[:d], anchor_point=row[d:2 * d], length_offset=float(row[-2]),
         # A step of the search may pass zero.
         pulley=replace(cable.pulley, radius=max(float(row[-1]), 1e-6)) if cable.pulley else None)
                                        for cable, row in zip(robot.cables, table)))
