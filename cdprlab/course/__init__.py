@@ -45,7 +45,7 @@ _EXPORTS = {
     "props.pose_search": ("six_cables",),
     "props.slack": ("slack_length",),
     "props.submatrices": ("submatrix_twist_set",),
-    "..view.plots": ("plot_tensions",),
+    "..view.plots": ("Figure", "plot_tensions"),
     "..view.sets": ("axis_names", "draw_capability", "draw_polygon"),
     "..view.style": ("BLUE", "GREEN", "GREY", "INK", "ORANGE", "PURPLE", "SKY", "VERMILION",
                      "cable_style", "house_style"),

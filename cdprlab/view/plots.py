@@ -35,9 +35,12 @@ _LEAST_RANGE = 1e-3
 
 
 class Figure(matplotlib.figure.Figure):
-    """A matplotlib figure with a text description; shows itself in notebooks without pyplot."""
+    """A matplotlib figure with a text description; shows itself in notebooks, also without pyplot."""
 
     alt_text: str = ""
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        printer.text(self.alt_text or repr(self))
 
     def _repr_png_(self) -> bytes:
         from io import BytesIO

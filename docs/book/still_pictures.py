@@ -7,6 +7,7 @@ from base64 import b64encode
 from matplotlib.figure import Figure
 
 from cdprlab.course import Explorer
+from cdprlab.course import Figure as ToldFigure
 from cdprlab.course.designer.panel import RobotDesigner
 from cdprlab.course.explorers.player import MotionPlayer
 
@@ -16,7 +17,8 @@ def install(shell):
     for kind in (Explorer, RobotDesigner, MotionPlayer):
         shell.display_formatter.mimebundle_formatter.for_type(kind, still)
     # As a method: what is said to IPython about figures, matplotlib's inline backend makes it forget.
-    Figure._repr_pretty_ = lambda figure, printer, _: printer.text(describe(figure))
+    for kind in (Figure, ToldFigure):
+        kind._repr_pretty_ = lambda figure, printer, _: printer.text(describe(figure))
 
 
 def still(shown, **_):

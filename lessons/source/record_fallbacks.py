@@ -45,10 +45,9 @@ class Recorder:
         @functools.wraps(function)
         def call(*arguments: Any, **named: Any) -> Any:
             listening, self.listening = self.listening, False  # what the function asks of itself is not recorded
-            given = signature.bind(*arguments, **named).args
-            seen = fingerprint(given)
+            seen = fingerprint(signature.bind(*arguments, **named).args)
             try:
-                returned = function(*given)
+                returned = function(*arguments, **named)
             finally:
                 self.listening = listening
             if listening and not any((seen == earlier).all() for earlier, _ in rows):

@@ -63,6 +63,12 @@ def leave_one_out(robot, lengths, guess):
 '''
 LEFT = "np.linalg.norm(kept - cl.cable_lengths(others, found))"
 
+ASTRAY = '''
+def misleading_guess(robot, pose):
+    """Wrong on purpose."""
+    return {guess}
+'''
+
 WRONG_ANSWERS: dict[str, list[tuple[str, str]]] = {
     "circles-answer": [
         ("takes the upper crossing", CIRCLES.format(s=OFFSET, refuse=REFUSE, point=LOWER.replace("min", "max"))),
@@ -74,6 +80,13 @@ WRONG_ANSWERS: dict[str, list[tuple[str, str]]] = {
         ("forgets the rotation", NEWTON.format(step=f"({STEP}) * (np.arange(J.shape[1]) < pose.dimension)", most="most",
                                                start="-1")),
         ("steps from the guess again and again", NEWTON.format(step=STEP, most="most", start="0")),
+    ],
+    "astray-answer": [
+        ("the true pose, turned a little", ASTRAY.format(guess="cl.Pose(pose.position, angle=pose.angle + 0.3)")),
+        ("turned by 60 degrees, whatever the true pose",
+         ASTRAY.format(guess="cl.Pose(pose.position, angle=pose.angle + 1)")),
+        ("far away, where nothing is found",
+         ASTRAY.format(guess="cl.Pose(pose.position + 30, angle=pose.angle + 2)")),
     ],
     "covariance-answer": [
         ("sigma not squared", COVARIANCE.format(**RIGHT | {"covariance": "sigma * np.linalg.inv(J.T @ J)"})),

@@ -12,6 +12,7 @@ from ...compiled.columns import cables
 from ...mechanics.trajectory import Reference
 from ...run.controllers import ComputedTorque
 from ...simulate.state import State
+from ..props.point_load import lower_crossing
 
 
 def _cable_vectors(exit_points: Array, anchor_points: Array, position: Array, rotation: Array) -> Array:
@@ -26,6 +27,7 @@ def _my_controller(t: float, state: State, reference: Reference, kp: float = 100
 
 LIBRARY: dict[str, tuple[Callable[..., Any], ...]] = {
     "01_cable-vectors": (_cable_vectors,),
+    "03_circles": (lower_crossing,),
     "05_controller": (_my_controller,),
 }
 """Lesson and exercise → what stands in for its functions, in the order in which its cell defines them."""

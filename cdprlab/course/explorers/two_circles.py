@@ -15,7 +15,7 @@ from ...robot.pose import Pose
 from ...view.outlines import hanging
 from ...view.style import INK, SKY, cable_style
 from ..pictures.panels import draw_exit_points
-from ..props.point_load import circle_crossings, point_load
+from ..props.point_load import circle_crossings, lower_crossing, point_load
 from ..props.settling import Settled, hang
 from ..text_table import in_brackets
 from .explorer import Choice, Explorer, Slider, Values
@@ -53,7 +53,7 @@ class TwoCirclesExplorer(Explorer):
         self._robot = replace(load, cables=tuple(replace(cable, exit_point=place)
                                                  for cable, place in zip(load.cables,
                                                                          EXIT_POINTS)))
-        self._formula = formula or _lower_crossing
+        self._formula = formula or lower_crossing
         controls: list[Slider | Choice] = [Slider("l1", "length l₁", "m", 1.0, 7.0, 3.0, 0.05),
                                            Slider("l2", "length l₂", "m", 1.0, 7.0, 4.0, 0.05),
                                            Choice("hang", "hang a load", (_HELD, _HUNG), _HELD)]
@@ -112,7 +112,7 @@ class TwoCirclesExplorer(Explorer):
     # --- inside ---------------------------------------------------------------------------------------
     @property
     def _whose(self) -> str:
-        return "lower crossing" if self._formula is _lower_crossing else "your point"
+        return "lower crossing" if self._formula is lower_crossing else "your point"
 
     def _solve(self, values: Values) -> None:
         self._lengths = np.array([values["l1"], values["l2"]])
@@ -139,11 +139,3 @@ class TwoCirclesExplorer(Explorer):
 
 
 two_circles_explorer = TwoCirclesExplorer
-
-
-def _lower_crossing(first: Array, second: Array, l1: float, l2: float) -> Array:
-    lower = circle_crossings([first, second], [l1, l2])[0]
-    if np.isnan(lower).any():
-        raise ValueError("no point has these lengths")
-    return lower
-

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import checked
 from ...errors import InvalidInput
+from ...view.plots import Figure
 from ...view.style import CABLE_DASHES, INK, cable_style, house_style
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 @checked
@@ -34,11 +32,11 @@ def plot_comparison(x: ArrayLike, pairs: Mapping[str, tuple[ArrayLike, ArrayLike
     """
     import matplotlib.pyplot as plt
 
+    figure: Any
     along = np.asarray(x, float)
     with house_style():
-        figure, (above, below) = plt.subplots(2, 1, figsize=(7, 5), sharex=True,
-                                              layout="constrained",
-                                              height_ratios=(3, 2))
+        figure, (above, below) = plt.subplots(2, 1, FigureClass=Figure, figsize=(7, 5),
+                                              sharex=True, layout="constrained", height_ratios=(3, 2))
         for index, (label, pair) in enumerate(pairs.items()):
             first, second = (np.asarray(values, float) for values in pair)
             if not first.shape == second.shape == (along.size,):
@@ -58,4 +56,6 @@ def plot_comparison(x: ArrayLike, pairs: Mapping[str, tuple[ArrayLike, ArrayLike
                   title=f"What is left: {names[1]} − {names[0]}")
         if len(pairs) > 1:
             below.legend(ncols=len(pairs))
+        figure.alt_text = (f"{title}: {names[0]} and {names[1]} of {', '.join(pairs)}; "
+                           f"what is left is at most {np.abs(below.dataLim.intervaly).max():.2g} in size.")
     return figure

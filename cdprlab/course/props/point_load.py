@@ -145,6 +145,18 @@ def circle_crossings(centers: ArrayLike, lengths: ArrayLike) -> Array:
     return np.stack([middle + aside, middle - aside], axis=-2)
 
 
+def lower_crossing(first: Array, second: Array, l1: float, l2: float) -> Array:
+    """Where a load hangs on two cables; raises ValueError where no point has these lengths.
+
+    >>> lower_crossing([0, 3], [5, 3], 3, 4)
+    array([1.8, 0.6])
+    """
+    lower: Array = circle_crossings([first, second], [l1, l2])[0]
+    if np.isnan(lower).any():
+        raise ValueError("no point has these lengths")
+    return lower
+
+
 def null_vector(W: Array) -> Array:
     """h with W h = 0 whose smallest entry is as large as can be, max |h_i| = 1; zeros where W has no null space.
 
