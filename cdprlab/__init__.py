@@ -36,6 +36,8 @@ from .run.compare import TensionComparison, compare_tensions
 from .run.controllers import ComputedTorque, LengthControl
 from .run.controllers import Controller as Controller
 from .run.reading import read_log
+from .run.repeat import Repetition as Repetition
+from .run.repeat import repeat
 from .run.sensors import Sensors
 from .run.start import Cuts as Cuts
 from .run.winches import TorqueControl, VelocityControl
@@ -85,7 +87,7 @@ __all__ = [
     "equilibrium", "errors",
     "forward_kinematics", "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator", "perturbed",
     "place_bases",
-    "plan_configurations", "plot", "quintic", "read_log", "resolve_twist", "run",
+    "plan_configurations", "plot", "quintic", "read_log", "repeat", "resolve_twist", "run",
     "sagging_cable", "sagging_lengths", "stiffness", "straight_tensions",
     "tension_methods",
     "tipping_moments", "tipping_rows", "workspace", "world_names", "world_schema",

@@ -172,6 +172,12 @@ def as_seed(value: Any) -> int:
     return as_count(value, "seed", 0, 2**64)
 
 
+def seeds(seed: int, count: int) -> list[int]:
+    """Seeds of so many draws that have nothing to do with each other, from one."""
+    drawn: list[int] = np.random.SeedSequence(as_seed(seed)).generate_state(count).tolist()
+    return drawn
+
+
 def data_frame(columns: Mapping[str, Any]) -> Any:
     """A pandas DataFrame of (N,) columns; raises MissingDependency where pandas is not installed."""
     with needed_by("to_frame"):

@@ -72,6 +72,8 @@ GOOD: dict[str, dict[str, Any]] = {
     "Sensors": fields(cl.Sensors(rate=100.0)),
     "perturbed": {"world": CAROCA, "exit_points": 0.01, "anchor_points": 0.0, "mass": 0.1, "center_of_mass": 0.0,
                   "lengths": 0.01, "seed": 0},
+    "repeat": {"world": POINT, "runs": 1, "task": "default", "errors": {"mass": 0.1}, "real": None, "sensors": None,
+               "seed": 0, "n_jobs": None, "checkpoint": None, "progress": None, "duration": 2e-3},
     "plot": {"run_or_table": None},
 }
 """Public name → arguments that it takes; each is in turn replaced by each of the bad ones."""

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cdprlab as cl
+from cdprlab.arrays import seeds
 from cdprlab.errors import InvalidInput
 from cdprlab.run.sensors import Observer
 
@@ -266,3 +267,46 @@ def test_gains_are_checked():
         cl.run(cl.load_world("caroca"), controller=cl.LengthControl([1, 2], 3), duration=0.1)
     with pytest.raises(InvalidInput, match="ki"):
         cl.run(cl.load_world("caroca"), controller=cl.ComputedTorque(1, 1, [1, 2]), duration=0.1)
+
+
+# --- accuracy and repeatability -----------------------------------------------------------------
+def test_repeating_is_running_again_and_goes_on_where_it_stopped(tmp_path):
+    world = cl.load_world("planar_rigid")
+    how = {"errors": {"exit_points": 0.01, "mass": 0.1}, "seed": 4, "duration": 0.2}
+    seen: list[tuple[int, int]] = []
+    whole = cl.repeat(world, 4, **how, checkpoint=tmp_path, progress=lambda *done: seen.append(done))
+    assert seen == [(1, 4), (2, 4), (3, 4), (4, 4)] and len(list(tmp_path.glob("*.npz"))) == 4
+    next(tmp_path.glob("*.npz")).write_bytes(b"half written")
+    seen.clear()
+    again = cl.repeat(world, 4, **how, checkpoint=tmp_path, progress=lambda *done: seen.append(done))
+    assert seen == [(4, 4)]
+    fewer = cl.repeat(world, 3, **how, n_jobs=2)
+    for field in ("final_errors", "largest_errors", "smallest_tensions", "slack"):
+        np.testing.assert_array_equal(getattr(again, field), getattr(whole, field))
+        np.testing.assert_array_equal(getattr(fewer, field), getattr(whole, field)[:3])
+    # Run by hand: the first robot of the draw.
+    flown = cl.run(world, real=cl.perturbed(world, exit_points=0.01, mass=0.1, seed=seeds(4, 4)[0]), duration=0.2)
+    np.testing.assert_array_equal(flown.errors[-1], whole.final_errors[0])
+    np.testing.assert_allclose(whole.mean, whole.final_errors.mean(axis=0))
+    np.testing.assert_allclose(whole.spread, whole.final_errors.std(axis=0, ddof=1))
+    assert whole.smallest_tension == whole.smallest_tensions.min() and len(repr(whole).splitlines()) <= 10
+
+
+def test_robots_that_differ_spread_more_than_one_with_noise():
+    world, noise = cl.load_world("planar_rigid"), cl.Sensors(position_noise=1e-4, rotation_noise=1e-4)
+    real = cl.perturbed(world, mass=0.1, seed=1)
+    one = cl.repeat(world, 3, real=real, sensors=noise, duration=0.3)
+    many = cl.repeat(world, 3, errors={"mass": 0.1}, sensors=noise, duration=0.3)
+    assert 0 < one.spread[1] < 0.2 * many.spread[1]
+    still = cl.repeat(world, 2, real=real, duration=0.1)   # nothing is drawn
+    assert still.spread.max() == 0
+
+
+def test_wrong_repetitions_are_named():
+    world = cl.load_world("planar_rigid")
+    for wrong in ({}, {"errors": {}, "real": world}, {"errors": {"mas": 0.1}}, {"errors": {"mass": -0.1}},
+                  {"errors": {}, "n_jobs": 0}, {"errors": {}, "dtt": 1}, {"errors": {"seed": 1}}):
+        with pytest.raises(InvalidInput):
+            cl.repeat(world, 1, **wrong)
+    with pytest.raises(InvalidInput):
+        cl.repeat(world, 0, errors={})

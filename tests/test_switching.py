@@ -111,5 +111,5 @@ def test_wrong_requests_are_named(world, best):
         winding_plan(world.robot, best, slack=-0.1)
     with pytest.raises(InvalidInput, match="within reach"):
         hanging_position(world.robot, [0.5, 0.5, 0.5, 0.5])
-    with pytest.raises(InvalidInput, match="length_errors"):
-        follow_sequence(world, best, length_errors=np.nan)
+    with pytest.raises(InvalidInput, match="the cables, bases and motion pattern"):
+        follow_sequence(world, best, real=cl.load_world("marionet_five"))

@@ -1,23 +1,22 @@
 """Cable configurations put to work: a sequence followed in the engine, by a robot that is a little off."""
 
-import dataclasses
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arrays import Flags, as_array, as_number, as_seed, checked, frozen
+from ..arrays import Flags, as_count, checked, frozen, seeds
 from ..configurations.measured import hanging_position
 from ..configurations.sequence import ConfigurationSequence
 from ..configurations.winding import Winding, winding_plan
 from ..errors import SimulationDiverged
 from ..mechanics.trajectory import Reference
-from ..robot import Robot
 from ..robot.pose import Pose
 from ..simulate import open_simulator
 from ..world import World
+from ..world.perturbation import perturbed
 from .loop import Flight, LengthCommand, fly
 from .record import Run
+from .sensors import Belief
 
 TAUT = 1.0
 """[N] a cable that carries less counts as slack."""
@@ -26,8 +25,7 @@ TAUT = 1.0
 @checked
 def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: float = 0.2,
                     speed: float = 0.2,
-                    reeling: float = 0.05, length_errors: ArrayLike = 0.0,
-                    exit_errors: ArrayLike = 0.0,
+                    reeling: float = 0.05, real: World | None = None,
                     cables: str = "length") -> Run:
     """Lead a point mass along a sequence by rope lengths alone, in the engine.
 
@@ -35,10 +33,7 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
     slack : let out of every cable that shall not carry; 0 is the naive way, all ropes by
         inverse kinematics [m]
     speed, reeling : the load's largest, and of slack taken up and let out [m/s]
-    length_errors : (m,) or one number: ropes are really this much longer than the winches
-        believe [m]
-    exit_errors : (m, 3) or one number: where the exit points really are, minus where they are
-        believed [m]
+    real : the world that the engine flies, see `perturbed`; default the one the planner knows
     cables : "length" or "elastic"
     Returns Run; its reference is the planned motion, its errors what the load was off, and
     ``taut_cables`` reads off which cables carried.
@@ -51,29 +46,26 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
     True
     """
     plan = winding_plan(world.robot, sequence, slack, speed, reeling)
-    m = world.robot.n_cables
-    longer = as_array(np.broadcast_to(length_errors, (m,)), "length_errors", (m,), "m")
-    real = dataclasses.replace(world, robot=_displaced(world.robot, exit_errors))
-    with open_simulator(real, cables) as engine:
+    with open_simulator(real or world, cables) as body:
+        engine: Any = Belief(body, world, None, body.dt)
         # At rest where these ropes hold the load; those that are slack there are let out at
         # their winches' speed.
-        lengths = plan.lengths[0] + longer
-        engine.reset(Pose(hanging_position(engine.robot, lengths)[0]))
-        while not engine.wind(lengths):
+        hanging = hanging_position(body.robot, plan.lengths[0] - engine.offsets)[0]
+        engine.reset(Pose(hanging))
+        while not engine.wind(plan.lengths[0]):
             pass
         dt, settings = engine.dt, {"slack": float(slack), "speed": float(speed),
                                    "reeling": float(reeling)}
 
         def record(flight: Flight) -> Run:
             steps = flight.steps
-            run = Run.of(flight, _motion(plan, dt), at_end=True, world=real, task="sequence",
-                         method="cable_configurations",
-                         cables=cables, time=frozen(plan.time[:steps]),
-                         real_time_factor=steps * dt / flight.elapsed, dt=dt,
-                         control_period=dt, settings=settings)
-            return dataclasses.replace(run, commanded_lengths=frozen(plan.lengths[:steps]))
+            return Run.of(flight, _motion(plan, dt), at_end=True, world=world, real=real, task="sequence",
+                          method="cable_configurations",
+                          cables=cables, time=frozen(plan.time[:steps]),
+                          real_time_factor=steps * dt / flight.elapsed, dt=dt,
+                          control_period=dt, settings=settings)
 
-        return fly(engine, LengthCommand(), (plan.lengths + longer).tolist(), record)
+        return fly(engine, LengthCommand(), plan.lengths.tolist(), record)
 
 
 @checked
@@ -108,17 +100,13 @@ def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *,
     seed : of the errors
     Returns one Trial each; a load that leaves the scene counts as off by infinity.
     """
-    rng, m = np.random.default_rng(as_seed(seed)), world.robot.n_cables
-    as_number(trials, "trials", "", positive=True)
+    as_count(trials, "trials")
     plan = winding_plan(world.robot, sequence, slack, speed, reeling)
     found = []
-    for _ in range(trials):
-        longer = rng.uniform(-length_error, length_error, m)
-        displaced = rng.uniform(-exit_error, exit_error, (m, 3))
+    for drawn in seeds(seed, trials):
+        real = perturbed(world, exit_points=exit_error, lengths=length_error, seed=drawn)
         try:
-            run = follow_sequence(world, sequence, slack=slack, speed=speed, reeling=reeling,
-                                  length_errors=longer,
-                                  exit_errors=displaced)
+            run = follow_sequence(world, sequence, slack=slack, speed=speed, reeling=reeling, real=real)
             found.append(_judged(run, plan))
         except SimulationDiverged:
             found.append(Trial(np.inf, np.inf, np.inf))
@@ -137,14 +125,6 @@ def _longest(true: Any) -> int:
     """Length of the longest row of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], true.astype(int), [0]])))
     return int((edges[1::2] - edges[::2]).max(initial=0))
-
-
-def _displaced(robot: Robot, exit_errors: ArrayLike) -> Robot:
-    shape = (robot.n_cables, 3)
-    errors = as_array(np.broadcast_to(exit_errors, shape), "exit_errors", shape, "m")
-    cables = tuple(dataclasses.replace(cable, exit_point=cable.exit_point + error)
-                   for cable, error in zip(robot.cables, errors))
-    return dataclasses.replace(robot, cables=cables)
 
 
 def _motion(plan: Winding, dt: float) -> Reference:

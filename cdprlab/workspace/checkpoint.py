@@ -1,4 +1,4 @@
-"""Finished chunks of a sweep on disk, each under a name that only the very same question has."""
+"""Finished parts of long work on disk, each under a name that only the very same question has."""
 
 import pickle
 import warnings
@@ -10,49 +10,43 @@ from typing import Any
 import numpy as np
 
 from ..errors import CannotWrite, InvalidInput
-from ..robot import Robot
-from ..robot.pose import Pose
 from ..world.files import made_folder, replaced
-from .criterion import Criterion, Judgement
 
 
 class Checkpoint:
-    """A folder of ``KEY.npz``, KEY a hash of robot, criterion and the chunk's poses: anything else is judged anew."""
+    """A folder of ``KEY.npz``, KEY a hash of a question and of one of its parts: anything else is answered anew."""
 
-    def __init__(self, folder: str | Path, robot: Robot, criterion: Criterion, margin: bool, chunk: int) -> None:
+    def __init__(self, folder: str | Path, *question: Any) -> None:
         self.folder = made_folder(folder)
         import hashlib  # here only: it takes a twentieth of the time of `import cdprlab`
 
         self._question = hashlib.sha256()
-        _feed(self._question, (robot, criterion, margin, chunk))
+        _feed(self._question, question)
 
-    def load(self, poses: Pose) -> Judgement | None:
-        """The chunk's judgement, if it is there and whole."""
+    def load(self, *part: Any) -> dict[str, Any] | None:
+        """The arrays of that part, if they are there and can be read."""
         try:
-            with self._path(poses).open("rb") as file, np.load(file) as stored:
-                found = Judgement(stored["inside"], stored["margin"])
+            with self._path(part).open("rb") as file, np.load(file) as stored:
+                return dict(stored)
         except Exception:   # what numpy says of a damaged file depends on the damage
             return None
-        kinds = found.inside.dtype.kind + found.margin.dtype.kind
-        whole = kinds == "bf" and found.inside.shape == found.margin.shape == (len(poses),)
-        return found if whole else None
 
-    def save(self, poses: Pose, judgement: Judgement) -> None:
-        """Keep the chunk; warns where that fails, and the sweep goes on."""
-        path = self._path(poses)
+    def save(self, *part: Any, **arrays: Any) -> None:
+        """Keep the part's arrays; warns where that fails, and the work goes on."""
+        path = self._path(part)
         try:
             with replaced(path) as file:
-                np.savez(file, inside=judgement.inside, margin=judgement.margin)
+                np.savez(file, **arrays)
         except CannotWrite as error:
-            if self.load(poses) is None:    # or somebody who shares the folder was quicker
-                warnings.warn(f"part of a workspace is judged but not kept: {error}", stacklevel=2)
+            if self.load(*part) is None:    # or somebody who shares the folder was quicker
+                warnings.warn(f"part of the work is done but not kept: {error}", stacklevel=2)
         for left in self.folder.glob(f"*{path.stem}*.part"):    # of who was killed while writing it
             with suppress(OSError):
                 left.unlink()
 
-    def _path(self, poses: Pose) -> Path:
+    def _path(self, part: tuple[Any, ...]) -> Path:
         key = self._question.copy()
-        _feed(key, (poses.position, poses.rotation))
+        _feed(key, part)
         return self.folder / f"{key.hexdigest()[:32]}.npz"
 
 
@@ -63,8 +57,9 @@ def _feed(key: Any, value: Any) -> None:
         key.update(f"{value.shape}{value.dtype}".encode() + np.ascontiguousarray(value).tobytes())
     elif is_dataclass(value):
         for field in fields(value):
-            key.update(field.name.encode())
-            _feed(key, getattr(value, field.name))
+            if field.init:
+                key.update(field.name.encode())
+                _feed(key, getattr(value, field.name))
     elif isinstance(value, dict):
         _feed(key, sorted(value.items()))
     elif isinstance(value, list | tuple):
@@ -75,5 +70,5 @@ def _feed(key: Any, value: Any) -> None:
         try:
             key.update(pickle.dumps(value))   # its repr may be an address, which another object gets next
         except Exception:
-            raise InvalidInput("a checkpoint needs a criterion that can be pickled, "
+            raise InvalidInput("a checkpoint needs what can be pickled, "
                                f"got {type(value).__qualname__}") from None

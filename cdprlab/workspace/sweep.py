@@ -3,10 +3,10 @@
 import signal
 import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from ..robot.pose import Pose
 from .checkpoint import Checkpoint
 from .criterion import Criterion, Judgement, judge_where_it_can_be
 from .grids import PoseGrid
+
+Answer = TypeVar("Answer")
 
 Poses = Pose | PoseGrid
 """A batch of poses, or a grid that makes them when asked."""
@@ -50,8 +52,6 @@ def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool 
     array([ True, False])
     """
     as_count(chunk, "chunk")
-    if n_jobs is not None and not 0 < abs(n_jobs) <= 1000:
-        raise InvalidInput(f"n_jobs must be a number of processes, or −1 for all cores, got {quoted(n_jobs)}")
     shape, flat = _flattened(poses)
     count = len(flat)
     answer = Judgement(np.zeros(count, dtype=bool), np.full(count, np.nan))
@@ -90,31 +90,43 @@ def _judged(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_jo
     """(start, judgement) chunk by chunk; at any time only a few chunks exist."""
     waiting = []
     for start in range(0, len(poses), chunk):
-        found = kept.load(poses[start:start + chunk]) if kept else None
+        found = _kept(kept, poses[start:start + chunk]) if kept else None
         if found is not None:
             yield start, found
         else:
             waiting.append(start)
     # The answers first: a generator of joblib's that is not asked to its end complains.
-    for part, start in zip(_answers(robot, poses, criterion, margin, n_jobs, chunk, waiting),
-                           waiting):
+    calls = ((robot, poses[start:start + chunk], criterion, margin) for start in waiting)
+    for part, start in zip(over_cores(judge_where_it_can_be, calls, n_jobs), waiting):
         if kept:
-            kept.save(poses[start:start + chunk], part)
+            chosen = poses[start:start + chunk]
+            kept.save(chosen.position, chosen.rotation, **part._asdict())
         yield start, part
 
 
-def _answers(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_jobs: int | None,
-             chunk: int,
-             starts: list[int]) -> Iterator[Judgement]:
+def _kept(kept: Checkpoint, poses: Pose) -> Judgement | None:
+    """The chunk's judgement, if it is there and whole."""
+    try:
+        found = Judgement(**kept.load(poses.position, poses.rotation) or {})
+    except TypeError:
+        return None
+    kinds = found.inside.dtype.kind + found.margin.dtype.kind
+    whole = kinds == "bf" and found.inside.shape == found.margin.shape == (len(poses),)
+    return found if whole else None
+
+
+def over_cores(work: Callable[..., Answer], calls: Iterable[tuple[Any, ...]], n_jobs: int | None) -> Iterator[Answer]:
+    """The answers to many calls in their order, by as many processes; none but a few calls exist at a time."""
     from joblib import Parallel, delayed, effective_n_jobs
 
-    parts: Any = (poses[start:start + chunk] for start in starts)
+    if n_jobs is not None and not 0 < abs(n_jobs) <= 1000:
+        raise InvalidInput(f"n_jobs must be a number of processes, or −1 for all cores, got {quoted(n_jobs)}")
     if n_jobs == 1 or effective_n_jobs(n_jobs) == 1:
-        return (judge_where_it_can_be(robot, part, criterion, margin) for part in parts)
-    work = delayed(judge_where_it_can_be)
+        return (work(*call) for call in calls)
     with _interrupts_ignored():
-        return Parallel(n_jobs=n_jobs, return_as="generator")(work(robot, part, criterion, margin)
-                                                              for part in parts)
+        answers: Iterator[Answer] = Parallel(n_jobs=n_jobs, return_as="generator")(
+            delayed(work)(*call) for call in calls)
+        return answers
 
 
 @contextmanager

@@ -1,0 +1,164 @@
+"""The same task many times: by robots that differ (accuracy), or by one whose sensors' noise does (repeatability)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from inspect import signature
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array, Flags, Progress, as_count, checked, data_frame, frozen, lasting, seeds
+from ..errors import InvalidInput, SimulationDiverged, quoted
+from ..workspace.checkpoint import Checkpoint
+from ..workspace.sweep import over_cores
+from ..world import World
+from ..world.perturbation import perturbed
+from .log import flat_columns
+from .sensors import Sensors
+from .start import run
+
+SLACK = 0.01
+"""[N] a cable that carries no more hangs: what a leg's tip weighs in the engine stays below."""
+
+
+@lasting
+@dataclass(frozen=True, eq=False)
+class Repetition:
+    """How k runs of one task fared, one row each; NaN where a run diverged.
+
+    final_errors : (k, n) reference minus pose in the end [m, rad]
+    largest_errors : (k,) farthest from the reference on the way [m]
+    smallest_tensions, largest_tensions : (k, m) measured [N]
+    slack, overstretched : (k,) whether a cable ever hung, or carried more than its limit
+    """
+
+    world: World = field(repr=False)
+    final_errors: Array
+    largest_errors: Array
+    smallest_tensions: Array
+    largest_tensions: Array
+    slack: Flags
+    overstretched: Flags
+
+    @property
+    def mean(self) -> Array:
+        """(n,) of the final errors [m, rad]."""
+        return np.asarray(np.nanmean(self.final_errors, axis=0))
+
+    @property
+    def spread(self) -> Array:
+        """(n,) standard deviation of the final errors [m, rad]."""
+        return np.asarray(np.nanstd(self.final_errors, axis=0, ddof=min(1, len(self.slack) - 1)))
+
+    @property
+    def smallest_tension(self) -> float:
+        """Of all cables and runs [N]."""
+        return float(np.nanmin(self.smallest_tensions))
+
+    @property
+    def largest_tension(self) -> float:
+        """Of all cables and runs [N]."""
+        return float(np.nanmax(self.largest_tensions))
+
+    @property
+    def slack_share(self) -> float:
+        """Of the runs, those in which a cable hung slack."""
+        return float(self.slack.mean())
+
+    @property
+    def overstretched_share(self) -> float:
+        """Of the runs, those in which a cable carried more than its limit."""
+        return float(self.overstretched.mean())
+
+    def table(self) -> dict[str, str]:
+        """Quantity → value with unit."""
+        d = min(self.world.robot.dimension, self.final_errors.shape[1])
+        words = {}
+        for name, values in (("mean", self.mean), ("spread", self.spread)):
+            words[f"final position error, {name}"] = ", ".join(f"{1e3 * value:.3f}" for value in values[:d]) + " mm"
+            if len(values) > d:
+                words[f"final rotation error, {name}"] = ", ".join(
+                    f"{1e3 * value:.3f}" for value in values[d:]) + " mrad"
+        return words | {
+            "tracking error, largest": f"{1e3 * np.nanmax(self.largest_errors):.3f} mm",
+            "tensions": f"{self.smallest_tension:.1f} to {self.largest_tension:.1f} N",
+            "runs with a slack cable": f"{int(self.slack.sum())} of {len(self.slack)}",
+            "runs with an overstretched cable": f"{int(self.overstretched.sum())} of {len(self.slack)}"}
+
+    def to_frame(self) -> Any:
+        """A row a run, as a pandas DataFrame."""
+        columns = {"final_error": (self.final_errors, "m, rad"), "largest_error": (self.largest_errors, "m"),
+                   "smallest_tension": (self.smallest_tensions, "N"),
+                   "largest_tension": (self.largest_tensions, "N"), "slack": (self.slack, ""),
+                   "overstretched": (self.overstretched, "")}
+        return data_frame(flat_columns(columns))
+
+    def __repr__(self) -> str:
+        head = f"Repetition({self.world.name!r}, {len(self.slack)} runs)"
+        return "\n".join([head, *(f"  {quantity}: {value}" for quantity, value in self.table().items())])
+
+
+@checked
+def repeat(world: World, runs: int, task: str = "default", *,
+           errors: Mapping[str, float] | None = None, real: World | None = None,
+           sensors: Sensors | None = None, seed: int = 0, n_jobs: int | None = None,
+           checkpoint: str | Path | None = None, progress: Progress | None = None,
+           **how: Any) -> Repetition:
+    """Run a task many times; what is drawn anew differs from run to run.
+
+    world, task : as `run` takes them; runs : how many
+    errors : accuracy: a new robot each run, drawn by `perturbed` within these sizes
+    real : repeatability: one robot, each run with new noise of its sensors
+    sensors : their noise is new each run; default the truth
+    seed : of all that is drawn
+    n_jobs, checkpoint : processes, and a folder that keeps finished runs, as `workspace` takes them
+    progress : called as (runs done, runs in all)
+    how : what else `run` takes
+    Raises InvalidInput unless either errors or real is given; what `run` raises, but a run that
+    diverges is one of the results.
+
+    >>> import cdprlab as cl
+    >>> found = repeat(cl.load_world("planar_point"), 2, errors={"mass": 0.1}, duration=0.1)
+    >>> found.final_errors.shape, found.slack_share
+    ((2, 2), 0.0)
+    """
+    as_count(runs, "runs")
+    if (errors is None) == (real is None):
+        raise InvalidInput("give either errors={...}, a new robot each run, or real=..., one robot with new noise")
+    sizes: dict[str, Any] = {**(errors or {})}
+    if not {*sizes} <= {*signature(perturbed).parameters} - {"world", "seed"}:
+        raise InvalidInput(f"errors must be sizes as `perturbed` takes them, got {quoted(sizes)}")
+    drawn = seeds(seed, runs)
+    calls = {}
+    for k, one in enumerate(drawn):
+        robot = real or perturbed(world, **sizes, seed=one)
+        calls[k] = world, task, robot, sensors and replace(sensors, seed=one), how
+    kept = Checkpoint(checkpoint, "repeat", world, task, errors, real, sensors, how) if checkpoint is not None else None
+    rows = {k: row for k in calls if kept and (row := kept.load(drawn[k])) and {*row} == _COLUMNS}
+    waiting = [k for k in calls if k not in rows]
+    for k, row in zip(waiting, over_cores(_flown, (calls[k] for k in waiting), n_jobs)):
+        rows[k] = row
+        if kept:
+            kept.save(drawn[k], **row)
+        if progress is not None:
+            progress(len(rows), runs)
+    columns: dict[str, Any] = {name: frozen(np.array([rows[k][name] for k in calls])) for name in _COLUMNS}
+    return Repetition(world, **columns)
+
+
+_COLUMNS = {"final_errors", "largest_errors", "smallest_tensions", "largest_tensions", "slack", "overstretched"}
+
+
+def _flown(world: World, task: str, real: World, sensors: Sensors | None, how: dict[str, Any]) -> dict[str, Any]:
+    robot = world.robot
+    try:
+        flown = run(world, task, real=real, sensors=sensors, **how)
+    except SimulationDiverged:
+        nothing = np.full(robot.n_cables, np.nan)
+        return {"final_errors": np.full(robot.n_dof, np.nan), "largest_errors": np.nan,
+                "smallest_tensions": nothing, "largest_tensions": nothing, "slack": True, "overstretched": True}
+    low, high = (bound(flown.measured_tensions, axis=0) for bound in (np.min, np.max))
+    return {"final_errors": flown.errors[-1], "largest_errors": flown.position_errors.max(),
+            "smallest_tensions": low, "largest_tensions": high, "slack": (low <= SLACK).any(),
+            "overstretched": (high > robot.tension_max * (1 + 1e-6)).any()}
