@@ -31,7 +31,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 import notebooks
 
-from cdprlab.course.grading.judge import TimeUp, at_most
+from cdprlab.course.grading.split import Lost, at_most
 
 DRAWS = 50
 NUMBERS = (np.ndarray, float, int, np.number)
@@ -124,7 +124,7 @@ class Exercise:
         try:
             with silence(), at_most(PATIENCE):
                 cells.run_cell(check, f"<check {self.name}>", self.namespace(mutant))
-        except TimeUp:
+        except Lost:
             return ""
         except Exception as error:
             return _complaint(error, self.name)
@@ -139,7 +139,7 @@ class Exercise:
                     with silence(), at_most(PATIENCE):
                         if not same(outcome(right[name], arguments), outcome(wrong[name], arguments)):
                             return True
-                except TimeUp:
+                except Lost:
                     return True
         return False
 

@@ -11,7 +11,7 @@ LESSON = "90_tiny"
 SECRET = "swordfish"
 """Stands in a hidden check; no student may ever read it."""
 
-SETUP = "import numpy as np\nfactor = 2.0"
+SETUP = "import numpy as np\nfrom cdprlab import course\nfactor = 2.0"
 STUB = '    raise NotImplementedError("Your turn: replace this line.")'
 EXERCISES = {
     "double": ("def double(x):\n{}", "    return factor * np.asarray(x, float)", """
@@ -41,7 +41,7 @@ for word in ("mellon", "sesame"):
     "applied": ("def applied(f, x):\n{}", "    return [f(f(x)), x]", """
 twice, same = applied(lambda value: value + 1, 5)
 assert twice == 7 and same == 5, f"f(f(5)) and 5 are asked for, not {twice} and {same}"
-assert applied(loud, "a")[0] == "a!!", "any function will do"
+assert applied(loud, "a")[0] == "a!!", f"any function will do, seed {course.seed(7)}"
 """),
 }
 POINTS = {"double-check": 2, "said-check": 3, "applied-check": 4}
@@ -75,9 +75,9 @@ def handed_in(own: str = "", late: str = "", **answers: str) -> dict[str, Any]:
     cells = copy.deepcopy(lesson()["cells"])
     for cell, parsed in zip(cells, code_cells(lesson()), strict=True):
         name = parsed.grade_id.rpartition("-")[0]
-        if parsed.is_answer:
+        if parsed.kind == "answer":
             cell["source"] = answers.get(name) or EXERCISES[name][0].format(STUB)
-        elif parsed.is_check:
+        elif parsed.kind == "check":
             cell["source"] = parsed.visible
             cell["metadata"]["nbgrader"]["checksum"] = parsed.version
     if own:

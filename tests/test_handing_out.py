@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.util
 import os
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 from pathlib import Path
 from types import ModuleType
 
+import nbformat
 import notebooks
 import pytest
 
@@ -119,6 +123,30 @@ def test_the_zip_answers_nothing(unpacked: Path):
         for index in notebooks.answers(source).values():
             solution = source.cells[index].source.split("### BEGIN SOLUTION\n")[1].split("### END SOLUTION")[0]
             assert solution.strip() not in copied
+
+
+def test_no_file_holds_a_solution_or_a_hidden_test(unpacked: Path):
+    """Neither lessons nor package: the wheel is made of the same files."""
+    include = tomllib.loads((unpacked / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["hatch"]["build"]
+    assert include["targets"]["wheel"]["include"] == ["/cdprlab", "/worlds/*.yaml", "/lessons/*.ipynb"]
+    held = {}
+    for path in [*(unpacked / "cdprlab").rglob("*"), *(unpacked / "lessons").glob("*.ipynb")]:
+        if path.suffix == ".ipynb":
+            held[path] = "\n".join(cell.source for cell in nbformat.read(path, as_version=4).cells)
+        elif path.is_file():
+            held[path] = path.read_bytes().decode(errors="replace")
+    secrets = [secret for name in notebooks.names() for cell in notebooks.read_source(name).cells
+               for secret in re.findall(r"### BEGIN (?:SOLUTION|HIDDEN TESTS)\n(.*?)### END", cell.source, re.DOTALL)]
+    assert len(secrets) > 80
+    for secret in secrets:
+        words = "".join(secret.split())   # however it is indented
+        if len(words) > 60:               # shorter ones are formulas that stand in every book
+            assert [path for path, text in held.items() if words in squeezed(text)] == []
+
+
+@functools.cache
+def squeezed(text: str) -> str:
+    return "".join(text.split())
 
 
 def test_what_was_unpacked_installs_and_flies_where_nothing_can_be_written(unpacked: Path, tmp_path: Path):

@@ -28,26 +28,26 @@ def add_grade_command(commands: Any) -> None:
         help="2026-11-30 or 2026-11-30T18:00, for one lesson or for all; may be given again")
     add("--late", type=float, default=0.0, metavar="PERCENT", help="of the points lost with each day begun after --due")
     add("--reveal", action="store_true", help="let feedback show the hidden part of failed checks")
-    add("--gradebook", type=Path, metavar="DB", help="fill nbgrader's gradebook.db, too")
     add("--trust", action="store_true", help="without a jail, run student code as yourself")
 
 
 def _grade(options: argparse.Namespace) -> None:
-    from ..course.grading import Grader, Rules, fill_gradebook, missing, read_submissions, write_reports
+    from ..course.grading import Grader, late, read_submissions, write_reports
 
-    rules = Rules(dict(map(_due, options.due)), options.late / 100)
+    due = dict(map(_due, options.due))
     submissions = read_submissions(options.folder)
     roster = _roster(options.roster) if options.roster else []
     grader = Grader(options.source, options.out, options.trust)
     with Bar("grading", "notebooks") as bar:
-        results = grader.grade(submissions, options.lesson, options.jobs, rules, bar)
-    results += missing(results, roster)
-    write_reports(options.out, results, grader.lessons, options.reveal)
+        results = [late(result, due, options.late / 100)
+                   for result in grader.grade(submissions, options.lesson, options.jobs, bar)]
+    results += grader.missing(results, roster)
+    write_reports(options.out, results, options.reveal)
     for status, count in Counter(result.status for result in results).most_common():
         print(f"  {status:16} {count}")
+    for note in sorted({result.note for result in results if result.status == "no such lesson"}):
+        print(f"  {note}")
     print(f"written to {options.out}: grades.csv, class.html, results/, feedback/; jail: {grader.jail}")
-    if options.gradebook:
-        print(f"{options.gradebook}: {fill_gradebook(options.gradebook, results)} submissions")
 
 
 def _due(text: str) -> tuple[str, datetime]:
@@ -61,11 +61,11 @@ def _due(text: str) -> tuple[str, datetime]:
 
 
 def _roster(path: Path) -> list[str]:
+    """The first column, without its heading."""
     from ..course.grading import tidy
 
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            names = [row[0] for row in csv.reader(file) if row and row[0].strip()]
+        rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InvalidInput(f"cannot read the roster {path}: {error}") from None
-    return [tidy(name) for name in names if name.strip().lower() not in ("student", "name")]
+    return [tidy(row[0]) for row in rows if row and row[0].strip().lower() not in ("", "student", "name")]

@@ -5,9 +5,8 @@
 folder, and `feedback` tells everybody.
 """
 
-from .batch import Grader, Result, Rules, missing
-from .feedback import fill_gradebook, write_reports
+from .batch import Grader, Result, late
+from .feedback import write_reports
 from .submission import Submission, read_submissions, tidy
 
-__all__ = ["Grader", "Result", "Rules", "Submission", "fill_gradebook", "missing", "read_submissions", "tidy",
-           "write_reports"]
+__all__ = ["Grader", "Result", "Submission", "late", "read_submissions", "tidy", "write_reports"]

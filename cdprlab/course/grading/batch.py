@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import pickle
 import secrets
 import signal
 import subprocess
@@ -12,17 +13,21 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from datetime import datetime
+from itertools import chain
 from pathlib import Path
+from threading import Lock
+
+from joblib import Parallel, delayed
 
 from ...errors import InvalidInput
 from ...world.files import write_text
-from . import jail
 from .cells import Cell
+from .jail import PACKAGE, find_jail
 from .judge import Outcome
-from .lesson import Lesson, load_lessons, recognize, version_of
-from .submission import Submission
+from .lesson import Lesson, load_lessons, most_like
+from .submission import Submission, read_cells
 
 CELL, NOTEBOOK = 60, 300
 """The longest that a cell, a check, and a whole notebook may take [s]."""
@@ -35,6 +40,7 @@ class Result:
     status : graded, late, missing, broken file, no such lesson, timed out, out of memory, stopped, another version
     points : what its checks earned, less the penalty
     note : what else there is to say
+    late : whether the platform says so
     edition, key : of the lesson's version; of all that the outcomes depend on
     """
 
@@ -45,34 +51,10 @@ class Result:
     max_points: float = 0.0
     note: str = ""
     handed_in: str = ""
+    late: bool = False
     edition: str = ""
-    jail: str = ""
     key: str = ""
-    outcomes: Sequence[Outcome] = field(default=())
-
-
-@dataclass(frozen=True)
-class Rules:
-    """How a course grades.
-
-    due : lesson → when; "" for all others
-    penalty : share of the points lost with each day begun after it
-    """
-
-    due: Mapping[str, datetime] = field(default_factory=dict)
-    penalty: float = 0.0
-
-    def apply(self, result: Result, handed_in: Submission) -> Result:
-        """The result of a file that may be late."""
-        due = self.due.get(result.lesson, self.due.get(""))
-        over = (handed_in.when - due).total_seconds() if due else 0.0
-        if over <= 0 and not handed_in.late:
-            return result
-        days = max(1, -int(-over // 86400))
-        left = max(0.0, 1 - self.penalty * days)
-        return replace(result, points=result.points * left,
-                       status="late" if result.status == "graded" else result.status,
-                       note="; ".join(filter(None, [result.note, f"late: {1 - left:.0%} off"])))
+    outcomes: Sequence[Outcome] = ()
 
 
 class Grader:
@@ -86,8 +68,9 @@ class Grader:
 
     def __init__(self, source: Path, out: Path, trust: bool = False, seconds: float = CELL) -> None:
         self.lessons, self.out, self.seconds = load_lessons(source), out, seconds
-        self.jail, self.command = jail.command(trust)
-        out.mkdir(parents=True, exist_ok=True)
+        self.jail, python = find_jail(trust, [source, out])
+        self.command = [*python, "-m", f"{__package__}.worker"]
+        self.proving = Lock()
         secret = out / "secret.txt"
         if not secret.exists():
             write_whole(secret, secrets.token_hex(16))
@@ -95,95 +78,101 @@ class Grader:
         self.secret = secret.read_text(encoding="utf-8")
 
     def grade(self, submissions: Sequence[Submission], lesson: str | None = None, jobs: int = -1,
-              rules: Rules | None = None, progress: Callable[[int, int], None] | None = None) -> list[Result]:
-        """The result of every file, graded now or before.
+              progress: Callable[[int, int], None] | None = None) -> list[Result]:
+        """The result of every file, graded now or before; of two for one lesson the later's.
 
         lesson : the one to grade; files that are named after another are left out
         jobs : processes at once, -1 for all cores
         """
-        from joblib import Parallel, delayed
-
         if lesson is not None and lesson not in self.lessons:
             raise InvalidInput(f"there is no lesson {lesson!r}; there are {', '.join(self.lessons)}")
         chosen = [one for one in submissions if lesson in (None, one.name) or one.name not in self.lessons]
-        rules, results = rules or Rules(), []
         work = Parallel(n_jobs=jobs, prefer="threads", return_as="generator")
-        for submission, result in zip(chosen, work(delayed(self.one)(each, lesson) for each in chosen)):
-            results.append(rules.apply(result, submission))
+        results = list[Result]()
+        for result in work(delayed(self.one)(one, lesson or one.name) for one in chosen):
+            results.append(result)
             if progress is not None:
                 progress(len(results), len(chosen))
-        return results
+        latest = {(one.student, one.lesson): one for one in sorted(results, key=lambda one: one.handed_in)}
+        return [self.keep(result) for result in latest.values()]
 
-    def one(self, submission: Submission, asked: str | None = None) -> Result:
-        """The result of one file."""
-        blank = Result(submission.student, asked or submission.name, "broken file",
+    def one(self, submission: Submission, name: str) -> Result:
+        """The result of one file.
+
+        name : of the lesson it should be; under any other name it is the one whose cells it has
+        """
+        versions = self.lessons.get(name, [])
+        blank = Result(submission.student, name, "no such lesson", late=submission.late,
+                       max_points=versions[0].points if versions else 0.0,
                        handed_in=submission.when.isoformat(" ", "seconds"))
         try:
-            cells, mended = submission.cells()
-        except ValueError as error:
-            versions = self.lessons.get(blank.lesson)
-            most = sum(check.points for check in versions[0].checks) if versions else 0.0
-            return self.keep(replace(blank, note=str(error), max_points=most))
-        name = asked or (submission.name if submission.name in self.lessons else recognize(self.lessons, cells))
-        if name is None:
-            return self.keep(replace(blank, status="no such lesson"))
-        lesson, known = version_of(self.lessons[name], cells)
-        self.prove(lesson)
-        key = hashlib.sha256("\0".join([submission.student, lesson.edition, self.secret, _EDITION,
-                                        hashlib.sha256(submission.data).hexdigest()]).encode()).hexdigest()
-        blank = replace(blank, lesson=name, edition=lesson.edition, jail=self.jail, key=key)
-        return self.kept(blank) or self.keep(self.judge(blank, lesson, cells, mended, known))
-
-    def judge(self, blank: Result, lesson: Lesson, cells: Sequence[Cell], mended: str = "",
-              known: bool = True) -> Result:
-        """Run the checks of a lesson on a student's cells."""
-        outcomes, ended = self.run(lesson, cells, blank.student)
-        troubles = [outcome.status for outcome in outcomes if outcome.status != "graded"]
-        status, note = "graded", mended
+            data = submission.read()
+            cells, mended = read_cells(data)
+        except Exception as error:   # whatever a parser makes of what is no notebook
+            note = f"no notebook: {type(error).__name__}: {error}"
+            return self.keep(replace(blank, status="broken file", note=note[:200]))
+        lesson = most_like(versions or chain(*self.lessons.values()), cells)
+        same, shared = lesson.likeness(cells)
+        if not versions and not shared:
+            return self.keep(blank)
+        status, note = "graded", ""
         if mended:
-            status = "broken file"
-        elif troubles:
-            status, note = troubles[0], ended
-        elif not known:
+            status, note = "broken file", mended
+        elif not same and any(cell.kind == "check" and cell.checksum for cell in cells):
             status, note = "another version", "its checks are those of no version in --source"
-        return replace(blank, status=status, note=note, outcomes=tuple(outcomes),
-                       points=sum(outcome.points for outcome in outcomes),
-                       max_points=sum(outcome.max_points for outcome in outcomes))
+        for outcome in self.prove(lesson).outcomes:
+            if not outcome.passed:
+                note = f"{lesson.name}: its own solution fails {outcome.check}: {outcome.message[:200]}"
+                return self.keep(replace(blank, note=note))
+        parts = [submission.student, lesson.edition, self.secret, _EDITION, hashlib.sha256(data).hexdigest()]
+        return self.judged(replace(blank, lesson=lesson.name, status=status, note=note, edition=lesson.edition,
+                                   key=hashlib.sha256("\0".join(parts).encode()).hexdigest()), lesson, cells)
 
-    def run(self, lesson: Lesson, cells: Sequence[Cell], student: str) -> tuple[list[Outcome], str]:
-        """The outcomes of a judge of its own, one a check, and why it ended early if it did."""
-        case = json.dumps({"lesson": [asdict(cell) for cell in lesson.cells],
-                           "student": [asdict(cell) for cell in cells],
-                           "command": self.command, "seconds": self.seconds})
+    def judged(self, blank: Result, lesson: Lesson, cells: Sequence[Cell]) -> Result:
+        """A result with the outcomes of a lesson's checks on a student's cells, found now or before."""
+        kept = self.kept(blank)
+        if kept is not None:
+            return kept
+        outcomes = self.run(lesson, cells, blank.student)
+        troubles = {outcome.status for outcome in outcomes} - {"graded"}
+        status = min(troubles) if troubles and blank.status == "graded" else blank.status
+        return self.keep(replace(blank, status=status, outcomes=outcomes, max_points=lesson.points,
+                                 points=sum(outcome.points for outcome in outcomes)))
+
+    def run(self, lesson: Lesson, cells: Sequence[Cell], student: str) -> list[Outcome]:
+        """The outcomes of a judge of its own, one a check."""
+        case = pickle.dumps([lesson.cells, cells, self.command, self.seconds])
+        environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent), "MPLBACKEND": "Agg", "OMP_NUM_THREADS": "1",
+                       "CDPRLAB_SEED": f"{self.secret} {student}"}
+        ended = "stopped"
         with tempfile.TemporaryDirectory() as folder:
-            process = subprocess.Popen([sys.executable, "-m", f"{__package__}.judge"], text=True, encoding="utf-8",
-                                       stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                                       cwd=folder, start_new_session=True, env={
-                **os.environ, "PYTHONPATH": str(jail.PACKAGE.parent), "MPLBACKEND": "Agg", "OMP_NUM_THREADS": "1",
-                "CDPRLAB_SEED": f"{self.secret} {student}"})
-            ended, text = "stopped", ""
+            process = subprocess.Popen([sys.executable, "-m", f"{__package__}.judge"], stdin=subprocess.PIPE,
+                                       stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, cwd=folder,
+                                       env=environment, start_new_session=True)
             try:
-                text, _ = process.communicate(case, timeout=self.seconds * NOTEBOOK / CELL)
-            except subprocess.TimeoutExpired as late:
+                process.communicate(case, self.seconds * NOTEBOOK / CELL)
+            except subprocess.TimeoutExpired:
                 ended = "timed out"
-                text = (late.stdout or b"").decode(errors="replace") if isinstance(late.stdout, bytes) else ""
             finally:
                 with suppress(ProcessLookupError):
                     os.killpg(process.pid, signal.SIGKILL)
-                process.communicate()
-        told = [Outcome(**json.loads(line)) for line in text.splitlines() if line.endswith("}")]
-        rest = [Outcome(check.grade_id, 0.0, check.points, ended, f"not judged: the notebook {ended}")
-                for check in lesson.checks[len(told):]]
-        return [*told, *rest], f"{len(rest)} checks not judged" if rest else ""
+                told, _ = process.communicate()
+        outcomes = [Outcome(**json.loads(line)) for line in told.splitlines() if line.endswith(b"}")]
+        return outcomes + [Outcome(check.grade_id, 0.0, check.points, ended, f"not judged: the notebook {ended}")
+                           for check in lesson.checks[len(outcomes):]]
 
-    def prove(self, lesson: Lesson) -> None:
-        """Raise InvalidInput unless the lesson's own solutions earn full marks here: then its checks can be split."""
+    def prove(self, lesson: Lesson) -> Result:
+        """The result of the lesson's own solutions: unless they earn full marks here, nobody can be graded."""
         blank = Result(".solution", lesson.name, "graded", edition=lesson.edition, key=lesson.edition + _EDITION)
-        result = self.kept(blank) or self.keep(self.judge(blank, lesson, lesson.cells))
-        for outcome in result.outcomes:
-            if not outcome.passed:
-                raise InvalidInput(f"{lesson.name}: its own solution fails {outcome.check}, so nobody is graded: "
-                                   f"{outcome.message[:200]}")
+        with self.proving:
+            return self.judged(blank, lesson, lesson.cells)
+
+    def missing(self, results: Iterable[Result], roster: Iterable[str]) -> list[Result]:
+        """A result for each lesson that somebody handed in and somebody of a roster did not."""
+        there = {(result.student, result.lesson) for result in results}
+        return [Result(student, name, "missing", max_points=self.lessons[name][0].points)
+                for name in sorted({name for _, name in there} & set(self.lessons))
+                for student in roster if (student, name) not in there]
 
     def place(self, result: Result) -> Path:
         """The file of a result."""
@@ -193,9 +182,9 @@ class Grader:
         """The result of before, if all it depends on is as it was."""
         try:
             found = json.loads(self.place(blank).read_text(encoding="utf-8"))
-            outcomes = tuple(Outcome(**outcome) for outcome in found.pop("outcomes"))
+            outcomes = [Outcome(**outcome) for outcome in found.pop("outcomes")]
             result = Result(**found, outcomes=outcomes)
-        except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        except (OSError, ValueError, TypeError, LookupError, AttributeError):
             return None
         return result if result.key == blank.key else None
 
@@ -205,13 +194,20 @@ class Grader:
         return result
 
 
-def missing(results: Iterable[Result], roster: Iterable[str]) -> list[Result]:
-    """A result for each lesson that somebody of a roster did not hand in."""
-    known = list(results)
-    most = {result.lesson: result.max_points for result in known if result.outcomes}
-    there = {(result.student, result.lesson) for result in known}
-    return [Result(student, lesson, "missing", max_points=points) for lesson, points in sorted(most.items())
-            for student in roster if (student, lesson) not in there]
+def late(result: Result, due: Mapping[str, datetime], penalty: float) -> Result:
+    """A result less what it loses for being late.
+
+    due : lesson → when; "" for all others
+    penalty : share of the points lost with each day begun after it
+    """
+    when, handed_in = due.get(result.lesson, due.get("")), datetime.fromisoformat(result.handed_in)
+    over = (handed_in - when).total_seconds() if when else 0.0
+    if over <= 0 and not result.late:
+        return result
+    left = max(0.0, 1 - penalty * max(1, -int(-over // 86400)))
+    return replace(result, points=result.points * left,
+                   status="late" if result.status == "graded" else result.status,
+                   note="; ".join(filter(None, [result.note, f"late: {1 - left:.0%} off"])))
 
 
 def write_whole(path: Path, text: str) -> None:

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import io
 import json
+import signal
 import subprocess
-from collections.abc import Callable, Collection, Sequence
-from typing import Any, BinaryIO, cast
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from multiprocessing import Pipe
+from typing import Any
 
 import numpy as np
 
 from ...errors import CdprError
-from . import wire
+from .wire import LARGEST, Callback, InwardPickler, Peer, arrays, decode, stays
 
-_NONSENSE = (wire.Garbled, ValueError, KeyError, TypeError, IndexError, AttributeError, RecursionError)
-"""What a message that no worker of ours would write may raise here."""
+RUN, LOOK_UP, CALL = range(3)
+"""Numbers of a worker's first functions."""
 
 
 class Lost(BaseException):
-    """The worker is gone; no check can catch it by `except Exception`.
+    """The student's code ran too long, or is gone; no check can catch it by `except Exception`.
 
-    status : why
+    status : timed out, stopped
     """
 
     def __init__(self, status: str, message: str) -> None:
@@ -28,10 +31,24 @@ class Lost(BaseException):
         self.status = status
 
 
+@contextmanager
+def at_most(seconds: float) -> Iterator[None]:
+    """Raises Lost in what lasts longer."""
+    def ring(*_: object) -> None:
+        raise Lost("timed out", f"stopped after {seconds:.0f} s")
+
+    signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+
+
 class Answer:
     """A function of the student's: a call goes through the wall and comes back as plain values."""
 
-    def __init__(self, worker: WorkerProcess, key: str | int, without: Collection[str] = ()) -> None:
+    def __init__(self, worker: WorkerProcess, key: str | int, without: Sequence[str] = ()) -> None:
         self.worker, self.key, self.without = worker, key, without
         self.__name__ = str(key)
 
@@ -39,7 +56,7 @@ class Answer:
         return self.worker.call(self, arguments, options)
 
 
-class WorkerProcess:
+class WorkerProcess(Peer):
     """A process that runs the student's cells; started when first needed, and anew after it was lost.
 
     command : starts it
@@ -49,123 +66,101 @@ class WorkerProcess:
         self.command = command
         self.process: subprocess.Popen[bytes] | None = None
         self.history: list[str] = []    # cells it ran, for its successor
-        self.callbacks: list[Callable[..., Any]] = []
+        self.functions = []             # for callbacks
         self.given_up = set[str | int]()   # functions during which it was lost: never called again
 
-    def run(self, source: str) -> str:
-        """Run a cell; returns what went wrong, else ''."""
-        if self.process is None:
-            self.start()
-        self.history.append(source)
+    def run(self, source: str) -> Exception | None:
+        """Run a cell; returns what went wrong. A cell during which the worker is lost never runs again."""
+        self.start()
+        trouble = None
         try:
-            self.ask("run", source)
+            self.ask(RUN, [source])
         except Exception as error:   # whatever a student's cell raises
-            notes = getattr(error, "__notes__", [])
-            return " ".join([f"your cell did not run: {type(error).__name__}: {error}", *notes])
-        return ""
+            trouble = error
+        except Lost:
+            self.stop()
+            raise
+        self.history.append(source)
+        return trouble
 
-    def look_up(self, names: Sequence[str], without: Collection[str]) -> dict[str, Any]:
-        """Values of names, and proxies for functions; what is not defined is left out.
+    def look_up(self, names: Sequence[str], without: Sequence[str]) -> dict[str, Any]:
+        """Values of names, and proxies for functions; what is not defined, or no answer can be, is left out.
 
         without : library functions that these may not call
         """
+        self.start()
         found: dict[str, Any] = {}
         for name in names:
-            try:
-                found |= self.ask("look_up", [name], without=without)
-            except Exception:   # what no answer can be: its check will miss it
-                continue
+            with suppress(Exception):
+                value = self.ask(LOOK_UP, [name])
+                found[name] = Answer(self, name, without) if isinstance(value, Answer) else value
         return found
 
     def call(self, answer: Answer, arguments: tuple[Any, ...], options: dict[str, Any]) -> Any:
         """Call a function there; arrays it wrote into change here, too."""
         if answer.key in self.given_up:
             raise Lost("stopped", f"{answer.key} is not called again")
-        if self.process is None:
-            self.start()
-        first = len(self.callbacks)
+        self.start()
+        first, given = len(self.functions), self.given
+        self.given = [*arguments, *options.values()]
         try:
-            return self.ask("call", answer.key, sorted(answer.without), arguments, options,
-                            given=[*arguments, *options.values()], written=[arguments, options])
-        except Exception:
-            raise
-        except BaseException:
+            value, changed = self.ask(CALL, [answer.key, answer.without, arguments, options])
+            for mine, theirs in zip(arrays([arguments, options]), changed):
+                np.copyto(mine, theirs)
+        except Lost:
             self.given_up.add(answer.key)
             self.stop()
             raise
         finally:
-            del self.callbacks[first:]
-
-    def leave_out(self, source: str) -> None:
-        """Stop, and never run this cell again."""
-        self.stop()
-        self.history = [cell for cell in self.history if cell != source]
+            del self.functions[first:]
+            self.given = given
+        return value
 
     def start(self) -> None:
-        """Start a worker and run there what its predecessor had run."""
-        self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                        stderr=subprocess.DEVNULL)
-        before, self.history = self.history, []
-        for source in before:
-            self.run(source)
+        """Start a worker if there is none, and run there what its predecessor had run."""
+        if self.process is None:
+            inside, self.outward = Pipe(duplex=False)
+            self.inward, outside = Pipe(duplex=False)
+            with inside, outside:
+                self.process = subprocess.Popen(self.command, stdin=inside.fileno(), stdout=outside.fileno(),
+                                                stderr=subprocess.DEVNULL)
+            before, self.history = self.history, []
+            for source in before:
+                self.run(source)
 
     def stop(self) -> None:
         """End the worker and all it started."""
         if self.process is not None:
-            process, self.process = self.process, None
-            process.kill()
-            process.communicate()
+            self.process.kill()
+            self.process.wait()
+            self.inward.close()
+            self.outward.close()
+            self.process = None
 
-    def ask(self, *request: Any, given: Sequence[Any] = (), written: Any = (),
-            without: Collection[str] = ()) -> Any:
-        """Send a request and take the answer, serving callbacks meanwhile."""
-        def function(key: Any) -> Answer:
-            return Answer(self, key, without)
-
-        try:
-            self.send(request)
-            while "call" in (reply := self.receive()):
-                self.send(self.call_back(reply, function))
-            error = wire.decode_error(reply["error"]) if "error" in reply else None
-            for index, array in reply.get("changed", ()):
-                np.copyto(list(wire.arrays(written))[index], wire.decode(array))
-            value = None if error else wire.decode(reply["value"], given, function)
-        except (EOFError, BrokenPipeError):
-            raise Lost("stopped", "your code ended the program that runs it") from None
-        except CdprError:   # a world that is none
-            raise
-        except _NONSENSE:
-            raise Lost("stopped", "your code spoke out of turn") from None
-        if error:
-            raise error
-        return value
-
-    def receive(self) -> dict[str, Any]:
-        """The worker's next message."""
-        assert self.process is not None and self.process.stdout
-        return dict(json.loads(wire.receive(cast(BinaryIO, self.process.stdout))))
-
-    def call_back(self, reply: dict[str, Any], function: Callable[[Any], Answer]) -> tuple[Any, ...]:
-        """Call a function of the judge's for the worker."""
-        try:
-            called = self.callbacks[int(reply["call"])]
-            arguments = wire.decode(reply["arguments"], (), function)
-            return "value", called(*arguments, **wire.decode(reply["options"], (), function))
-        except Exception as error:   # goes back to who called
-            return "error", wire.encode_error(error)
-
-    def send(self, message: tuple[Any, ...]) -> None:
-        """Pickle a message into the worker."""
-        assert self.process is not None and self.process.stdin
+    def send(self, verb: str, body: Any) -> None:
+        """Pickle a message into the worker; if nobody is there, no answer will come."""
         file = io.BytesIO()
-        wire.InwardPickler(file, self.key_of).dump(message)
-        wire.send(cast(BinaryIO, self.process.stdin), file.getvalue())
+        InwardPickler(file, self.key_of).dump((verb, body))
+        with suppress(OSError):
+            self.outward.send_bytes(file.getvalue())
 
-    def key_of(self, thing: Any) -> str | int | wire.Callback | None:
+    def receive(self) -> tuple[str, Any]:
+        """A message of plain values; raises Lost for anything else."""
+        try:
+            verb, body = json.loads(self.inward.recv_bytes(LARGEST))
+            return verb, body if verb == "error" else decode(body, lambda key: Answer(self, key), self.given)
+        except (EOFError, OSError):
+            raise Lost("stopped", "your code ended the program that runs it") from None
+        except (CdprError, MemoryError):   # a world that is none; an answer that fills the memory
+            raise
+        except Exception:
+            raise Lost("stopped", "your code spoke out of turn") from None
+
+    def key_of(self, thing: Any) -> str | int | Callback | None:
         """What stands for a function that cannot go to the worker."""
         if isinstance(thing, Answer):
             return thing.key
-        if not wire.stays(thing):
+        if not stays(thing):
             return None
-        self.callbacks.append(thing)
-        return wire.Callback(len(self.callbacks) - 1)
+        self.functions.append(thing)
+        return Callback(len(self.functions) - 1)

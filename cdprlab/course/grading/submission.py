@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import codecs
 import json
 import re
 import unicodedata
 import zipfile
-from collections.abc import Iterator
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import partial
 from pathlib import Path, PurePosixPath
+from typing import Any
 
 from ...errors import InvalidInput
 from .cells import Cell, code_cells
@@ -20,9 +23,11 @@ LARGEST = 64 * 2**20
 MOST = 20_000
 """Files in one zip."""
 
-# lovelaceada_LATE_1234_56789_00_first_flight-1.ipynb; Ada Lovelace_1234_assignsubmission_file_/00_first_flight.ipynb
-_CANVAS = re.compile(r"(?P<student>[^_]+)_(?P<late>LATE_)?(?P<id>\d+)_\d+_(?P<name>.+)")
-_MOODLE = re.compile(r"(?P<student>.+?)_(?P<id>\d+)_assignsubmission_file_?/?(?P<name>.+)")
+# lovelaceada_LATE_1234_56789_00_first_flight-1.ipynb; Ada Lovelace_1234_assignsubmission_file_/00_first_flight.ipynb.
+# Only the platform's part of a name tells who it is: what follows is the student's choice.
+_CANVAS = re.compile(r"(?P<student>[^_/]+)_(?P<late>LATE_)?(?P<number>\d+)_\d+_(?P<name>[^/]+)")
+_MOODLE = re.compile(r"(?P<student>[^/]+?)_(?P<number>\d+)_assignsubmission_file_?/?(?P<late>)(?:.*/)?(?P<name>.+)")
+_PLAIN = re.compile(r"(?P<student>[^/]+)(?P<number>)(?P<late>)(?:/(?:.*/)?(?P<name>.+))?")
 _AGAIN = re.compile(r"(-\d+| ?\(\d+\))$")
 
 
@@ -32,33 +37,39 @@ class Submission:
 
     student, name : who, and the lesson as the file's name says, else empty
     when : when it was handed in
+    open : its bytes
     late : whether the platform marked it so
-    data : its bytes; one more than LARGEST where there are more
-    number : the platform's of the student, else empty
+    number : tells students of one name apart, else empty
     """
 
     student: str
     name: str
     when: datetime
-    data: bytes
+    open: Callable[[], Any]
     late: bool = False
     number: str = ""
 
-    def cells(self) -> tuple[list[Cell], str]:
-        """Its code cells, and what had to be mended to read them; raises ValueError where that is impossible."""
-        text, mended = _text(self.data)
-        try:
-            notebook = json.loads(text, strict=False)
-        except RecursionError:
-            raise ValueError("nested too deeply") from None
-        except ValueError as error:
-            raise ValueError(f"no notebook: {error}") from None
-        if not isinstance(notebook, dict) or not isinstance(notebook.get("cells"), list):
-            raise ValueError("no notebook: it has no list of cells")
-        found = code_cells(notebook)
-        if any("\0" in cell.source for cell in found):
-            mended = "NUL characters"
-        return found, mended
+    def read(self) -> bytes:
+        """Its bytes; one more than LARGEST where there are more."""
+        with self.open() as file:
+            return bytes(file.read(LARGEST + 1))
+
+
+def read_cells(data: bytes) -> tuple[list[Cell], str]:
+    """A file's code cells, and what had to be mended to read them; byte order marks are nothing.
+
+    Raises whatever a broken file can make a parser raise.
+    """
+    if len(data) > LARGEST:
+        raise ValueError(f"larger than {LARGEST // 2**20} MB")
+    mended = ""
+    try:
+        notebook = json.loads(data, strict=False)
+    except ValueError:
+        mended = "not in UTF-8, or with NUL characters"
+        notebook = json.loads(data.rstrip(b"\0").decode("latin-1"), strict=False)
+    found = code_cells(notebook)
+    return found, "NUL characters" if any("\0" in cell.source for cell in found) else mended
 
 
 def read_submissions(folder: Path) -> list[Submission]:
@@ -69,79 +80,65 @@ def read_submissions(folder: Path) -> list[Submission]:
     if not folder.exists():
         raise InvalidInput(f"there is no {folder}")
     newest: dict[tuple[str, str, str], Submission] = {}
+    numbers: dict[str, set[str]] = {}
     for found in sorted(_all(folder), key=lambda one: one.when):
         newest[found.student, found.number, found.name] = found
+        numbers.setdefault(found.student, set()).add(found.number)
     if not newest:
         raise InvalidInput(f"no notebooks in {folder}: it must hold STUDENT.ipynb, STUDENT/LESSON.ipynb, or the "
                            "zip that Canvas or Moodle gives")
-    numbers: dict[str, set[str]] = {}
-    for found in newest.values():
-        numbers.setdefault(found.student, set()).add(found.number)
-    return [replace(found, student=f"{found.student} {found.number}") if len(numbers[found.student]) > 1 else found
-            for found in newest.values()]
+    return [replace(found, student=f"{found.student} {found.number}".strip())
+            if len(numbers[found.student]) > 1 else found for found in newest.values()]
 
 
 def _all(folder: Path) -> Iterator[Submission]:
-    if folder.is_file():
-        yield from _zipped(folder)
-        return
-    for path in sorted(folder.rglob("*")):
-        place = path.relative_to(folder)
-        if path.is_symlink() or not path.is_file() or _hidden(place.parts) or len(place.parts) > 3:
+    """A zip further down is a student's own, and nobody says what is in it."""
+    for path in [folder] if folder.is_file() else sorted(folder.rglob("*")):
+        parts = path.relative_to(folder).parts or (path.name,)
+        if path.is_symlink() or not path.is_file():
             continue
-        if path.suffix == ".zip":
+        if len(parts) == 1 and path.suffix == ".zip":
             yield from _zipped(path)
-        elif path.suffix == ".ipynb":
-            with path.open("rb") as file:
-                yield _submission(place.parts, datetime.fromtimestamp(path.stat().st_mtime), file.read(LARGEST + 1))
+        elif path.suffix == ".ipynb" and not _hidden(parts):
+            yield _submission(parts, datetime.fromtimestamp(path.stat().st_mtime), partial(path.open, "rb"))
 
 
 def _zipped(path: Path) -> Iterator[Submission]:
+    """What is in a zip; where it is none, the file itself, for its status."""
+    when = datetime.fromtimestamp(path.stat().st_mtime)
     try:
-        with zipfile.ZipFile(path) as archive:
-            for entry in archive.infolist()[:MOST]:
-                parts = PurePosixPath(entry.filename).parts
-                if entry.filename.endswith(".ipynb") and not _hidden(parts):
-                    with archive.open(entry) as file:
-                        yield _submission(parts, datetime(*entry.date_time), file.read(LARGEST + 1))
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, OSError, ValueError) as error:
-        raise InvalidInput(f"cannot read {path}: {error}") from None
+        archive = zipfile.ZipFile(path)   # open as long as somebody may read from it
+    except (zipfile.BadZipFile, NotImplementedError, OSError, ValueError):
+        yield _submission((path.name,), when, partial(path.open, "rb"))
+        return
+    for entry in archive.infolist()[:MOST]:
+        parts = PurePosixPath(entry.filename).parts
+        if entry.filename.endswith(".ipynb") and not _hidden(parts):
+            with suppress(ValueError):   # there is no month 0
+                when = datetime(*entry.date_time)
+            yield _submission(parts, when, partial(archive.open, entry))
 
 
 def _hidden(parts: tuple[str, ...]) -> bool:
-    return any(part.startswith((".", "__MACOSX")) for part in parts)
+    return any(part.startswith((".", "/", "__MACOSX")) for part in parts)
 
 
-def _submission(parts: tuple[str, ...], when: datetime, data: bytes) -> Submission:
+def _submission(parts: tuple[str, ...], when: datetime, read: Callable[[], Any]) -> Submission:
     """Who and what, from the names of a file and the folders it is in."""
-    whole = "/".join(parts[-2:]).removesuffix(".ipynb")
-    found = _MOODLE.fullmatch(whole) or _CANVAS.fullmatch(parts[-1].removesuffix(".ipynb"))
-    if found is not None:
-        groups = found.groupdict()
-        name = _AGAIN.sub("", groups["name"])
-        return Submission(tidy(groups["student"]), name, when, data, bool(groups.get("late")), groups["id"])
-    if len(parts) == 1:
-        return Submission(tidy(whole), "", when, data)
-    return Submission(tidy(parts[-2]), _AGAIN.sub("", parts[-1].removesuffix(".ipynb")), when, data)
+    whole = "/".join(parts).removesuffix(".ipynb").replace("\n", " ")
+    said = next(filter(None, (pattern.fullmatch(whole) for pattern in (_MOODLE, _CANVAS, _PLAIN)))).groupdict("")
+    student, number = tidy(said["student"]), said["number"]
+    if student != said["student"] and not number:   # "ada" and "=ada" are two
+        number = str(zlib.crc32(whole.encode(errors="replace")))
+    return Submission(student, said["name"] and tidy(_AGAIN.sub("", said["name"])), when, read,
+                      bool(said["late"]), number)
 
 
 def tidy(name: str) -> str:
-    """A student's name that is a safe name of a file, and no formula in a spreadsheet.
+    """A name that is a safe name of a file, and no formula in a spreadsheet.
 
     >>> tidy("../=ada")
     'ada'
     """
-    kept = re.sub(r"[^\w .@+-]", "_", unicodedata.normalize("NFC", name))[:100]
-    return kept.strip(" ._-+@") or "nameless"
-
-
-def _text(data: bytes) -> tuple[str, str]:
-    """A file as text, and what was wrong with it; byte order marks are nothing wrong."""
-    if len(data) > LARGEST:
-        raise ValueError(f"larger than {LARGEST // 2**20} MB")
-    codec = "utf-16" if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "utf-8-sig"
-    bare = data.rstrip(b"\0") if codec == "utf-8-sig" else data
-    try:
-        return bare.decode(codec), "" if bare == data else "NUL characters"
-    except UnicodeDecodeError:
-        return bare.decode("latin-1"), "not in UTF-8, read as Latin-1"
+    kept = re.sub(r"[^\w .@+-]", "_", unicodedata.normalize("NFC", name))
+    return kept.strip(" ._-+@")[:60].strip() or "nameless"

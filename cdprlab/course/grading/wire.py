@@ -10,13 +10,13 @@ from __future__ import annotations
 import base64
 import builtins
 import io
-import json
 import pickle
-import struct
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from multiprocessing.connection import Connection
 from types import FunctionType
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,11 +27,9 @@ from ...world import World
 LARGEST = 64 * 2**20
 """Of one message [bytes]."""
 
-_LENGTH = struct.Struct(">Q")
-
-
-class Garbled(Exception):
-    """What came out of the worker is no message."""
+_COLLECTIONS: tuple[Any, ...] = (dict, tuple, set, frozenset, list)
+_NUMBERS = "biufcU"
+"""Kinds of arrays that cross, text among them."""
 
 
 class Callback(NamedTuple):
@@ -40,38 +38,57 @@ class Callback(NamedTuple):
     key: str | int
 
 
-# --- messages ---------------------------------------------------------------------------------
-def send(stream: BinaryIO, message: bytes) -> None:
-    """Write a message, its length first."""
-    stream.write(_LENGTH.pack(len(message)) + message)
-    stream.flush()
+class Peer:
+    """One side of the wall: calls functions of the other side, and serves its calls meanwhile.
+
+    functions : that the other side may call by their numbers
+    caught : what the other side is told when they raise it
+    """
+
+    given: Sequence[Any] = ()   # arguments of the call that is going to be answered
+    inward: Connection
+    outward: Connection
+    functions: list[Callable[..., Any]]
+    caught: type[BaseException] = Exception
+
+    def ask(self, *request: Any) -> Any:
+        """Call a function of the other side, by key, arguments and options; raises what it raises."""
+        self.send("call", request)
+        while True:
+            verb, body = self.receive()
+            if verb == "value":
+                return body
+            if verb == "error":
+                raise decode_error(body)
+            self.serve(*body)
+
+    def serve(self, key: Any, arguments: Any, options: Any = None) -> None:
+        """Answer a call."""
+        try:
+            reply = "value", self.function(key)(*arguments, **options or {})
+        except self.caught as error:
+            reply = "error", encode_error(error)
+        self.send(*reply)
+
+    def function(self, key: Any) -> Callable[..., Any]:
+        """What a key stands for on this side."""
+        return self.functions[key]
+
+    def send(self, verb: str, body: Any) -> None:
+        """Write a message."""
+        raise NotImplementedError
+
+    def receive(self) -> tuple[str, Any]:
+        """Read a message."""
+        raise NotImplementedError
 
 
-def receive(stream: BinaryIO) -> bytes:
-    """Read a message; raises EOFError where the other side is gone, Garbled if it is too long."""
-    head = stream.read(_LENGTH.size)
-    if len(head) < _LENGTH.size:
-        raise EOFError
-    (length,) = _LENGTH.unpack(head)
-    if length > LARGEST:
-        raise Garbled(f"an answer of {length} bytes; {LARGEST} are allowed")
-    message = stream.read(length)
-    if len(message) < length:
-        raise EOFError
-    return message
-
-
-def arrays(value: Any) -> Iterator[np.ndarray]:
+def arrays(value: Any) -> list[np.ndarray]:
     """Every array in arguments that a function may write into, in a fixed order."""
     if isinstance(value, np.ndarray):
-        if value.flags.writeable:
-            yield value
-    elif isinstance(value, Mapping):
-        for part in value.values():
-            yield from arrays(part)
-    elif isinstance(value, list | tuple):
-        for part in value:
-            yield from arrays(part)
+        return [value] if value.flags.writeable else []
+    parts = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple) else ()
+    return [array for part in parts for array in arrays(part)]
 
 
 # --- inward -----------------------------------------------------------------------------------
@@ -81,7 +98,7 @@ class InwardPickler(pickle.Pickler):
     key_of : gives that key, and None for anything else
     """
 
-    def __init__(self, file: BinaryIO, key_of: Callable[[Any], Any]) -> None:
+    def __init__(self, file: io.BytesIO, key_of: Callable[[Any], Any]) -> None:
         super().__init__(file, protocol=5)
         self.persistent_id = key_of   # type: ignore[method-assign]
 
@@ -108,135 +125,116 @@ def stays(function: Any) -> bool:
 
 
 # --- outward ----------------------------------------------------------------------------------
-def encode(value: Any, given: Sequence[Any] = (),
-           key_of: Callable[[Any], str | int] | None = None) -> Any:
+def encode(value: Any, key_of: Callable[[Any], int], given: Sequence[Any] = ()) -> Any:
     """A value as JSON; raises TypeError for what has no place in the table.
 
+    key_of : gives functions a key
     given : arguments; where one of them is handed back, its number goes instead
-    key_of : gives functions a key; without it they are refused
     """
     def inner(part: Any) -> Any:
-        return encode(part, given, key_of)
+        return encode(part, key_of, given)
 
-    if value is None or type(value) in (bool, int, float, str):
-        return value
     for number, argument in enumerate(given):
         if value is argument:
             return {"given": number}
-    if isinstance(value, np.generic):
-        return {"scalar": _npy(np.asarray(value))}
-    if isinstance(value, np.ndarray):
-        return {"array": _npy(np.asarray(value))}
-    for kind in (bool, int, float, str):
-        if isinstance(value, kind):
-            return kind(value)
-    if isinstance(value, complex):
-        return {"complex": [value.real, value.imag]}
+    if value is None:
+        return None
+    for plain in (bool, int, float, str):
+        if isinstance(value, plain) and not isinstance(value, np.generic):
+            return plain(value)
+    if isinstance(value, dict):
+        return {"dict": [inner(pair) for pair in value.items()]}
+    for collection in _COLLECTIONS:
+        if isinstance(value, collection):
+            return {collection.__name__: [inner(part) for part in value]}
     if isinstance(value, Pose):
         return {"Pose": [_npy(value.position), _npy(value.rotation)]}
     if isinstance(value, World):
-        return {"World": json.loads(json.dumps(value.to_dict()))}
+        return {"World": inner(value.to_dict())}
     if _is_interval(value):
-        return {"tuple": [value.lb(), value.ub()]}
-    if isinstance(value, Mapping):
-        return {"dict": [[inner(key), inner(part)] for key, part in value.items()]}
-    if isinstance(value, list):
-        return [inner(part) for part in value]
-    for collection in (tuple, set, frozenset, range, map, zip, filter):
-        if isinstance(value, collection):
-            name = collection.__name__ if collection in (tuple, set, frozenset) else "list"
-            return {name: [inner(part) for part in value]}
+        return inner((value.lb(), value.ub()))
+    if isinstance(value, np.generic | complex):
+        return {"scalar": _npy(value)}
     if hasattr(value, "__array__"):
-        return {"array": _npy(np.asarray(value))}
-    if callable(value) and key_of is not None:
+        return {"array": _npy(value)}
+    if hasattr(value, "__iter__"):   # range, map, zip, generators
+        return inner(list(value))
+    if callable(value):
         return {"function": key_of(value)}
     raise TypeError(f"an answer is numbers, arrays, text, lists, poses or worlds, not {type(value).__name__}")
 
 
-def decode(message: Any, given: Sequence[Any] = (),
-           function: Callable[[Any], Any] | None = None) -> Any:
-    """The value that `encode` wrote, every part of it made here; raises Garbled for anything else.
+def decode(message: Any, function: Callable[[Any], Any], given: Sequence[Any] = ()) -> Any:
+    """The value that `encode` wrote, every part of it made here; raises whatever anything else makes it raise.
 
-    given : the same arguments
     function : makes the callable that a key stands for
+    given : the same arguments
     """
-    def inner(part: Any) -> Any:
-        return decode(part, given, function)
-
-    if message is None or isinstance(message, bool | int | float | str):
+    if not isinstance(message, dict):
         return message
-    if isinstance(message, list):
-        return [inner(part) for part in message]
-    try:
-        ((kind, body),) = message.items()
-        if kind == "World":
-            return World.from_dict(body)
-        if kind == "function" and function is not None:
-            return function(body if isinstance(body, str) else int(body))
-        return _TABLE[kind](body, inner, given)
-    except errors.CdprError:
-        raise
-    except Exception as error:
-        raise Garbled(f"no answer: {type(error).__name__}") from None
+    ((kind, body),) = message.items()
+    if kind == "given":
+        return given[body]
+    if kind == "array":
+        return _array(body)
+    if kind == "scalar":
+        return _array(body)[()]
+    if kind == "Pose":
+        position, rotation = map(_array, body)
+        Pose(position, matrix=rotation)   # raises unless it is one; below nothing is rounded again
+        return Pose.of(position, rotation)
+    if kind == "World":
+        return World.from_dict(decode(body, function))
+    if kind == "function":
+        return function(body)
+    for collection in _COLLECTIONS:
+        if kind == collection.__name__:
+            return collection(decode(part, function, given) for part in body)
+    raise ValueError(f"no {kind!r:.50} is known")
 
 
-_TABLE: dict[str, Callable[[Any, Callable[[Any], Any], Sequence[Any]], Any]] = {
-    "given": lambda body, inner, given: given[int(body)],
-    "array": lambda body, inner, given: _array(body),
-    "scalar": lambda body, inner, given: _array(body)[()],
-    "complex": lambda body, inner, given: complex(*map(float, body)),
-    "Pose": lambda body, inner, given: _pose(*map(_array, body)),
-    "dict": lambda body, inner, given: {inner(key): inner(part) for key, part in body},
-    "list": lambda body, inner, given: [inner(part) for part in body],
-    "tuple": lambda body, inner, given: tuple(inner(part) for part in body),
-    "set": lambda body, inner, given: {inner(part) for part in body},
-    "frozenset": lambda body, inner, given: frozenset(inner(part) for part in body),
-}
+def encode_error(error: BaseException) -> list[Any]:
+    """An exception: the names of its classes, its message, the line of the student's cell it came through."""
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__)
+             if frame.filename.startswith("<ipython-input")]
+    return [[kind.__name__ for kind in type(error).__mro__], str(error)[:2000], lines[-1:]]
 
 
-def encode_error(error: BaseException, where: str = "") -> dict[str, Any]:
-    """An exception: the names of its classes, its message.
-
-    where : of the student's code, as the message says it
-    """
-    names = [kind.__name__ for kind in type(error).__mro__]
-    return {"names": names, "message": str(error)[:2000], "where": where}
-
-
-def decode_error(message: Mapping[str, Any]) -> Exception:
+def decode_error(message: Any) -> Exception:
     """A fresh exception of the first class that Python or cdprlab knows by that name."""
-    text, where = str(message["message"]), str(message["where"])
-    for name in message["names"]:
-        kind = getattr(errors, str(name), None) or getattr(builtins, str(name), None)
-        if isinstance(kind, type) and issubclass(kind, Exception):
+    names, text, lines = message
+    for name in map(str, names):
+        kind = getattr(errors, name, None) or getattr(builtins, name, None)
+        # One that says "that was all" would end a loop over answers early, and in peace.
+        if isinstance(kind, type) and issubclass(kind, Exception) and not issubclass(kind, StopIteration):
             break
     else:
-        kind, text = RuntimeError, f"{message['names'][0]}: {text}"
-    found = kind.__new__(kind, text)
-    found.args = (text,)
-    if where:
-        found.add_note(where)
+        kind, text = RuntimeError, f"{names[0]}: {text}"
+    found = kind.__new__(kind, str(text))
+    found.args = (str(text),)
+    found.__notes__ = [f"(line {int(line)} of your cell)" for line in lines]
     return found
 
 
-def _npy(array: np.ndarray) -> str:
-    if array.dtype.kind not in "biufcU":
+def words_of(error: BaseException) -> str:
+    """What an error says, and where it came up."""
+    kind = "" if isinstance(error, AssertionError) or not isinstance(error, Exception) else f"{type(error).__name__}: "
+    return " ".join([kind + str(error).strip(), *getattr(error, "__notes__", [])])[:4000]
+
+
+def _npy(value: Any) -> str:
+    array, file = np.asarray(value), io.BytesIO()
+    if array.dtype.kind not in _NUMBERS:
         raise TypeError(f"an array of {array.dtype} has no numbers in it")
-    file = io.BytesIO()
     np.save(file, array, allow_pickle=False)
     return base64.b64encode(file.getvalue()).decode()
 
 
 def _array(body: str) -> np.ndarray:
     found = np.lib.format.read_array(io.BytesIO(base64.b64decode(body, validate=True)), allow_pickle=False)
-    if found.dtype.kind not in "biufcU":
-        raise ValueError(found.dtype)
+    if found.dtype.kind not in _NUMBERS:
+        raise ValueError(f"an array of {found.dtype}")
     return found
-
-
-def _pose(position: np.ndarray, rotation: np.ndarray) -> Pose:
-    Pose(position, matrix=rotation)   # raises unless it is one; below nothing is rounded again
-    return Pose.of(position, rotation)
 
 
 def _is_interval(thing: Any) -> bool:

@@ -6,19 +6,24 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 import io
 import json
 import os
 import pickle
 import resource
-import traceback
-from collections.abc import Callable, Sequence
-from typing import Any, BinaryIO
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from multiprocessing.connection import Connection
+from types import FrameType
+from typing import Any
 
 import numpy as np
 
 from ... import course
-from . import wire
+from ..answers import fallback, library
+from .wire import LARGEST, Callback, Peer, arrays, encode, encode_error
 
 NOBODY = 65534
 LIMITS = {
@@ -31,139 +36,107 @@ LIMITS = {
 PUBLIC = ("cdprlab", "cdprlab.course", "cdprlab.fastkit")
 
 
-class Worker:
-    """One student's notebook, as far as it has been run.
+class Worker(Peer):
+    """One student's notebook, as far as it has been run."""
 
-    inward, outward : messages from and to the judge
-    """
+    caught = BaseException   # also SystemExit: the student's own affair
 
-    def __init__(self, inward: BinaryIO, outward: BinaryIO) -> None:
+    def __init__(self, inward: int, outward: int) -> None:
         from IPython.core.interactiveshell import InteractiveShell
         from traitlets.config import Config
 
-        quiet = Config({"HistoryManager": {"enabled": False}})
-        self.shell = InteractiveShell.instance(config=quiet)
+        self.shell = InteractiveShell.instance(config=Config({"HistoryManager": {"enabled": False}}))
         setattr(self.shell, "enable_gui", lambda gui=None: None)   # noqa: B010 (`%matplotlib inline` asks for it)
-        self.inward, self.outward = inward, outward
-        self.functions: list[Any] = []   # that answers returned
-        if hasattr(course, "fallback"):   # results for who goes on without having solved an exercise
-            course.fallback = _refuse("fallback")
+        self.inward, self.outward = Connection(inward, writable=False), Connection(outward, readable=False)
+        self.functions = [self.run, self.look_up, self.call]   # and what answers returned
 
-    def serve(self) -> None:
-        """Answer until the judge hangs up."""
-        try:
-            while True:
-                self.outward_json(self.answer(self.next_request()))
-        except EOFError:
-            pass
-
-    def next_request(self) -> tuple[Any, ...]:
-        """What the judge wants: a verb and its arguments."""
-        unpickler = pickle.Unpickler(io.BytesIO(wire.receive(self.inward)))
-        unpickler.persistent_load = self.function   # type: ignore[method-assign]
-        return unpickler.load()
-
-    def answer(self, request: tuple[Any, ...]) -> dict[str, Any]:
-        """Do what is wanted; whatever it raises is an answer, too."""
-        verb, *arguments = request
-        try:
-            return getattr(self, verb)(*arguments)
-        except BaseException as error:   # also SystemExit: the student's own affair
-            return {"error": wire.encode_error(error, _place(error))}
-
-    def run(self, source: str) -> dict[str, Any]:
+    def run(self, source: str) -> None:
         """Run a cell as a notebook does."""
         result = self.shell.run_cell(source)   # type: ignore[no-untyped-call]
         error = result.error_before_exec or result.error_in_exec
         if error is not None:
             raise error
-        return {"value": None}
 
-    def look_up(self, names: Sequence[str]) -> dict[str, Any]:
-        """What these names mean now; names of functions stand for themselves."""
-        found = {name: self.shell.user_ns[name] for name in names if name in self.shell.user_ns}
-        return {"value": {"dict": [[name, {"function": name} if callable(value) else wire.encode(value)]
-                                   for name, value in found.items()]}}
+    def look_up(self, name: str) -> Any:
+        """What a name means now."""
+        return self.shell.user_ns[name]
 
-    def call(self, key: str | int, without: Sequence[str], arguments: tuple[Any, ...],
-             options: dict[str, Any]) -> dict[str, Any]:
-        """Call a function of the student's; its answer, and which of the given arrays it changed.
+    def call(self, key: str | int, without: Sequence[str], arguments: Sequence[Any],
+             options: dict[str, Any]) -> tuple[Any, list[np.ndarray]]:
+        """Call a function of the student's; its answer, and the given arrays if it changed any.
 
         without : library functions that it may not call
         """
-        given = list(wire.arrays([arguments, options]))
-        before = [array.copy() for array in given]
-        with _Without(without):
+        written = arrays([arguments, options])
+        before = [array.tobytes() for array in written]
+        with _refusing(without):
             value = self.function(key)(*arguments, **options)
-        changed = [[i, wire.encode(array)] for i, array in enumerate(given)
-                   if not np.array_equal(array, before[i], equal_nan=array.dtype.kind in "fc")]
-        return {"value": wire.encode(value, [*arguments, *options.values()], self.keep), "changed": changed}
+        self.given = [*arguments, *options.values()]
+        return value, [array.copy() for array in written] if [array.tobytes() for array in written] != before else []
 
     def function(self, key: Any) -> Callable[..., Any]:
         """The student's function of that name or number, or the judge's behind a callback."""
-        if isinstance(key, wire.Callback):
-            return lambda *arguments, **options: self.call_back(key.key, arguments, options)
+        if isinstance(key, Callback):
+            return lambda *arguments, **options: self.ask(key.key, arguments, options)
         return self.shell.user_ns[key] if isinstance(key, str) else self.functions[key]
 
+    def send(self, verb: str, body: Any) -> None:
+        """Write plain values; what has none, or is too long, becomes an error."""
+        given, self.given = self.given, ()
+        try:
+            text = json.dumps([verb, body if verb == "error" else encode(body, self.keep, given)]).encode()
+            if len(text) > LARGEST:
+                raise ValueError(f"an answer of {len(text) / 2**20:.0f} MB is too large")
+        except Exception as error:
+            if verb == "call":   # the caller's mistake, and nobody has been asked
+                raise
+            text = json.dumps(["error", encode_error(error)]).encode()
+        self.outward.send_bytes(text)
+
     def keep(self, function: Any) -> int:
-        """A number for a function that an answer returned."""
+        """A number for a function that goes to the judge."""
         self.functions.append(function)
         return len(self.functions) - 1
 
-    def call_back(self, key: str | int, arguments: tuple[Any, ...], options: dict[str, Any]) -> Any:
-        """Call a function of the judge's, answering whatever it asks meanwhile."""
-        self.outward_json({"call": key, "arguments": wire.encode(list(arguments), (), self.keep),
-                           "options": wire.encode(options, (), self.keep)})
-        while True:
-            verb, *rest = self.next_request()
-            if verb == "value":
-                return rest[0]
-            if verb == "error":
-                raise wire.decode_error(rest[0])
-            self.outward_json(self.answer((verb, *rest)))
-
-    def outward_json(self, message: dict[str, Any]) -> None:
-        """Send a message; one that is too long becomes an error."""
-        text = json.dumps(message).encode()
-        if len(text) > wire.LARGEST:
-            error = ValueError(f"an answer of {len(text) / 2**20:.0f} MB is too large")
-            text = json.dumps({"error": wire.encode_error(error)}).encode()
-        wire.send(self.outward, text)
+    def receive(self) -> tuple[str, Any]:
+        """Read what the judge pickled."""
+        unpickler = pickle.Unpickler(io.BytesIO(self.inward.recv_bytes()))
+        unpickler.persistent_load = self.function   # type: ignore[method-assign]
+        return unpickler.load()
 
 
-class _Without:
-    """While it lasts, some library functions raise."""
+@contextmanager
+def _refusing(names: Sequence[str]) -> Iterator[None]:
+    """While it lasts some library functions raise, by whatever name they go, unless the library itself calls them."""
+    found = [(name, getattr(module, name)) for module in map(importlib.import_module, PUBLIC)
+             for name in names if hasattr(module, name)]
+    bodies = {getattr(inspect.unwrap(thing.__init__ if inspect.isclass(thing) else thing), "__code__", None): name
+              for name, thing in found}
 
-    def __init__(self, names: Sequence[str]) -> None:
-        self.places = [(module, name) for module in map(importlib.import_module, PUBLIC)
-                       for name in names if hasattr(module, name)]
+    def watch(frame: FrameType, event: str, _: Any) -> None:
+        caller = frame.f_back
+        if event == "call" and frame.f_code in bodies:
+            while caller is not None and caller.f_globals["__name__"] == "cdprlab.arrays":   # the gate for arguments
+                caller = caller.f_back
+            if caller is None or not caller.f_globals["__name__"].startswith("cdprlab."):
+                raise RuntimeError(f"this exercise is about writing {bodies[frame.f_code]} yourself: the library's may "
+                                   "not be called here")
 
-    def __enter__(self) -> None:
-        self.kept = [getattr(module, name) for module, name in self.places]
-        for module, name in self.places:
-            setattr(module, name, _refuse(name))
-
-    def __exit__(self, *_: object) -> None:
-        for (module, name), function in zip(self.places, self.kept):
-            setattr(module, name, function)
-
-
-def _refuse(name: str) -> Callable[..., Any]:
-    def refused(*_: Any, **__: Any) -> Any:
-        raise RuntimeError(f"this exercise is about writing {name} yourself: the library's may not be called here")
-    return refused
+    if bodies:
+        sys.setprofile(watch)
+    try:
+        yield
+    finally:
+        sys.setprofile(None)
 
 
-def _place(error: BaseException) -> str:
-    """The last line of the student's own that an error came through."""
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__)
-             if frame.filename.startswith("<ipython-input")]
-    return f"line {lines[-1]} of your cell" if lines else ""
+def _no_fallback(exercise: str) -> Any:
+    raise RuntimeError("course.fallback is for going on at home: it answers no exercise")
 
 
 def main() -> None:
     """Shut the doors behind oneself, then serve."""
-    inward, outward = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    inward, outward = os.dup(0), os.dup(1)
     nowhere = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):   # what student code prints goes nowhere
         os.dup2(nowhere, stream)
@@ -175,7 +148,12 @@ def main() -> None:
         hard = resource.getrlimit(limit)[1]
         most = most if hard == resource.RLIM_INFINITY else min(most, hard)
         resource.setrlimit(limit, (most, most))
-    Worker(inward, outward).serve()
+    library.LIBRARY.clear()
+    fallback.fallback = course.fallback = _no_fallback
+    worker = Worker(inward, outward)
+    with suppress(EOFError):   # until the judge hangs up
+        while True:
+            worker.serve(*worker.receive()[1])
 
 
 if __name__ == "__main__":
