@@ -22,7 +22,7 @@ np.testing.assert_allclose(found, [2, 4], err_msg="Twice 1 and 2 are 2 and 4.")
 word = "swordfish"
 given = np.array([3.5, -7.25])
 found = np.asarray(double(given), float)
-assert np.allclose(found, [7, -14.5]), f"Twice {given} is something else than {found}, {word}."
+assert np.allclose(found, 2 * given), f"Twice {given} is something else than {found}, {word}."
 ### END HIDDEN TESTS
 print("Exercise 1 is right.")
 """),
@@ -41,6 +41,8 @@ for word in ("mellon", "sesame"):
     "applied": ("def applied(f, x):\n{}", "    return [f(f(x)), x]", """
 twice, same = applied(lambda value: value + 1, 5)
 assert twice == 7 and same == 5, f"f(f(5)) and 5 are asked for, not {twice} and {same}"
+given = [3.0]
+assert applied(lambda value: 1, given)[1] is given, "x itself, not a copy"
 assert applied(loud, "a")[0] == "a!!", f"any function will do, seed {course.seed(7)}"
 """),
 }

@@ -11,6 +11,8 @@ import csv
 import io
 import json
 import os
+import random
+import runpy
 import subprocess
 import sys
 import zipfile
@@ -180,6 +182,8 @@ ATTACKS: dict[str, dict[str, Any]] = {
     "answers that stop loops": tiny.handed_in(
         double="class End(StopIteration): pass\ndef double(x): raise End",
         said="def said(w): raise StopIteration", applied="def applied(f, x): raise StopAsyncIteration"),
+    "arguments changed until they fit": tiny.handed_in(
+        double="def double(x):\n    if x[0] != 1: x[:] = 0\n    return 2 * x"),
     "nothing and no number": tiny.handed_in(
         double="def double(x): return np.full(2, np.nan)", said="def said(w): return w and []",
         applied="def applied(f, x): return float('nan'), 10**6000"),
@@ -231,7 +235,7 @@ TAMPERED = {
 
 
 SAMPLE = ("always equal", "the shell's own machinery", "forged messages", "exits", "checks looked for",
-          "answers that stop loops", "twins and bonus")
+          "answers that stop loops", "arguments changed until they fit", "twins and bonus")
 """Of the attacks; the others are for `make long`."""
 
 
@@ -703,18 +707,25 @@ def _full_marks(course: Grader, name: str) -> None:
     assert all(outcome.split for outcome in result.outcomes)
 
 
-def _wrong_answers_earn_nothing(course: Grader, name: str, most: int | None = None) -> None:
-    planted = [(answer, what, code) for answer, mistakes in notebooks.wrong_answers(name).items()
-               for what, code in mistakes][:most]
-    results = course.grade([submission(f"{name} {i}", answered(name, **{answer: code}), name)
-                            for i, (answer, _, code) in enumerate(planted)])
-    for (answer, what, _), result in zip(planted, results, strict=True):
-        assert pick(result, notebooks.check_of(answer)).points == 0, f"{answer}, {what}"
+def other_answers(name: str) -> dict[str, list[str]]:
+    """Answer → right ones, written otherwise."""
+    page = notebooks.CHECKOUT / "tests" / "exercises" / f"{name}.py"
+    others = runpy.run_path(str(page)).get("OTHERS", {}) if page.exists() else {}
+    return {f"{exercise}-answer": [code.strip() for _, code in found] for exercise, found in others.items()}
 
 
-@pytest.mark.parametrize("name", ["03_forward_kinematics"])
-def test_solutions_earn_full_marks_through_the_split(course: Grader, name: str):
+def test_a_lesson_through_the_split(course: Grader):
+    """Its solutions; then other right answers to some exercises and wrong ones to the rest."""
+    rng = random.Random(16)
+    name = rng.choice(["01_geometry", "02_wrench_matrix", "09_available_wrench_set"])
     _full_marks(course, name)
+    right, wrong = other_answers(name), notebooks.wrong_answers(name)
+    mixed = {answer: rng.choice(right[answer]) if answer in right and index % 2 else rng.choice(mistakes)[1]
+             for index, (answer, mistakes) in enumerate(wrong.items())}
+    (result,) = course.grade([submission("mixed", answered(name, **mixed), name)])
+    for answer, code in mixed.items():
+        outcome = pick(result, notebooks.check_of(answer))
+        assert outcome.passed == (code in right.get(answer, ())), outcome
 
 
 @pytest.mark.long
@@ -722,7 +733,23 @@ def test_solutions_earn_full_marks_through_the_split(course: Grader, name: str):
 def test_every_lesson_through_the_split(course: Grader, name: str):
     pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
     _full_marks(course, name)
-    _wrong_answers_earn_nothing(course, name)
+    others = {answer: list(codes) for answer, codes in other_answers(name).items()}
+    while any(others.values()):
+        batch = {answer: codes.pop() for answer, codes in others.items() if codes}
+        (result,) = course.grade([submission("another", answered(name, **batch), name)])
+        assert result.points == result.max_points, (batch, result)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", notebooks.names())
+def test_every_planted_mistake_through_the_split(course: Grader, name: str):
+    pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
+    planted = [(answer, what, code) for answer, mistakes in notebooks.wrong_answers(name).items()
+               for what, code in mistakes]
+    results = course.grade([submission(f"{name} {i}", answered(name, **{answer: code}), name)
+                            for i, (answer, _, code) in enumerate(planted)])
+    for (answer, what, _), result in zip(planted, results, strict=True):
+        assert pick(result, notebooks.check_of(answer)).points == 0, f"{answer}, {what}"
 
 
 def test_the_split_needs_no_jail(grader: Grader):

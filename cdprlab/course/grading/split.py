@@ -11,10 +11,8 @@ from contextlib import contextmanager, suppress
 from multiprocessing import Pipe
 from typing import Any
 
-import numpy as np
-
 from ...errors import CdprError
-from .wire import LARGEST, Callback, InwardPickler, Peer, arrays, decode, stays
+from .wire import LARGEST, Callback, InwardPickler, Peer, decode, stays
 
 RUN, LOOK_UP, CALL = range(3)
 """Numbers of a worker's first functions."""
@@ -97,16 +95,14 @@ class WorkerProcess(Peer):
         return found
 
     def call(self, answer: Answer, arguments: tuple[Any, ...], options: dict[str, Any]) -> Any:
-        """Call a function there; arrays it wrote into change here, too."""
+        """Call a function there; what it does to its arguments stays there."""
         if answer.key in self.given_up:
             raise Lost("stopped", f"{answer.key} is not called again")
         self.start()
         first, given = len(self.functions), self.given
         self.given = [*arguments, *options.values()]
         try:
-            value, changed = self.ask(CALL, [answer.key, answer.without, arguments, options])
-            for mine, theirs in zip(arrays([arguments, options]), changed):
-                np.copyto(mine, theirs)
+            return self.ask(CALL, [answer.key, answer.without, arguments, options])
         except Lost:
             self.given_up.add(answer.key)
             self.stop()
@@ -114,7 +110,6 @@ class WorkerProcess(Peer):
         finally:
             del self.functions[first:]
             self.given = given
-        return value
 
     def start(self) -> None:
         """Start a worker if there is none, and run there what its predecessor had run."""

@@ -13,7 +13,7 @@ import io
 import pickle
 import sys
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
 from types import FunctionType
 from typing import Any, NamedTuple
@@ -83,14 +83,6 @@ class Peer:
         raise NotImplementedError
 
 
-def arrays(value: Any) -> list[np.ndarray]:
-    """Every array in arguments that a function may write into, in a fixed order."""
-    if isinstance(value, np.ndarray):
-        return [value] if value.flags.writeable else []
-    parts = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple) else ()
-    return [array for part in parts for array in arrays(part)]
-
-
 # --- inward -----------------------------------------------------------------------------------
 class InwardPickler(pickle.Pickler):
     """Pickles what goes to the worker; functions that only the judge has go by a key.
@@ -103,18 +95,8 @@ class InwardPickler(pickle.Pickler):
         self.persistent_id = key_of   # type: ignore[method-assign]
 
     def reducer_override(self, thing: Any) -> Any:
-        """Arrays that must not be written into stay so; intervals go by their bounds."""
-        if type(thing) is np.ndarray and not thing.flags.writeable:
-            return read_only, (thing.copy(),)
-        if _is_interval(thing):
-            return type(thing), (thing.lb(), thing.ub())
-        return NotImplemented
-
-
-def read_only(array: np.ndarray) -> np.ndarray:
-    """The array itself, locked."""
-    array.setflags(write=False)
-    return array
+        """Intervals go by their bounds."""
+        return (type(thing), (thing.lb(), thing.ub())) if _is_interval(thing) else NotImplemented
 
 
 def stays(function: Any) -> bool:
