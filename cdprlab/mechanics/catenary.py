@@ -259,6 +259,8 @@ def drawn_lengths(robot: Robot, pose: Pose, tensions: ArrayLike) -> Array:
     >>> drawn_lengths(world.robot, world.pose, np.ones(8)).max()
     np.float64(0.0)
     """
+    if not robot.linear_density:
+        return np.zeros(robot.n_cables)
     vectors, pulls = cable_vectors(robot, pose), np.broadcast_to(tensions, robot.n_cables)
     weight = robot.linear_density * robot.gravity * np.linalg.norm(vectors[:, :-1], axis=1)
     chord, shares = np.linalg.norm(vectors, axis=1), weight / np.where(pulls > 0, pulls, np.inf)

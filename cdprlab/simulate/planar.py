@@ -47,6 +47,7 @@ class PlanarSimulator(Simulator):
         from ..compiled import reels
 
         self._pymunk, self._compiled, robot = import_pymunk(), reels, world.robot
+        self._over_pulleys = self.is_wound and robot.pulleys.size > 0
         self._order, rounds = solving_order(world)
         self._iterations = solver_iterations or rounds
         self._center = robot.platform.center_of_mass
@@ -94,7 +95,7 @@ class PlanarSimulator(Simulator):
         dt, space = self.dt, self.space
         self._pack(self._wound, 0, *lengths)
         self._compiled.reel(space.motion, self._wound, dt, self._columns,
-                            self.bases.reel_velocities(),
+                            self.bases.reel_velocities() if self._over_pulleys else self.bases.exit_velocities,
                             space.velocities)
         space.write_velocities()
         self._advance()
@@ -195,7 +196,7 @@ class PlanarSimulator(Simulator):
             if not self._lengths.all() and np.isfinite(self._position).all():
                 self.jump_off()
             self.diverge()
-        if self.bases.pulleys.size and self.is_wound:
+        if self._over_pulleys:
             # A rope on a pulley pulls as a straight one as long would, from the end of which its reel stands.
             anchors = self._position + self.world.robot.anchor_points @ self._rotation.reshape(2, 2).T
             self.bases.reels = anchors + self._lengths[:, None] * self._columns[:2].T

@@ -54,8 +54,6 @@ class PlanarBases:
 
     def reel_velocities(self) -> Array:
         """(m, 2) of the reels as points of the bases, which differs from `exit_velocities` where a base turns [m/s]."""
-        if not (self.pulleys.size and self.moving):
-            return self.exit_velocities
         spins = np.array([self.rates[k, 2] if k >= 0 else 0.0 for k in self._start.base_indices])
         x, y = (self.reels - self.exits).T
         return self.exit_velocities + np.stack([-spins * y, spins * x], axis=1)

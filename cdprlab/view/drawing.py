@@ -28,6 +28,7 @@ from .outlines import (
     landmarks,
     platform_corners,
     platform_solids,
+    strung,
     surroundings,
 )
 from .projection import Projection
@@ -120,8 +121,10 @@ class RobotDrawing:
             shadow = platform_corners(robot, pose)[box_faces(3)]
             shadow[..., 2] = floor_height(robot, self.scene)
             self._shadow.set_verts(flat(shadow))
-        self._place_cables(anchors, tensions, rope_lengths)
-        for marks, points in ((self._exits, robot.exit_points), (self._anchors, anchors),
+        self._starts, arcs, wheels = strung(robot, pose)
+        self._wheels.set_segments(list(flat(wheels)))
+        self._place_cables(anchors, arcs, tensions, rope_lengths)
+        for marks, points in ((self._exits, self._starts), (self._anchors, anchors),
                               (self._trail, np.reshape(np.asarray(trail, dtype=float),
                                                        (-1, robot.dimension)))):
             marks.set_data(*self._in_sight(points).T)
@@ -152,8 +155,9 @@ class RobotDrawing:
         return faces
 
     # --- what is where --------------------------------------------------------------------------------
-    def _place_cables(self, anchors: Array, tensions: ArrayLike | None, rope_lengths: ArrayLike | None) -> None:
-        ends, m = self.robot.exit_points, self.robot.n_cables
+    def _place_cables(self, anchors: Array, arcs: Array, tensions: ArrayLike | None,
+                      rope_lengths: ArrayLike | None) -> None:
+        ends, m = self._starts, self.robot.n_cables
         lengths = np.zeros(m)
         if tensions is not None:
             tau = np.broadcast_to(np.asarray(tensions, dtype=float), (m,))
@@ -162,7 +166,7 @@ class RobotDrawing:
             lengths = drawn_lengths(self.robot, self.pose, tau)
             if rope_lengths is not None and self.robot.gravity > 0:
                 lengths = np.where(tau > 0, lengths,
-                                   as_array(rope_lengths, "rope_lengths", (m,), "m"))
+                                   as_array(rope_lengths, "rope_lengths", (m,), "m") - arcs)
         lines = np.stack([hanging(*cable) for cable in zip(ends, anchors, lengths)])
         self.cables.set_segments(self._in_sight(lines.reshape(-1, self.robot.dimension)).reshape(*lines.shape[:2], 2))
         flat_ends, flat_anchors = self.view.flat(ends), self.view.flat(anchors)
@@ -210,6 +214,7 @@ class RobotDrawing:
         self._shadow = self.faces(1.5, facecolors=SHADOW)
         self._solids = self.faces(3, linewidths=0.8)
         self._trail = self._marks("-", TRAIL, 3.5, linewidth=1.8)
+        self._wheels = self._lines(INK, 1.0, 4.5)
         # Anchor points beyond the box hang on arms from P, or they would float.
         self._arms = self._lines("#3F5A75", 1.4, 4)
         beyond = np.abs(robot.anchor_points - robot.platform.center) - robot.platform.size / 2

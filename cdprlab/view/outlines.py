@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..mechanics.cables import anchor_offsets, cable_lengths, cable_vectors, have_directions, tangent_points
 from ..robot import Platform, Robot
 from ..robot.parts import DECK_HEIGHT, Base
 from ..robot.pose import Pose
@@ -99,6 +100,27 @@ def hanging(start: Array, end: Array, length: float, pieces: int = 96) -> Array:
     return line + low * bow
 
 
+def strung(robot: Robot, pose: Pose) -> tuple[Array, Array, Array]:
+    """Where the cables' straight parts begin (m, d), what lies on wheels (m,), and the wheels' outlines (k, 25, d) [m].
+
+    Where a cable cannot lie on its pulley, all are drawn from their exit points.
+    """
+    if not robot.pulleys.size:
+        return robot.exit_points, np.zeros(robot.n_cables), np.zeros((0, 25, robot.dimension))
+    starts, arcs = robot.exit_points, np.zeros(robot.n_cables)
+    if have_directions(robot, pose):
+        starts = tangent_points(robot, pose)
+        arcs = cable_lengths(robot, pose) - np.linalg.norm(cable_vectors(robot, pose), axis=-1)
+    with_wheel = robot.pulleys[:, 0] > 0
+    exits, radii, axes = (part[with_wheel] for part in (robot.exit_points, robot.pulleys[:, :1], robot.pulleys[:, 1:]))
+    away = pose.position + anchor_offsets(robot, pose)[with_wheel] - exits
+    out = away - (away * axes).sum(axis=1, keepdims=True) * axes
+    out = out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)
+    turns = np.linspace(0, 2 * np.pi, 25)[:, None, None]
+    wheels = exits + radii * ((1 - np.cos(turns)) * out + np.sin(turns) * axes)
+    return starts, arcs, wheels.swapaxes(0, 1)
+
+
 # --- what stands around it ----------------------------------------------------------------------------------
 def floor_height(robot: Robot, scene: Scene) -> float:
     """The scene's, or lower where a robot hangs below it [m]."""
@@ -154,6 +176,7 @@ def landmarks(robot: Robot, scene: Scene, poses: Pose | None = None) -> Array:
     groups = [robot.exit_points, frame_segments(robot, scene).reshape(-1, robot.dimension)]
     groups += [box_corners(box.size, box.pose) for box in scene.boxes]
     groups += [_deck(base) for base in robot.bases if len(base.footprint)]
+    groups += [robot.exit_points + side * robot.pulleys[:, :1] for side in (-1, 1) if robot.pulleys.size]
     if poses is not None:
         groups += [platform_corners(robot, pose)
                    for pose in (poses if poses.batch_shape else [poses])]

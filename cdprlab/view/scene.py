@@ -27,6 +27,7 @@ from .outlines import (
     hanging,
     landmarks,
     platform_solids,
+    strung,
     surroundings,
 )
 from .style import FLOOR, INK, SLACK_COLOR, STEEL, TENSION_COLORS
@@ -137,6 +138,11 @@ class MotionScene:
             attribute=self._series([np.repeat(row, pieces + 1) for row in shades]),
             color_map=_scale(), color_range=[-_GREY * self.largest, self.largest], name="tension [N]")
         self.plot += self.cables
+        wheels = [_raised(strung(state.robot, state.pose)[2]) for state in self.states]
+        if wheels[0].size:
+            around = np.arange(24)[:, None] + [0, 1] + 25 * np.arange(len(wheels[0]))[:, None, None]
+            self.plot += k3d.lines(self._flat(wheels), around.reshape(-1, 2).astype(np.uint32), indices_type="segment",
+                                   shader="thick", width=self.unit, color=_rgb(INK))
         exits = self._series([_raised(state.robot.exit_points) for state in self.states])
         anchors = self._flat([line[:, -1:] for line in lines])
         for marks, size in ((exits, 5), (anchors, 3)):
@@ -206,12 +212,13 @@ def _lines(state: State) -> Array:
     robot, lines = state.robot, []
     anchors = state.position + anchor_offsets(robot, state.pose)
     sagging = drawn_lengths(robot, state.pose, state.tensions)
-    for i, (start, end) in enumerate(zip(robot.exit_points, anchors)):
+    starts, arcs, _ = strung(robot, state.pose)
+    for i, (start, end) in enumerate(zip(starts, anchors)):
         length = float(sagging[i])
         if not state.tensions[i] > 0 and robot.gravity > 0:   # NaN: a cut cable
             length = _LOOSE * float(np.linalg.norm(end - start))
             if state.rope_lengths is not None:
-                length = float(state.rope_lengths[i])
+                length = float(state.rope_lengths[i] - arcs[i])
         lines.append(_raised(hanging(start, end, length, _PIECES)))
     return np.stack(lines)
 

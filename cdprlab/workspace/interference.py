@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, as_number, checked
 from ..errors import InvalidInput
-from ..mechanics.cables import anchor_offsets
+from ..mechanics.cables import anchor_offsets, tangent_points
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import Box
@@ -25,10 +25,10 @@ _SAME = 1e-6
 class InterferenceFree(Criterion):
     """No cable comes nearer than the clearance to another one, to the platform or to an obstacle.
 
-    Cables are straight lines; two that share an end cannot be told apart there and are not
-    compared. A cable meets the platform's box at its anchor point anyway: only what is farther
-    than ``root`` from there counts, by default ten times the clearance and 5 cm at least, so
-    that cables may leave the platform at 6° and more.
+    Cables are straight lines, on pulleys from the tangent point on; two that share an end cannot
+    be told apart there and are not compared. A cable meets the platform's box at its anchor
+    point anyway: only what is farther than ``root`` from there counts, by default ten times the
+    clearance and 5 cm at least, so that cables may leave the platform at 6° and more.
 
     clearance : [m]
     obstacles : boxes of a scene, e.g. ``world.scene.boxes``
@@ -78,11 +78,9 @@ def cable_distances(robot: Robot, poses: Pose) -> Array:
     (24,)
     """
     pairs = np.array(cable_pairs(robot), dtype=int).reshape(-1, 2)
-    anchors, exits = _anchors(robot, poses), robot.exit_points
-    one, other = pairs[:, 0], pairs[:, 1]
-    first, second = np.broadcast_to(exits[one], anchors[..., one, :].shape), exits[other]
-    return segment_distance(anchors[..., one, :], first, anchors[..., other, :],
-                            np.broadcast_to(second, first.shape))
+    anchors = _anchors(robot, poses)
+    exits, (one, other) = np.broadcast_to(tangent_points(robot, poses), anchors.shape), pairs.T
+    return segment_distance(anchors[..., one, :], exits[..., one, :], anchors[..., other, :], exits[..., other, :])
 
 
 def platform_distances(robot: Robot, poses: Pose, root: float = 0.05) -> Array:
@@ -92,7 +90,7 @@ def platform_distances(robot: Robot, poses: Pose, root: float = 0.05) -> Array:
     """
     skipped = as_number(root, "root", "m", minimum=0.0)
     body = robot.platform
-    exits = (robot.exit_points - poses.position[..., None, :]) @ poses.rotation   # in the platform's frame
+    exits = (tangent_points(robot, poses) - poses.position[..., None, :]) @ poses.rotation   # in the platform's frame
     way = exits - robot.anchor_points
     length = np.linalg.norm(way, axis=-1, keepdims=True)
     start = robot.anchor_points + way * np.minimum(skipped / np.where(length > 0, length, 1.0), 1.0)
@@ -117,7 +115,7 @@ def obstacle_distances(robot: Robot, poses: Pose, box: Box) -> Array:
                            f"{d} dimensions")
     center, turn = box.pose.position, box.pose.rotation
     anchors, exits = ((points - center) @ turn
-                      for points in (_anchors(robot, poses), robot.exit_points))
+                      for points in (_anchors(robot, poses), tangent_points(robot, poses)))
     return box_distance(anchors, np.broadcast_to(exits, anchors.shape),
                         np.asarray(box.size) / 2)
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Array, Flags
-from ...mechanics.cables import cable_lengths
+from ...mechanics.cables import have_directions, why_no_direction
 from ...mechanics.statics import gravity_wrench, stiffness, tipping_moments, wrench_matrix
 from ...robot import Robot
 from ...robot.pose import Pose
@@ -81,9 +81,9 @@ def assess(world: World, plane: str = "x–y", window: Window | None = None) -> 
     ()
     """
     robot, pose, found = world.robot, world.pose, workspace_slice(world, plane, window)
-    limp = cable_lengths(robot, pose) < 1e-9
-    if limp.any():
-        where = f"{cable_names(limp).capitalize()} has no length at the start: its anchor point is on its exit point."
+    without = why_no_direction(robot, pose)
+    if without:
+        where = f"{without.capitalize().replace('this pose', 'the start')}."
         return Assessment((where,), None, None, np.nan, found)
     W, w_e = wrench_matrix(robot, pose), gravity_wrench(robot, pose)
     held = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max,
@@ -111,7 +111,7 @@ def workspace_slice(world: World, plane: str = "x–y", window: Window | None = 
         plane = PLANES[0]
     grid = slice_grid(world, plane, window)
     poses = grid.poses
-    directed = (cable_lengths(robot, poses) > 1e-9).all(axis=-1)
+    directed = have_directions(robot, poses)
     held, clear = np.zeros(len(grid), dtype=bool), np.zeros(len(grid), dtype=bool)
     if directed.any():
         held[directed] = workspace(robot, poses[directed], WrenchFeasible(), margin=False).inside
