@@ -431,12 +431,16 @@ def test_of_two_files_for_one_lesson_the_later_counts(grader: Grader, monkeypatc
         assert json.loads(grader.place(result).read_text(encoding="utf-8"))["status"] == "broken file"
 
 
-def test_late_missing_and_reports(grader: Grader, folder: Path):
-    scripted = tiny.handed_in(said="def said(w): return '<script>boo</script>' + w")
-    right = json.dumps(tiny.handed_in(**RIGHT)).encode()
-    batch = [submission("ada", right), submission("<script>alert(1)</script>", scripted),
-             submission("ben", right, when=NOW + timedelta(1.5)),
-             replace(submission("dan", right), late=True)]   # so says the platform
+def test_late_missing_and_reports(grader: Grader, folder: Path, monkeypatch: pytest.MonkeyPatch):
+    def run(self: Grader, lesson: Any, cells: Any, student: str) -> list[Outcome]:
+        first, *others = instead_of_a_run(self, lesson)
+        said = "you say <script>boo</script>"
+        return [replace(first, points=0.0, message=said, hint=said) if "script" in student else first, *others]
+
+    monkeypatch.setattr(Grader, "run", run)
+    batch = [submission("ada", tiny.handed_in()), submission("<script>alert(1)</script>", tiny.handed_in()),
+             submission("ben", tiny.handed_in(), when=NOW + timedelta(1.5)),
+             replace(submission("dan", tiny.handed_in()), late=True)]   # so says the platform
     results = [late(result, {"": NOW}, 0.25) for result in grader.grade(batch)]
     told = {result.student: (result.status, result.points) for result in results}
     assert [told[name] for name in ("ada", "ben", "dan")] == [("graded", 9), ("late", 4.5), ("late", 6.75)]
@@ -470,11 +474,12 @@ def test_hidden_parts_and_what_they_hold_come_back_only_when_revealed(grader: Gr
 
 
 def test_what_was_graded_stays_graded(grader: Grader, monkeypatch: pytest.MonkeyPatch):
+    ran: list[str] = []
+    monkeypatch.setattr(Grader, "run", counting(ran))
     batch = [submission("ada", tiny.handed_in(**RIGHT)), submission("fay", tiny.handed_in(said=RIGHT["said"]))]
     first = grader.grade(batch)
     kept = {result.student: grader.place(result).read_bytes() for result in first}
-    ran: list[str] = []
-    monkeypatch.setattr(Grader, "run", counting(ran))
+    ran.clear()
     assert grader.grade(batch) == first and ran == []
     assert {result.student: grader.place(result).read_bytes() for result in first} == kept
     grader.place(first[1]).write_text('{"half": ')   # as a killed writer would leave it, if it did not write whole
