@@ -235,8 +235,8 @@ def test_a_changed_world_is_checked_like_a_file(words: dict[str, Any]):
 
 def test_keys_that_a_run_takes_no_notice_of():
     fastkit = cl.load_world("fastkit_suspended")
-    assert fastkit.idle_keys() == ("winch", "cable") and fastkit.idle_keys("elastic") == ("winch",)
-    assert CAROCA.idle_keys() == ()
+    assert fastkit.idle_keys()[:3] == ("winch", "cable", "speed") and "cable" not in fastkit.idle_keys("elastic")
+    assert CAROCA.idle_keys() == ("speed",) and CAROCA.idle_keys("length") == ("tension",)
 
 
 def mutated(text: str, rng: np.random.Generator) -> str:

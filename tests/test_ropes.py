@@ -157,6 +157,18 @@ def test_stiff_elastic_ropes_are_ropes_of_given_length(marionet):
         np.testing.assert_allclose(stiff(*arguments), simulator.ropes(*arguments), rtol=1e-3, atol=1e-3)
 
 
+@pytest.mark.parametrize("cables", ["length", "elastic"])
+def test_a_run_on_ropes_is_feasible_only_while_they_hold_the_platform(marionet, cables):
+    """Ropes from above hold against no push upwards: the winches reach their lengths, the platform rises."""
+    up = np.array([0.0, 0.0, 2 * marionet.robot.mass * G])
+    calm = cl.run(marionet, cables=cables, duration=0.4)
+    begun = 0.02 if cables == "elastic" else 0.0   # wound to hang at rest, they first pay out what they are stretched
+    assert calm.feasible[calm.time >= begun].all()
+    run = cl.run(marionet, cables=cables, duration=0.4, external_wrench=lambda t: up if t >= 0.2 else 0 * up)
+    assert run.feasible[(run.time >= begun) & (run.time < 0.2)].all() and not run.feasible[run.time > 0.3].any()
+    assert (np.abs(run.lengths[-1] - run.commanded_lengths[-1]) > 1e-3).any()
+
+
 def test_two_windings_are_identical(marionet):
     def fly():
         with cl.open_simulator(marionet, "length") as simulator:

@@ -11,7 +11,7 @@ from ..arrays import Array, as_array, checked, common_batch
 from ..errors import InvalidInput, NoConvergence, quoted
 from ..robot import Robot
 from ..robot.pose import Pose, rotation_from_vector, rotation_vector_jacobian
-from .cables import cable_directions, cable_lengths, cables_at, check_dimension, tangent_points
+from .cables import Cables, cable_directions, cables_at, check_dimension, tangent_points
 
 Pivot = Literal["base", "world"]
 
@@ -172,11 +172,13 @@ def moved_slope(robot: Robot, start: Pose, x: Array) -> Array:
 
 def moved_rates(robot: Robot, start: Pose, x: Array) -> Array:
     """∂t/∂ẋ (n, n) of the twist t at `moved`, in the motion pattern's rows there."""
-    pose, S, d = moved(robot, start, x), robot.pattern.basis(start.rotation), robot.dimension
-    rates = np.eye(S.shape[0])
+    S, d = robot.pattern.basis(start.rotation), robot.dimension
+    rates, rows = np.eye(S.shape[0]), S
     if d == 3:
         rates[d:, d:] = rotation_vector_jacobian(S[d:] @ x)
-    return robot.pattern.basis(pose.rotation).T @ rates @ S
+    if robot.motion_pattern == "2R3T":   # no other pattern's rows turn along
+        rows = robot.pattern.basis(moved(robot, start, x).rotation)
+    return rows.T @ rates @ S
 
 
 def _assemblies(robot: Robot, lengths: Array, guess: Pose, tolerance: float) -> list[Pose]:
@@ -206,8 +208,16 @@ def _assemblies(robot: Robot, lengths: Array, guess: Pose, tolerance: float) -> 
 def _fit_pose(robot: Robot, lengths: Array, start: Pose, tolerance: float) -> Pose:
     from scipy.optimize import least_squares
 
+    known: dict[bytes, Cables] = {}   # the slope is asked where the lengths were
+
+    def cables(x: Array) -> Cables:
+        key = x.tobytes()
+        if key not in known:
+            known[key] = cables_at(robot, moved(robot, start, x))
+        return known[key]
+
     def residuals(x: Array) -> Array:
-        return cable_lengths(robot, moved(robot, start, x)) - lengths
+        return cables(x).lengths - lengths
 
     # The tightest tolerances scipy takes: it then stops where rounding does. Fewer cables than
     # freedoms leave "lm" without a square problem, so those go to the trust region method.
@@ -215,7 +225,7 @@ def _fit_pose(robot: Robot, lengths: Array, start: Pose, tolerance: float) -> Po
     tight = 4 * np.finfo(float).eps
     try:
         result = least_squares(residuals, np.zeros(robot.n_dof),
-                               lambda x: moved_slope(robot, start, x), method=method,
+                               lambda x: -cables(x).wrench_matrix.T @ moved_rates(robot, start, x), method=method,
                                xtol=tight, ftol=tight, gtol=tight)
     except InvalidInput as error:
         if not robot.pulleys.size:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, as_array, checked, frozen, lasting
+from ..arrays import Array, as_array, checked, lasting
 from ..errors import InvalidInput
 from ..mechanics.cables import cables_at
 from ..mechanics.dynamics import inverse_dynamics, pose_error
@@ -18,8 +18,6 @@ from ..simulate.state import State
 
 Controller = Callable[[float, State, Reference], Array]
 """W τ of the cables, weight not subtracted: at rest it is minus the gravity wrench."""
-
-_NONE = frozen(np.zeros(6))
 
 
 @lasting
@@ -46,7 +44,7 @@ class ComputedTorque:
     kp: float | Array = 100.0
     kd: float | Array = 100.0
     ki: float | Array = 0.0
-    _in_world: dict[str, tuple[Array, ...]] = field(default_factory=dict, init=False, repr=False)
+    _known: dict[str, tuple[Any, ...]] = field(default_factory=dict, init=False, repr=False)
     _integral: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -59,13 +57,14 @@ class ComputedTorque:
         return computed_torque
 
     def __call__(self, t: float, state: State, reference: Reference) -> Array:
-        robot, body, wanted = state.robot, state.robot.platform, reference.pose
-        K_p, K_d, K_i = self._gains(robot, state.rotation)
-        integral = K_i @ self._integrated(t, state, wanted) if np.any(self.ki) else _NONE[:K_i.shape[0]]
-        wrench = self._law(K_p, K_d, integral, body.mass,
-                           np.atleast_2d(body.inertia),
-                           body.center_of_mass, robot.gravity, state.position, state.rotation,
-                           state.twist,
+        robot, wanted = state.robot, reference.pose
+        known = self._known.get(robot.motion_pattern)
+        if known is None or known[-1] is not robot.platform or robot.motion_pattern == "2R3T":
+            known = self._known[robot.motion_pattern] = self._constants(robot, state.rotation)
+        constants, K_i, _ = known
+        if K_i is not None:
+            constants = *constants[:2], K_i @ self._integrated(t, state, wanted), *constants[3:]
+        wrench = self._law(*constants, robot.gravity, state.position, state.rotation, state.twist,
                            wanted.position, wanted.rotation, reference.twist,
                            reference.acceleration)
         return wrench if robot.n_dof == 6 else wrench @ robot.pattern.basis(state.rotation)
@@ -78,16 +77,16 @@ class ComputedTorque:
         self._integral.update(time=t, total=total)
         return total
 
-    def _gains(self, robot: Robot, rotation: Array) -> tuple[Array, ...]:
-        """S diag(K) Sᵀ for all: gains of the motion pattern's rows in world axes, with which a platform may turn."""
-        if robot.motion_pattern not in self._in_world or robot.motion_pattern == "2R3T":
-            gains = self.kp, self.kd, self.ki
-            if not set(map(np.shape, gains)) <= {(), (robot.n_dof,)}:
-                raise InvalidInput(f"kp, kd and ki must be numbers or {robot.n_dof} of them for a "
-                                   f"{robot.motion_pattern} robot, got shapes {[*map(np.shape, gains)]}")
-            S = robot.pattern.basis(rotation)
-            self._in_world[robot.motion_pattern] = tuple((gain * S) @ S.T for gain in gains)
-        return self._in_world[robot.motion_pattern]
+    def _constants(self, robot: Robot, rotation: Array) -> tuple[Any, ...]:
+        """What the law takes first, S K Sᵀ being gains in world axes, with which a platform may turn; K_i; its body."""
+        gains = self.kp, self.kd, self.ki
+        if not set(map(np.shape, gains)) <= {(), (robot.n_dof,)}:
+            raise InvalidInput(f"kp, kd and ki must be numbers or {robot.n_dof} of them for a "
+                               f"{robot.motion_pattern} robot, got shapes {[*map(np.shape, gains)]}")
+        S, body = robot.pattern.basis(rotation), robot.platform
+        K_p, K_d, K_i = ((gain * S) @ S.T for gain in gains)
+        return ((K_p, K_d, 0 * K_i[0], body.mass, np.atleast_2d(body.inertia), body.center_of_mass),
+                K_i if K_i.any() else None, body)
 
 
 @lasting

@@ -129,7 +129,9 @@ def run(world: World, task: str = "default",
         settings["sensors"] = {name: np.asarray(value).tolist() for name, value in vars(sensors).items()}
     if cut:
         settings["cut"] = {float(at): np.ravel(indices).tolist() for at, indices in cut.items()}
-    if robot.winch is not None:
+    idle = world.idle_keys(cables, driven=base_speeds is not None, bodies=engine_options.get("bodies") is True)
+    settings["idle_keys"] = list(idle)
+    if "winch" in idle:
         warn("the world's `winch:` has no effect in a run: its torque, speed and friction limit nothing here, "
              "only in fastkit.pick_and_place", CdprWarning, stacklevel=2)
     body = simulator or open_simulator(flown, cables, dt, **engine_options)

@@ -42,6 +42,9 @@ class Boxes:
         """Where a box is."""
         return Pose.of(*self._bullet.placed(self._body(name)))
 
+    def __len__(self) -> int:
+        return len(self._boxes)
+
     def __iter__(self) -> Iterator[tuple[Pose, Array]]:
         """Pose and size of each [m]."""
         return ((self.pose(name), size) for name, (_, size) in self._boxes.items())

@@ -54,9 +54,8 @@ class Legs:
         # Plain floats: eight products of three are cheaper so than through an array.
         # Bullet reports the force on the child, the leg's tip; the platform (parent) gets its
         # opposite.
-        forces = [read(tie, client) if tie >= 0 else _NOTHING for tie in self._ties]
-        return np.array([-(a * x + b * y + c * z)
-                         for (a, b, c), (x, y, z) in zip(forces, directions.tolist())])
+        return np.array([-(a * x + b * y + c * z) for tie, (x, y, z) in zip(self._ties, directions.tolist())
+                         for a, b, c in (read(tie, client) if tie >= 0 else _NOTHING,)])
 
     def cut(self, cable: int) -> None:
         """Untie one from the platform."""

@@ -1,6 +1,7 @@
 """PyBullet behind the `Simulator` interface: spatial worlds, their cables legs, forces or ropes."""
 
 from collections.abc import Iterable
+from struct import Struct
 from typing import Any
 from warnings import warn
 
@@ -22,7 +23,7 @@ from .ropes import RopeLaw
 from .simulator import Simulator
 from .spatial_bases import SpatialBases
 
-_NOTHING = np.zeros(6)
+_NOTHING, _THIRTEEN = np.zeros(6), Struct("13d")
 _FELT = 0.01   # of the platform's mass: what its cables' tips may weigh
 _AMPLE = 1.0  # m: a cut rope does not become taut in any one step
 
@@ -78,7 +79,7 @@ class SpatialSimulator(Simulator):
                   numSolverIterations=solver_iterations or (50 if bodies else 5),
                   solverResidualThreshold=0)
         self.bullet.setGravity(0, 0, -robot.gravity)
-        self._substeps = 1
+        self._substeps, self._body = 1, np.zeros(13)
         self.platform = self._add_platform()
         self._add_scene()
         self.boxes = Boxes(self.bullet, self.platform)
@@ -162,7 +163,7 @@ class SpatialSimulator(Simulator):
         return float(sum(contact[9] for contact in contacts))
 
     def loose_boxes(self) -> Iterable[tuple[Pose, Array]]:
-        return self.boxes
+        return self.boxes or ()
 
     def sample(self) -> list[float]:
         return [*self._state.tolist(), *self.lengths.tolist(), *self.tensions.tolist()]
@@ -269,15 +270,17 @@ class SpatialSimulator(Simulator):
             self.bases.look()
             self._exits, self._pulleys = self.bases.exits, self.bases.pulleys
         # One array for all that was read: each conversion costs more than cutting it up.
-        robot, read = self.world.robot, np.array(place + quaternion + linear + angular)
+        _THIRTEEN.pack_into(self._body, 0, *place, *quaternion, *linear, *angular)  # type: ignore[arg-type]
+        robot = self.world.robot
         state, self.lengths, W = self._platform_and_cables(
-            read, self._frame.axes, self._frame.center, self._exits, robot.anchor_points, self._pulleys)
+            self._body, self._frame.axes, self._frame.center, self._exits, robot.anchor_points, self._pulleys)
         # Controllers and methods are handed these and views of them.
         self._state = frozen(state)
         frozen(self.lengths)
         frozen(W)
         self.position, self.rotation, self.twist = state[:3], state[3:12].reshape(3, 3), state[12:]
-        self.whole_wrenches, self.directions, self.wrench_matrix = W, W[:3].T, robot.pattern.project(W, self.rotation)
+        self.whole_wrenches, self.directions = W, W[:3].T
+        self.wrench_matrix = W if robot.n_dof == 6 else robot.pattern.project(W, self.rotation)
         if self._pulleys.size:
             self._see_pulleys()
 

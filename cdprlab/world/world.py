@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..arrays import checked, lasting
 from ..errors import InvalidInput, Location, WorldError, quoted, shortened
 from ..robot import Robot
@@ -84,16 +86,21 @@ class World:
         return self.robot.pattern.engine
 
     @checked
-    def idle_keys(self, cables: str = "tension") -> tuple[str, ...]:
+    def idle_keys(self, cables: str = "tension", *, driven: bool = False, bodies: bool = False) -> tuple[str, ...]:
         """Keys of its file that a run with these cables takes no notice of; methods, sets and jobs may.
 
-        cables : as `run` takes it
+        cables, bodies : as `run` takes them; driven : whether it is given base_speeds
 
-        >>> load_world("fastkit_suspended").idle_keys()
-        ('winch', 'cable')
+        >>> load_world("fastkit_suspended").idle_keys("elastic", bodies=True)
+        ('winch', 'bases.speed')
         """
-        return ("winch",) * (self.robot.winch is not None) + ("cable",) * (
-            self.robot.elasticity is not None and cables != "elastic")
+        robot, wound = self.robot, cables in ("length", "elastic")
+        held, bodiless = (bool(robot.bases) and not asked for asked in (driven, bodies))
+        idle = {"winch": robot.winch is not None, "cable": robot.elasticity is not None and cables != "elastic",
+                "linear_density": robot.linear_density > 0, "tension": cables == "length",
+                "speed": not wound and np.isfinite(robot.speed_max).any(), "bases.speed": held,
+                **dict.fromkeys(("bases.mass", "bases.center_of_mass", "bases.footprint"), bodiless)}
+        return tuple(key for key, unheard in idle.items() if unheard)
 
     @checked
     def task(self, name: str = "default") -> Task:
