@@ -129,7 +129,8 @@ def run(world: World, task: str = "default",
         settings["sensors"] = {name: np.asarray(value).tolist() for name, value in vars(sensors).items()}
     if cut:
         settings["cut"] = {float(at): np.ravel(indices).tolist() for at, indices in cut.items()}
-    idle = world.idle_keys(cables, driven=base_speeds is not None, bodies=engine_options.get("bodies") is True)
+    idle = world.idle_keys(cables, driven=base_speeds is not None, bodies=engine_options.get("bodies") is True,
+                           sensed=real is not None or sensors is not None)
     settings["idle_keys"] = list(idle)
     if "winch" in idle:
         warn("the world's `winch:` has no effect in a run: its torque, speed and friction limit nothing here, "

@@ -86,10 +86,12 @@ class World:
         return self.robot.pattern.engine
 
     @checked
-    def idle_keys(self, cables: str = "tension", *, driven: bool = False, bodies: bool = False) -> tuple[str, ...]:
+    def idle_keys(self, cables: str = "tension", *, driven: bool = False, bodies: bool = False,
+                  sensed: bool = False) -> tuple[str, ...]:
         """Keys of its file that a run with these cables takes no notice of; methods, sets and jobs may.
 
-        cables, bodies : as `run` takes them; driven : whether it is given base_speeds
+        cables, bodies : as `run` takes them
+        driven, sensed : whether it is given base_speeds, and a real world or sensors
 
         >>> load_world("fastkit_suspended").idle_keys("elastic", bodies=True)
         ('winch', 'bases.speed')
@@ -97,8 +99,10 @@ class World:
         robot, wound = self.robot, cables in ("length", "elastic")
         held, bodiless = (bool(robot.bases) and not asked for asked in (driven, bodies))
         idle = {"winch": robot.winch is not None, "cable": robot.elasticity is not None and cables != "elastic",
-                "linear_density": robot.linear_density > 0, "tension": cables == "length",
-                "speed": not wound and np.isfinite(robot.speed_max).any(), "bases.speed": held,
+                "linear_density": robot.linear_density > 0,
+                "length_offset": robot.length_offsets.any() and not sensed,
+                "tension": cables == "length", "speed": not wound and np.isfinite(robot.speed_max).any(),
+                "bases.speed": held,
                 **dict.fromkeys(("bases.mass", "bases.center_of_mass", "bases.footprint"), bodiless)}
         return tuple(key for key, unheard in idle.items() if unheard)
 
