@@ -1,6 +1,9 @@
 """Cables over pulleys: an independent construction, finite differences, statics, what is refused, and the engines."""
 
+import sys
 from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +13,10 @@ from test_rest import hung
 import cdprlab as cl
 import robots
 from cdprlab.mechanics.cables import have_directions, tangent_points
+from cdprlab.view.outlines import strung
 from cdprlab.workspace.certified import certify
+from cdprlab.workspace.interference import obstacle_distances
+from cdprlab.world import Box
 from robots import BASED, ROBOTS, moved, random_poses
 
 SPATIAL_AXES = [[0, 0, 1], [1, 0, 0], [0, -0.6, 0.8], [0.48, 0.6, -0.64]]   # the second is horizontal
@@ -64,7 +70,7 @@ def arc_and_tangent(exit_point, anchor, pulley):
 @each
 def test_lengths_directions_and_tangent_points_are_those_of_an_arc_and_a_tangent(name):
     robot = PULLEYED[name]
-    for pose in poses_of(robot, 8, 1):
+    for pose in poses_of(robot, 5, 1):
         lengths, starts = cl.cable_lengths(robot, pose), tangent_points(robot, pose)
         vectors, directions = cl.cable_vectors(robot, pose), cl.cable_directions(robot, pose)
         for i, cable in enumerate(robot.cables):
@@ -446,3 +452,37 @@ def test_a_load_that_comes_under_its_pulley_ends_the_flight_and_says_why(name):
             for _ in range(300):
                 simulator.step(np.zeros(world.robot.n_cables))
     assert caught.value.time > 0 and caught.value.cable == 1
+
+
+# --- what is drawn and told ---------------------------------------------------------------------------------
+def test_pictures_and_interference_begin_at_the_tangent_points():
+    world = cl.load_world("caroca_pulleys")
+    robot, pose = world.robot, world.pose
+    starts, arcs, wheels = strung(robot, pose)
+    np.testing.assert_array_equal(starts, tangent_points(robot, pose))
+    np.testing.assert_allclose(arcs + np.linalg.norm(cl.cable_vectors(robot, pose), axis=1),
+                               cl.cable_lengths(robot, pose), rtol=1e-14)
+    for exit_point, start, wheel in zip(robot.exit_points, starts, wheels):
+        center = wheel[:-1].mean(axis=0)
+        for point in (exit_point, start, *wheel):
+            assert np.linalg.norm(point - center) == pytest.approx(0.045, abs=1e-12)
+    obstacle = Box(starts[0], np.full(3, 0.002))
+    assert obstacle_distances(robot, pose, obstacle)[0] < 1e-9
+    assert obstacle_distances(cl.load_world("caroca").robot, pose, obstacle)[0] > 0.01
+
+
+def test_the_page_tells_what_is_computed():
+    page = script_of("pulleys")
+    for name in ("lengths", "stretch", "pretension"):
+        told = f"<!-- table {name} -->\n\n{page.TABLES[name]()}\n\n<!-- end -->"
+        assert told in page.PAGE.read_text("utf-8"), "run docs/pulleys.py"
+
+
+def script_of(name):
+    """The script of a page, which is no part of the package."""
+    folder = Path(__file__).parent.parent / "docs"
+    sys.path.insert(0, str(folder))
+    try:
+        return import_module(name)
+    finally:
+        sys.path.remove(str(folder))
