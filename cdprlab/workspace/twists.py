@@ -31,7 +31,7 @@ class TwistFeasible(Criterion):
     pivot : what θ turns a base about, as in `available_twist_set`
     margin : the smallest speed the winches have to spare, negative where one is short of it
         [m/s]
-    Source: Gagliardini et al. 2018 (twist-feasible workspace); Lessanibahri et al. 2018.
+    Source: Gagliardini et al. 2018 (twist-feasible workspace, TFW); Lessanibahri et al. 2018.
     """
 
     twists: ArrayLike | None = None
