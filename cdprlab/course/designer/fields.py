@@ -52,7 +52,7 @@ class Place(NamedTuple):
 GROUPS = {
     "cables": ("cables.{cable}.exit_point", "cables.{cable}.anchor_point",
                "cables.{cable}.tension",
-               "cables.{cable}.speed", "cables.{cable}.base"),
+               "cables.{cable}.speed", "cables.{cable}.base", "cables.{cable}.pulley.radius"),
     "all cables": ("cable_limits", "cable.axial_stiffness"),
     "platform": ("platform.mass", "platform.inertia", "platform.center_of_mass",
                  "platform.size", "platform.center"),
@@ -70,7 +70,7 @@ LEFT_OUT = {"inertia": "of a uniform box", "speed": "unlimited",
 
 _LABELS = {"exit_point": "exit point A", "anchor_point": "anchor point B",
            "tension": "tension limits",
-           "speed": "speed limit", "base": "on base", "axial_stiffness": "stiffness EA",
+           "speed": "speed limit", "base": "on base", "radius": "pulley radius", "axial_stiffness": "stiffness EA",
            "center": "box center",
            "rpy": "orientation", "lower": "frame, lower", "upper": "frame, upper",
            "rotation": "turn speed",
