@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 import cdprlab as cl
 from cdprlab.arrays import seeds
 from cdprlab.errors import InvalidInput
+from cdprlab.fastkit import pick_and_place
 from cdprlab.run.sensors import Observer
 
 SIZES = {"exit_points": 0.005, "anchor_points": 0.004, "mass": 0.1, "center_of_mass": 0.01, "lengths": 0.003}
@@ -169,6 +170,26 @@ def test_ropes_wound_with_the_stretch_of_the_wanted_tensions_carry_them():
     run = cl.run(world, cables="elastic", duration=0.5)
     off = np.abs(run.measured_tensions - run.commanded_tensions)
     assert off.max() < 0.2 and run.position_errors.max() < 1e-5 and run.feasible.all()
+
+
+@pytest.mark.parametrize("control", ["torque", "velocity"])
+def test_a_job_is_flown_by_the_robot_that_is_there(control):
+    """Cut short while the bases still stand together: the engine's lengths are the real robot's."""
+    def interrupt(done: int, total: int):
+        if done >= 400:
+            raise KeyboardInterrupt
+
+    world = cl.load_world("fastkit_suspended")
+    real = cl.perturbed(world, exit_points=0.004, mass=0.02, seed=1)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        pick_and_place(world, control=control, real=real, sensors=cl.Sensors(tension_noise=0.1), progress=interrupt)
+    job = caught.value.run
+    assert job.world is world and job.real is real and len(job.time) >= 50
+    k = len(job.time) - 1
+    there, believed = (cl.cable_lengths(one.robot.with_bases(job.work.coupled), job.poses[k]) for one in (real, world))
+    # The bases settle on their wheels by micrometers; the exits are off by millimeters.
+    np.testing.assert_allclose(job.lengths[k], there, atol=1e-4)
+    assert np.abs(there - believed).max() > 1e-3 and job.position_errors.max() < 0.02
 
 
 # --- sensors ------------------------------------------------------------------------------------

@@ -172,9 +172,13 @@ def _tracking_panels(axes: Sequence[Axes], run: Run) -> None:
     d = run.world.robot.dimension
     _share_time(axes, run)
     _position_panel(axes[0], run)
-    _error_panel(axes[1], run.time, 1e3 * run.errors[:, :d], axis_names(d),
-                 "position error [mm]",
-                 "Position error, reference − actual")
+    title = "Position error, reference − actual"
+    if run.estimates is not run.poses:   # what the controller saw
+        believed = 1e3 * (run.reference.pose.position - run.estimates.position)[:, :d]
+        draw_lines(axes[1], run.time, believed, ["_measured"] * d,
+                   [LineStyle(color, "solid") for color in AXIS_COLORS], linewidth=0.6, alpha=0.45, zorder=1)
+        title = "Position error (thin: as measured)"
+    _error_panel(axes[1], run.time, 1e3 * run.errors[:, :d], axis_names(d), "position error [mm]", title)
     if len(axes) > 2:
         turns = run.errors[:, d:]
         names = {1: ("φ",), 2: ("about y′", "about z′"), 3: ("about x", "about y", "about z")}[turns.shape[1]]
@@ -191,6 +195,10 @@ def _position_panel(panel: Axes, run: Run) -> None:
     panel.set(ylabel="position [m]", title="Position of P")
     handles = [Line2D([], [], color=INK, linewidth=6, alpha=0.28, label="reference"),
                Line2D([], [], color=INK, label="actual")]
+    if run.estimates is not run.poses:
+        draw_lines(panel, run.time, run.estimates.position, names,
+                   [LineStyle(INK, (0, (1, 3)))] * len(names), linewidth=0.8)
+        handles.append(Line2D([], [], color=INK, linestyle=(0, (1, 3)), linewidth=0.8, label="measured"))
     _legend_above(panel, handles)
     label_ends(panel, actual, names, AXIS_COLORS)
 
