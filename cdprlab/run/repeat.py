@@ -137,7 +137,8 @@ def repeat(world: World, runs: int, task: str = "default", *,
     kept = Checkpoint(checkpoint, "repeat", world, task, errors, real, sensors, how) if checkpoint is not None else None
     rows = {k: row for k in calls if kept and (row := kept.load(drawn[k])) and {*row} == _COLUMNS}
     waiting = [k for k in calls if k not in rows]
-    for k, row in zip(waiting, over_cores(_flown, (calls[k] for k in waiting), n_jobs)):
+    # The answers first: a generator of joblib's that is not asked to its end complains.
+    for row, k in zip(over_cores(_flown, (calls[k] for k in waiting), n_jobs), waiting):
         rows[k] = row
         if kept:
             kept.save(drawn[k], **row)
