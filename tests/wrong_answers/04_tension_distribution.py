@@ -63,6 +63,28 @@ def least_tensions(W, w_e, tau_min, tau_max):
 LIMITS = "np.vstack([N, -N]).T, np.concatenate([tau_min - tau_p, tau_p - tau_max])"
 LEAST_RIGHT = {"none": "None", "limits": LIMITS, "answer": "tau_p + N @ lam"}
 
+BREAK = '''
+def may_break(robot, pose, method):
+    """Maybe wrong on purpose."""
+    W, w_e, found = cl.wrench_matrix(robot, pose), cl.gravity_wrench(robot, pose), []
+    for i in range(robot.n_cables):
+        low, high = np.delete(robot.tension_min, i), np.delete(robot.tension_max, i)
+        answer = cl.distribute_tensions(np.delete(W, i, axis=1), w_e, low, high, {method})
+        if answer.feasible:
+            found.append({number})
+    return found
+
+
+def forgiving_pose(robot):
+    """Maybe wrong on purpose."""
+    rng = np.random.default_rng(0)
+    while True:
+        pose = cl.Pose(rng.uniform([-0.8, -0.3, 1.5], [0.8, 0.3, 2.3]), rpy=rng.uniform(-0.3, 0.3, 3))
+        if len(may_break(robot, pose, "linear_program")) >= {least}:
+            return pose
+'''
+BREAK_RIGHT = {"method": "method", "number": "i + 1", "least": "7"}
+
 WRONG_ANSWERS: dict[str, list[tuple[str, str]]] = {
     "interval-answer": [
         ("ends of negative h not swapped", INTERVAL.format("return low.max(), high.min()")),
@@ -99,5 +121,10 @@ WRONG_ANSWERS: dict[str, list[tuple[str, str]]] = {
         ("clips the shortest tensions", LEAST.format(**LEAST_RIGHT | {"answer": "np.clip(tau_p, tau_min, tau_max)"})),
         ("upper limits forgotten", LEAST.format(**LEAST_RIGHT | {"limits": "N.T.copy(), tau_min - tau_p"})),
         ("returns something where there is nothing", LEAST.format(**LEAST_RIGHT | {"none": "tau_p"})),
+    ],
+    "break-answer": [
+        ("numbered from 0", BREAK.format(**BREAK_RIGHT | {"number": "i"})),
+        ("one method for all", BREAK.format(**BREAK_RIGHT | {"method": "'linear_program'"})),
+        ("five cables will do", BREAK.format(**BREAK_RIGHT | {"least": "5"})),
     ],
 }

@@ -48,6 +48,15 @@ def largest_stable_kd(kp, dt):
     return {limit}
 '''
 
+TUNE = '''
+def choose_gains(dt, jitter, jump, most, time):
+    """Wrong on purpose."""
+    kp = {kp}
+    if 5 / np.sqrt(kp) > time:
+        raise ValueError("too much")
+    return kp, 2 * np.sqrt(kp)
+'''
+
 WRONG_ANSWERS: dict[str, list[tuple[str, str]]] = {
     "quintic-answer": [
         ("the printed coefficients", PRINTED),
@@ -77,5 +86,10 @@ WRONG_ANSWERS: dict[str, list[tuple[str, str]]] = {
         ("without K_p", CLOCK.format(limit="2 / dt")),
         ("one step and no overshoot", CLOCK.format(limit="1 / dt")),
         ("K_p counted twice", CLOCK.format(limit="2 / dt - kp * dt")),
+    ],
+    "tune-answer": [
+        ("the tensions alone", TUNE.format(kp="0.9 * most / jump")),
+        ("the clock alone", TUNE.format(kp="(0.22 / (dt * (1 + jitter)))**2")),
+        ("the same for all", "def choose_gains(dt, jitter, jump, most, time):\n    return 100.0, 20.0\n"),
     ],
 }
