@@ -35,6 +35,7 @@ from .run import Run, run
 from .run.compare import TensionComparison, compare_tensions
 from .run.controllers import ComputedTorque, LengthControl
 from .run.controllers import Controller as Controller
+from .run.motors import identify_friction
 from .run.reading import read_log
 from .run.repeat import Repetition as Repetition
 from .run.repeat import repeat
@@ -85,7 +86,8 @@ __all__ = [
     "cable_vectors", "calibrate", "calibration_poses", "classify_configurations",
     "compare_tensions", "distribute_tensions",
     "equilibrium", "errors",
-    "forward_kinematics", "gravity_wrench", "hold", "jacobian", "load_world", "open_simulator", "perturbed",
+    "forward_kinematics", "gravity_wrench", "hold", "identify_friction", "jacobian", "load_world",
+    "open_simulator", "perturbed",
     "place_bases",
     "plan_configurations", "plot", "quintic", "read_log", "repeat", "resolve_twist", "run",
     "sagging_cable", "sagging_lengths", "stiffness", "straight_tensions",

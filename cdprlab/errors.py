@@ -146,6 +146,12 @@ class SimulationDiverged(CdprError):
         self.cable = cable
 
 
+class WinchOverrun(SimulationDiverged):
+    """A load ran away with a winch: it turns the motor of ``cable`` faster than it can turn, at ``time`` [s]."""
+
+    run: Any
+
+
 class MissingDependency(CdprError, ImportError):
     """An optional package is needed here and not installed; the message names the command that mends it."""
 

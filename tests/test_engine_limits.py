@@ -77,12 +77,6 @@ def test_a_run_shorter_than_a_step_is_refused():
         cl.run(cl.load_world("planar_rigid"), duration=5e-4)
 
 
-def test_a_winch_without_effect_is_said():
-    world = cl.load_world("fastkit_suspended")
-    with pytest.warns(CdprWarning, match="`winch:` has no effect"):
-        cl.run(world, next(iter(world.tasks)), duration=0.01)
-
-
 @pytest.mark.parametrize("name", ["planar_rigid", "caroca"])
 def test_simulators_do_not_travel(name):
     with cl.open_simulator(cl.load_world(name)) as simulator:

@@ -11,15 +11,6 @@ from cdprlab.errors import InvalidInput
 from cdprlab.fastkit import DONE, STOPPED, Machine, Phase, Readings, pick_and_place
 from cdprlab.fastkit.job.phases import driving_speed, driving_time, job_phases
 from cdprlab.mechanics.dynamics import mass_and_bias, pose_error
-from cdprlab.mechanics.winch import (
-    Friction,
-    cable_tensions,
-    friction_experiment,
-    friction_torque,
-    identify_friction,
-    motor_speed,
-    motor_torque,
-)
 from cdprlab.robot.pose import rotation_vector
 from cdprlab.run.winches import TorqueControl
 from cdprlab.simulate.state import State
@@ -249,38 +240,6 @@ def test_impossible_standing_is_said():
     W = np.array([[1.0, -1.0]])
     tau, reason = standing_tensions(W, np.zeros(1), np.full(2, 5.0), np.full(2, 9.0), np.ones((1, 2)), np.array([-8.0]))
     assert np.isnan(tau).all() and "keep every base standing" in reason
-
-
-# --- winches ----------------------------------------------------------------------------------------------
-@pytest.fixture(scope="module")
-def winch():
-    return cl.load_world("fastkit_suspended").robot.winch
-
-
-def test_friction_is_found_from_a_short_experiment(winch):
-    """2 mN m of noise, 4000 samples: within 5 % of what the engine's winches have."""
-    found, inertia = identify_friction(friction_experiment(winch, seed=3))
-    np.testing.assert_allclose(found, Friction.of(winch), rtol=0.05)
-    assert inertia == pytest.approx(winch.inertia, rel=0.05)
-
-
-def test_friction_takes_power_always(winch):
-    speed = np.linspace(-150, 150, 301)
-    assert (friction_torque(Friction.of(winch), speed) * speed >= 0).all()
-
-
-def test_motors_and_cables_agree(winch):
-    """τ for wanted tensions and accelerations gives those tensions back: at rest exactly, the slope of f aside."""
-    world, frictionless = cl.load_world("fastkit_suspended"), Friction(0.0, 0.0, 0.0)
-    W = cl.wrench_matrix(world.robot, world.pose)
-    mass, bias = mass_and_bias(world.robot, world.pose.rotation, np.zeros(6))
-    tau = np.random.default_rng(0).uniform(5, 40, 8)
-    acceleration = np.linalg.solve(mass, W @ tau - bias)
-    torques = motor_torque(winch, frictionless, tau, 0.0, -acceleration @ W)
-    loose, yielding = np.linalg.solve(mass, bias) @ W, W.T @ np.linalg.solve(mass, W)
-    pulled = cable_tensions(winch, frictionless, torques, np.zeros(8), loose, yielding, 4e-3)
-    np.testing.assert_allclose(pulled, tau, rtol=1e-10)
-    assert motor_speed(winch, -0.04) == pytest.approx(5.0)  # one drum radius a second, behind a gear of 5
 
 
 @pytest.mark.parametrize("turned", [False, True])

@@ -25,7 +25,6 @@ def with_task(world, name, task):
 SPATIAL = [name for name in cl.world_names() if cl.load_world(name).engine == "spatial"]
 
 
-@pytest.mark.filterwarnings("ignore:.*winch.*has no effect:cdprlab.errors.CdprWarning")
 @pytest.mark.parametrize("name", SPATIAL)
 def test_every_world_hangs_still(name):
     """Platform within 1 mm after 2 s, nothing touching it, tensions measured as commanded."""

@@ -191,6 +191,16 @@ class Winch:
     inertia: float = 0.0
     speed: float = float("inf")
 
+    @property
+    def tension_max(self) -> float:
+        """τ G η / r: what its motor winds in with at most [N]."""
+        return self.torque * self.gear_ratio * self.efficiency / self.drum_radius
+
+    @property
+    def speed_max(self) -> float:
+        """q̇ r / G [m/s]."""
+        return self.speed * self.drum_radius / self.gear_ratio
+
 
 @dataclass(frozen=True)
 class Elasticity:

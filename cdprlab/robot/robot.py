@@ -103,13 +103,15 @@ class Robot:
 
     @cached_property
     def tension_max(self) -> Array:
-        """(m,) [N]."""
-        return frozen(np.array([cable.tension_max for cable in self.cables]))
+        """(m,) the smaller of the cable's limit and what the winch gives [N]."""
+        most = float("inf") if self.winch is None else self.winch.tension_max
+        return frozen(np.array([min(cable.tension_max, most) for cable in self.cables]))
 
     @cached_property
     def speed_max(self) -> Array:
-        """(m,) largest |l̇| [m/s]."""
-        return frozen(np.array([cable.speed_max for cable in self.cables]))
+        """(m,) largest |l̇|, the smaller of the cable's and the winch's [m/s]."""
+        most = float("inf") if self.winch is None else self.winch.speed_max
+        return frozen(np.array([min(cable.speed_max, most) for cable in self.cables]))
 
     @cached_property
     def length_offsets(self) -> Array:
@@ -201,6 +203,9 @@ class Robot:
         if cable.exit_point.shape[0] != self.dimension:
             raise InvalidInput(f"exit_point must be {self.dimension} numbers [m] in a {self.motion_pattern} robot, "
                                f"got {cable.exit_point.shape[0]}", ("exit_point",))
+        if self.winch is not None and self.winch.tension_max < cable.tension_min:
+            raise InvalidInput(f"the winch gives at most {self.winch.tension_max:.4g} N, less than this cable's "
+                               f"smallest tension of {cable.tension_min:g} N", ("tension",))
         if cable.base is not None and cable.base not in self._base_of:
             raise InvalidInput(f"unknown base {cable.base!r}; {_there_are(self._base_of)}", ("base",))
         anchor = cable.anchor_point

@@ -38,6 +38,8 @@ class Run:
     settings : how the run was made
     commanded_lengths : (N, m) the winches were to reach by the step's end, None where tensions
         are commanded [m]
+    motor_torques, motor_speeds : (N, m) of the winches, speeds as the step begins; None where
+        there are none or they are ideal [N m, rad/s]
     base_poses : (N, p, 3) x, y, heading of each mobile base, None where none was driven
         [m, m, rad]
     cut_short : '' or what ended it early, and carries it as ``.run``
@@ -67,6 +69,8 @@ class Run:
     base_poses: Array | None = None
     cut_short: str = ""
     real: World | None = None
+    motor_torques: Array | None = None
+    motor_speeds: Array | None = None
     estimates: Pose = _AS_IT_WAS
     estimated_twists: Array = _AS_IT_WAS
     sensed_lengths: Array = _AS_IT_WAS
@@ -99,6 +103,8 @@ class Run:
                       "sensed_tensions": log["sensed_tensions"][rows]}
         commanded = (log["commanded_tensions"][:steps] if "commanded_tensions" in log else
                      frozen(np.full((steps, world.robot.n_cables), np.nan)))
+        if "driven_torques" in log:
+            about |= {"motor_torques": log["driven_torques"][1:], "motor_speeds": log["driven_speeds"][1:]}
         error, basis = pose_error(poses, reference.pose), world.robot.pattern.basis(poses.rotation)
         return cls(world=world, poses=poses, twists=log["twist"][rows], reference=reference,
                    commanded_tensions=commanded, measured_tensions=log["measured_tensions"][1:],
@@ -202,6 +208,8 @@ class Run:
                 "sensed_length": (self.sensed_lengths, "m"),
                 "sensed_tension": (self.sensed_tensions, "N")}),
             **({} if self.commanded_lengths is None else {"commanded_length": (self.commanded_lengths, "m")}),
+            **({} if self.motor_torques is None or self.motor_speeds is None else {
+                "motor_torque": (self.motor_torques, "N m"), "motor_speed": (self.motor_speeds, "rad/s")}),
             **({} if self.base_poses is None else {"base_pose": (self.base_poses,
                                                                  "m, m, rad")}),
             "feasible": (np.asarray(self.feasible), ""),

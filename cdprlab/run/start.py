@@ -13,19 +13,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, Progress, as_answer, as_number, as_seed, checked, frozen
-from ..errors import CdprWarning, InvalidInput, NoConvergence, quoted
+from ..errors import CdprWarning, InvalidInput, NoConvergence, WinchOverrun, quoted
 from ..mechanics.cables import cable_lengths
 from ..mechanics.rest import equilibrium
-from ..mechanics.statics import wrench_matrix
+from ..mechanics.statics import gravity_wrench, wrench_matrix
 from ..mechanics.trajectory import Reference
 from ..robot import Robot
 from ..simulate import WOUND, Simulator, open_simulator
 from ..simulate.simulator import cable_indices
+from ..tensions import distribute_tensions
 from ..world import World
 from .controllers import ComputedTorque, Controller, described
 from .distributor import Distributor
 from .drive import Drive
 from .loop import Command, Flight, LengthCommand, StretchedLengths, TensionCommand, counted, fly
+from .motors import Motors
 from .record import Run
 from .sensors import Belief, Sensors
 
@@ -45,7 +47,7 @@ def run(world: World, task: str = "default",
         control_period: float | None = None, infeasible: str = "relax",
         external_wrench: Any = None,
         duration: float | None = None, seed: int = 0, *, base_speeds: Any = None,
-        cut: Cuts | None = None,
+        cut: Cuts | None = None, winch: str = "real",
         real: World | None = None, sensors: Sensors | None = None,
         progress: Progress | None = None, simulator: Simulator | None = None, **engine_options: Any) -> Run:
     """Move a world's robot along a task in its engine and log every control step.
@@ -74,13 +76,17 @@ def run(world: World, task: str = "default",
         [rad/s, m/s]
     cut : time [s] → cables cut then, by index from 0; methods know at once: limits 0 to 0, and
         a zero column of W
+    winch : "real" (a world's `winch:` is in force: what its motors cannot give is not given, and
+        the run says so; the loop makes up for the friction it knows of) or "ideal" (as if the
+        world had none)
     real : the world that the engine flies; the world is then what controller, method and winches
         believe in. See `perturbed`. Where lengths are commanded it begins at rest on these ropes
     sensors : what is measured of it; default the truth
     progress : called as (steps done, steps in all), about a hundred times
     simulator : an open Simulator to use (and leave open) instead of a new one
     engine_options : passed to ``open_simulator``
-    Raises InvalidInput; InfeasibleTensions with infeasible="stop"; SimulationDiverged. These,
+    A load that runs away with a winch ends the run, with a warning. Raises InvalidInput;
+    InfeasibleTensions with infeasible="stop"; SimulationDiverged. These,
     Ctrl-C and errors in a caller's own code carry ``.run``: what was flown until then, whose
     ``cut_short`` says why.
 
@@ -90,8 +96,15 @@ def run(world: World, task: str = "default",
     ...
     cdprlab.errors.WorldError: unknown world 'nowhere'; there are ...
     """
-    job, robot, wound = world.task(task), world.robot, cables in WOUND
+    if winch not in ("real", "ideal"):
+        raise InvalidInput(f"winch must be real or ideal, got {quoted(winch)}")
+    told = world
     flown = world if real is None else real
+    if winch == "ideal":
+        world, flown = (replace(one, robot=replace(one.robot, winch=None)) for one in (world, flown))
+        if real is None:
+            flown = world
+    job, robot, wound = world.task(task), world.robot, cables in WOUND
     distributor = Distributor(robot, method, infeasible)
     substeps, period = control_steps(dt, control_period)
     length = job.duration + job.hold if duration is None else as_number(duration, "duration",
@@ -132,11 +145,15 @@ def run(world: World, task: str = "default",
     idle = world.idle_keys(cables, driven=base_speeds is not None, bodies=engine_options.get("bodies") is True,
                            sensed=real is not None or sensors is not None)
     settings["idle_keys"] = list(idle)
-    if "winch" in idle:
-        warn("the world's `winch:` has no effect in a run: its torque, speed and friction limit nothing here, "
-             "only in fastkit.pick_and_place", CdprWarning, stacklevel=2)
     body = simulator or open_simulator(flown, cables, dt, **engine_options)
     engine: Any = body if flown is world and sensors is None else Belief(body, world, sensors, period)
+    if flown.robot.winch is not None:
+        engine = Motors(engine, body, robot.winch, period)
+        settings["winch"] = winch
+        start = distribute_tensions(wrench_matrix(robot, job.start), gravity_wrench(robot, job.start),
+                                    robot.tension_min, robot.tension_max)
+        if not start.feasible:
+            warn(f"the winches do not hold the platform where it starts: {start.reason}", CdprWarning, stacklevel=2)
     try:
         engine.reset(job.start)
         wishes: Iterable[Any] = map(Reference, *reference)
@@ -167,26 +184,35 @@ def run(world: World, task: str = "default",
 
         def record(flight: Flight) -> Run:
             steps = flight.steps
-            run = Run.of(flight, reference, world=world, real=real, task=task, method=name, cables=cables,
+            run = Run.of(flight, reference, world=told, real=real, task=task, method=name, cables=cables,
                          time=frozen(times[:steps]),
                          real_time_factor=steps * period / flight.elapsed, dt=dt, control_period=period,
                          settings=settings,
                          base_poses=None if drive is None else
                          frozen(np.reshape(drive.poses[:steps], (steps, len(robot.bases), 3))))
+            carried, gave = run.commanded_tensions, np.ones(steps, dtype=bool)
+            if run.motor_torques is not None:
+                carried, short = flight.log["driven_tensions"][1:], flight.log["short"][1:].astype(int)
+                gave = short == 0
+                _tell_short(run, short)
             if wound:
                 let_out = flight.log["commanded_lengths"][:-1] - getattr(engine, "offsets", 0.0)
                 held = _held(run, flown.robot, flight.log["lengths"][1:], let_out)
-                return replace(run, feasible=run.feasible & held)
+                return replace(run, feasible=run.feasible & held & gave)
             if not flight.cut_short:
-                _mistrust(run)
+                _mistrust(run, carried)
             W = (wrench_matrix(robot, run.estimates) if drive is None else
                  np.reshape(drive.matrices[:steps], (steps, robot.n_dof, robot.n_cables)))
             wanted = flight.log["wanted_wrench"][:-1]
-            return replace(run, feasible=frozen(distributor.feasible(W, -wanted, run.commanded_tensions, cuts)))
+            balanced = distributor.feasible(W, -wanted, run.commanded_tensions, cuts)
+            return replace(run, feasible=frozen(balanced & gave))
 
         eventful = cuts or callable(external_wrench) or (drive is not None and not wound)
         return fly(engine, command, counted(wishes, times.size, progress), record, substeps,
                    happen if eventful else None)
+    except WinchOverrun as error:
+        warn(f"{error}: the run ends there", CdprWarning, stacklevel=2)
+        return error.run
     finally:
         if simulator is None:
             body.close()
@@ -232,14 +258,24 @@ def _held(run: Run, robot: Robot, lengths: Array, let_out: Array) -> Array:
     return (np.abs(lengths - let_out) <= allowed).all(axis=1)
 
 
-def _mistrust(run: Run) -> None:
+def _tell_short(run: Run, short: Any) -> None:
+    """Warn where a motor first gave less than was asked of it; short : (N,) its cable from 1, or 0."""
+    steps = np.flatnonzero(short)
+    if steps.size and run.motor_torques is not None and run.motor_speeds is not None:
+        k, cable = steps[0], short[steps[0]]
+        warn(f"at t = {run.time[k]:.4g} s the motor of cable {cable} could not do what was asked of it: it gave "
+             f"{run.motor_torques[k, cable - 1]:.3g} N m at {run.motor_speeds[k, cable - 1]:.3g} rad/s; "
+             f"{steps.size} of {short.size} steps are like that", CdprWarning, stacklevel=2)
+
+
+def _mistrust(run: Run, commanded: Array) -> None:
     """Warn where cables did not carry what was commanded, or pushed: by more than 1 N and 1 % of the largest."""
-    off = np.abs(run.measured_tensions - run.commanded_tensions)
-    allowed = 1 + 0.01 * np.abs(run.commanded_tensions).max(axis=1, keepdims=True)
+    off = np.abs(run.measured_tensions - commanded)
+    allowed = 1 + 0.01 * np.abs(commanded).max(axis=1, keepdims=True)
     bad = np.argwhere((off > allowed) | (run.measured_tensions < -allowed))
     if len(bad):
         k, cable = bad[0]
-        asked, carried = run.commanded_tensions[k, cable], run.measured_tensions[k, cable]
+        asked, carried = commanded[k, cable], run.measured_tensions[k, cable]
         remedy = ("no cable can: let the method keep its limits, infeasible=\"relax\"" if asked < 0 else
                  "do not trust it; cables=\"force\" or a smaller dt may help")
         warn(f"at t = {run.time[k]:.4g} s cable {cable + 1} was to carry {asked:.4g} N and carried {carried:.4g} N: "

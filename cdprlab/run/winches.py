@@ -1,7 +1,7 @@
 """Two commands of winches with motors: velocity control, and torque control behind their friction."""
 
 from collections.abc import Iterable
-from functools import cache
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -14,12 +14,12 @@ from ..mechanics.trajectory import Reference
 from ..mechanics.winch import (
     Friction,
     cable_tensions,
-    friction_experiment,
-    identify_friction,
+    gear_torque,
+    motor_damping,
     motor_speed,
     motor_torque,
 )
-from ..robot import Robot, Winch, turned_to
+from ..robot import Robot, turned_to
 from ..simulate import Simulator
 from ..simulate.spatial import SpatialSimulator
 from ..simulate.state import State
@@ -28,6 +28,7 @@ from ..tensions.standing import standing_tensions
 from .controllers import ComputedTorque
 from .log import Columns
 from .loop import Command
+from .motors import motion
 
 
 class WinchControl(Command):
@@ -56,7 +57,7 @@ class WinchControl(Command):
         robot = engine.world.robot
         if robot.winch is None:
             raise InvalidInput("winches are to be controlled, but the world has no `winch:` block")
-        self.winch, self.real, self.period = robot.winch, Friction.of(robot.winch), engine.dt * substeps
+        self.winch, self.period = robot.winch, engine.dt * substeps
         self.low, self.high = robot.tension_min + self.margin, robot.tension_max - self.margin
         self.footings = footings(robot) if self.standing else []
         return super().start(engine, substeps)
@@ -94,13 +95,13 @@ class TorqueControl(WinchControl):
     toward : tension the distribution stays near, 0 for the least norm [N]
     margin : kept from the cables' limits, for what friction leaves [N]
     reserve : kept from tipping [N m]
-    friction : believed; default: identified by `friction_experiment`
+    friction : believed, such as `identify_friction` finds; default: the winches' own
     """
 
     name, cables = "torque", "tension"
 
     def __init__(self, kp: float = 900.0, kd: float = 60.0, *, standing: bool = True,
-                 toward: float = 0.0, margin: float = 1.0, reserve: float = 5.0,
+                 toward: float = 0.0, margin: float = 1.5, reserve: float = 5.0,
                  friction: Friction | None = None) -> None:
         super().__init__(margin, reserve, standing, toward)
         self.law, self.friction = ComputedTorque(kp, kd), friction
@@ -108,7 +109,7 @@ class TorqueControl(WinchControl):
     def start(self, engine: Simulator, substeps: int) -> Columns:
         asked = super().start(engine, substeps)
         self.relaxed = solver_for("relaxed", engine.world.robot.n_dof, self.low, self.high)
-        self.believed = _identified(self.winch) if self.friction is None else self.friction
+        self.believed = self.winch if self.friction is None else replace(self.winch, **self.friction._asdict())
         return asked
 
     def step(self, wish: Reference) -> Iterable[float]:
@@ -119,19 +120,15 @@ class TorqueControl(WinchControl):
         found = self.distribute(W, wrench)
         self.feasible = found is not None
         tau = self.relaxed(W, -wrench)[0] if found is None else found
-        # B_b q̇_b, what driving bases pay of the cables: −u · Ȧ.
-        paid = -(engine.directions * engine.exit_velocities).sum(axis=1)
+        rates, loose, yielding, _ = motion(engine)
+        speed, paid = motor_speed(self.winch, rates), rates + engine.twist @ W
         # Friction of the speed that is wanted, not of the one measured: its sign must not
-        # chatter at rest.
-        torques = motor_torque(self.winch, self.believed, tau, -wish.twist @ W - paid,
-                               -wish.acceleration @ W)
-        torques = np.clip(torques, -self.winch.torque, self.winch.torque)
-        rates = -engine.twist @ W - paid
+        # chatter at rest. What the gear loses is known.
+        torques = (motor_torque(self.believed, 0.0, paid - wish.twist @ W, -wish.acceleration @ W)
+                   + gear_torque(self.winch, tau, speed))
         # What the cables really carry: the winches' own friction and inertia stand between.
-        mass, bias = mass_and_bias(engine.carrying, engine.rotation, engine.twist)
-        lightness = np.linalg.inv(mass)
-        pulled = cable_tensions(self.winch, self.real, torques, rates, lightness @ bias @ W,
-                                W.T @ lightness @ W, self.period)
+        pulled, torques = cable_tensions(self.winch, torques, rates, loose, yielding, self.period,
+                                         motor_damping(self.winch, 0.0, speed))
         engine.step(pulled, self.substeps)
         return self.effort(tau, torques, rates)
 
@@ -159,13 +156,12 @@ class VelocityControl(WinchControl):
         self.gain = float(gain)
 
     def start(self, engine: Simulator, substeps: int) -> Columns:
-        asked, robot, winch = super().start(engine, substeps), engine.world.robot, self.winch
+        asked, robot = super().start(engine, substeps), engine.world.robot
         if robot.elasticity is None:
             raise InvalidInput("velocity control winds ropes that stretch, but the world has no `cable:` block")
         self.stiffness = robot.elasticity.axial_stiffness
         self.lengths, self.wanted = np.array(engine.rope_lengths), engine.tensions
-        self.fastest = np.minimum(robot.speed_max,
-                                  winch.speed * winch.drum_radius / winch.gear_ratio)
+        self.fastest = robot.speed_max
         return asked
 
     def step(self, wish: Reference) -> Iterable[float]:
@@ -184,7 +180,7 @@ class VelocityControl(WinchControl):
         reached = engine.wind(self.lengths, self.substeps) and bool((kept == rates).all())
         self.feasible = reached and found is not None
         return self.effort(self.wanted,
-                           motor_torque(self.winch, self.real, engine.tensions, kept, 0.0), kept)
+                           motor_torque(self.winch, engine.tensions, kept), kept)
 
 
 def winch_control(control: str | WinchControl) -> WinchControl:
@@ -195,8 +191,3 @@ def winch_control(control: str | WinchControl) -> WinchControl:
     if control not in known:
         raise InvalidInput(f"control must be {' or '.join(map(repr, known))}, or a WinchControl, got {quoted(control)}")
     return known[control]()
-
-
-@cache
-def _identified(winch: Winch) -> Friction:
-    return identify_friction(friction_experiment(winch))[0]

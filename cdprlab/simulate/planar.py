@@ -48,6 +48,7 @@ class PlanarSimulator(Simulator):
 
         self._pymunk, self._compiled, robot = import_pymunk(), reels, world.robot
         self._over_pulleys = self.is_wound and robot.pulleys.size > 0
+        self.carrying = robot
         self._order, rounds = solving_order(world)
         self._iterations = solver_iterations or rounds
         self._center = robot.platform.center_of_mass
@@ -93,6 +94,9 @@ class PlanarSimulator(Simulator):
         if self.pushed is not None:
             self._load(np.zeros(len(lengths)))
         dt, space = self.dt, self.space
+        if self.strongest is not None:
+            for rope, most in zip(space.ropes, self.strongest.tolist()):
+                rope.max_force = most
         self._pack(self._wound, 0, *lengths)
         self._compiled.reel(space.motion, self._wound, dt, self._columns,
                             self.bases.reel_velocities() if self._over_pulleys else self.bases.exit_velocities,
@@ -144,6 +148,10 @@ class PlanarSimulator(Simulator):
     @property
     def twist(self) -> Array:  # type: ignore[override]
         return self._twist.copy()
+
+    @property
+    def exit_velocities(self) -> Array:  # type: ignore[override]
+        return self.bases.exit_velocities
 
     @property
     def tensions(self) -> Array:  # type: ignore[override]

@@ -24,15 +24,20 @@ class Simulator(ABC):
     """One robot in one engine; several may live in one process. Use it in a ``with`` block, or close it.
 
     world, cables, dt : what it was made for; dt is the engine's time step [s]
-    robot : with its bases where they are now
+    robot : with its bases where they are now; carrying : with the payload it is known to carry
     position, rotation, twist, tensions : the present state, as in `State`
     wrench_matrix, lengths : (n, m) and (m,) [m] of the present pose
     paid_out : (m,) what the winches have let out of each rope [m], empty where tensions are
         commanded
     cut_cables : indices
+    exit_velocities : (m, d) of the exit points [m/s]
+    strongest : (m,) what the winches can pull with, None: anything. A rope that pulls harder slips:
+        ``slipping`` (m,) says which did [N]
     """
 
     robot: Robot
+    carrying: Robot
+    exit_velocities: Array
     position: Array
     rotation: Array
     twist: Array
@@ -85,6 +90,7 @@ class Simulator(ABC):
     def reset(self, pose: Pose | None = None) -> State:
         """Put the robot at rest at a pose (default the world's), all cables whole; time starts at 0."""
         self.steps = 0
+        self.strongest: Array | None = None
         self.cut_cables: set[int] = set()
         self.pushed: Array | None = None
         self.place(self.world.pose if pose is None else pose)
@@ -124,7 +130,19 @@ class Simulator(ABC):
                                                 for a, b in zip(before, after)]
             self.reel(held)
             self.paid_out = held
-        return after is wanted
+            if self.strongest is not None:
+                self._slip(self.strongest)
+        return after is wanted and (self.strongest is None or not self.slipping.any())
+
+    def _slip(self, strongest: Array) -> None:
+        """Let out what ropes drew that pull as hard as their winches can."""
+        elastic = self.world.robot.elasticity if self.cables == "elastic" else None
+        held, drawn = np.array(self.paid_out), self.lengths
+        if elastic is not None:
+            drawn = drawn / (1 + self.tensions / elastic.axial_stiffness)
+        # A reaction is known to a small part of it: legs have tips.
+        self.slipping = (self.tensions > 0.99 * strongest) & (drawn > held)
+        self.paid_out = np.where(self.slipping, drawn, held).tolist()
 
     def _reachable(self, wanted: list[float], substeps: int) -> list[float]:
         """The wanted lengths as far as the winches' speed limits allow; the same list if they all do."""

@@ -51,7 +51,6 @@ class SpatialSimulator(Simulator):
     ``shifts`` (m, 3) lead from exit to tangent points, None where no cable has a pulley [m].
     """
 
-    carrying: Robot
     shifts: Array | None = None
 
     def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *,
@@ -147,9 +146,10 @@ class SpatialSimulator(Simulator):
             wound[cut] = self.lengths[cut] + _AMPLE
         if self._bodies:   # a base that drives away in the step needs that much more rope
             wound = wound - (self.directions * self.bases.exit_steps).sum(axis=1)
-        self.pull(self.ropes(self.whole_wrenches, self.rotation, self.twist, self.lengths,
-                             np.array(self.paid_out),
-                              wound, _NOTHING if self.pushed is None else self.pushed), 1)
+        pulls = self.ropes(self.whole_wrenches, self.rotation, self.twist, self.lengths,
+                           np.array(self.paid_out), wound,
+                           _NOTHING if self.pushed is None else self.pushed)
+        self.pull(pulls if self.strongest is None else np.minimum(pulls, self.strongest), 1)
 
     def sever(self, cable: int) -> None:
         self.tensions = np.array(self.tensions)
@@ -214,7 +214,7 @@ class SpatialSimulator(Simulator):
         return self.bases.poses
 
     @property
-    def exit_velocities(self) -> Array:
+    def exit_velocities(self) -> Array:  # type: ignore[override]
         """(m, 3) of the exit points during the last step [m/s]."""
         return self.bases.exit_steps / (self.dt * self._substeps)
 

@@ -47,6 +47,7 @@ class SpatialBases:
         self._held, self._turning = _mounted(robot, [np.zeros(3) if cable.pulley is None else cable.pulley.axis
                                                      for cable in robot.cables], 0.0)
         self.bodies: list[int] = []
+        self.exit_steps = np.zeros_like(robot.exit_points)
 
     def build(self, anchors: Array, middle: Array) -> dict[int, Leg]:
         """Anew where the world puts them; returns the leg of each of their cables, by its index.

@@ -94,14 +94,15 @@ class World:
         driven, sensed : whether it is given base_speeds, and a real world or sensors
 
         >>> load_world("fastkit_suspended").idle_keys("elastic", bodies=True)
-        ('winch', 'bases.speed')
+        ('bases.speed',)
         """
         robot, wound = self.robot, cables in ("length", "elastic")
         held, bodiless = (bool(robot.bases) and not asked for asked in (driven, bodies))
-        idle = {"winch": robot.winch is not None, "cable": robot.elasticity is not None and cables != "elastic",
+        idle = {"cable": robot.elasticity is not None and cables != "elastic",
                 "linear_density": robot.linear_density > 0,
                 "length_offset": robot.length_offsets.any() and not sensed,
-                "tension": cables == "length", "speed": not wound and np.isfinite(robot.speed_max).any(),
+                "tension": cables == "length",
+                "speed": not wound and any(np.isfinite(cable.speed_max) for cable in robot.cables),
                 "bases.speed": held,
                 **dict.fromkeys(("bases.mass", "bases.center_of_mass", "bases.footprint"), bodiless)}
         return tuple(key for key, unheard in idle.items() if unheard)

@@ -24,7 +24,6 @@ class Job(Chronicle, Run):
 
     state, reason : "done", or "stopped" and why
     events : states in order, when each was entered [s]
-    motor_torques, motor_speeds : (N, m) [N m, rad/s]
     base_poses : (N, p, 3) x, y, heading [m, m, rad]; tilts : (N, p) of the masts [rad]
     wheels : (N, p, k) load of each wheel, as measured at the begin of the step [N]
     box_poses : Pose of batch (N,); stroke : (N,) share of the gripper's
@@ -33,8 +32,6 @@ class Job(Chronicle, Run):
     """
 
     events: tuple[Event, ...]
-    motor_torques: Array
-    motor_speeds: Array
     base_poses: Array
     tilts: Array
     wheels: Array
@@ -74,7 +71,7 @@ class Job(Chronicle, Run):
         if not (self.time >= SETTLING).any():   # too short to judge wheels and tensions by
             return {"state": self.state, "cut short": self.cut_short}
         winch, low, high = robot.winch, robot.tension_min.min(), robot.tension_max.max()
-        assert winch is not None    # or nobody could have controlled it
+        assert winch and self.motor_torques is not None and self.motor_speeds is not None    # or nobody controlled it
         torque, speed = np.abs(self.motor_torques).max(), np.abs(self.motor_speeds).max()
         return {
             "state": self.state + (f": {self.reason}" if self.reason else ""),
@@ -82,7 +79,7 @@ class Job(Chronicle, Run):
             "tension, smallest": f"{tensions[1:].min():.1f} N (limit {low:g} N)",
             "tension, largest": f"{tensions.max():.1f} N (limit {high:g} N)",
             "motor torque, largest": f"{torque:.2f} N m (limit {winch.torque:g} N m)",
-            "motor speed, largest": f"{speed:.0f} rad/s (limit {winch.speed:.0f} rad/s)",
+            "motor speed, largest": f"{speed:.0f} rad/s",
             "least load on a base's edge": f"{self.least_edge_load:.0f} N (0: it tips)",
             "box off its place": f"{self.box_error * 1e3:.1f} mm",
             "simulated time": f"{self.time[-1]:.1f} s",
@@ -91,8 +88,7 @@ class Job(Chronicle, Run):
         }
 
     def columns(self) -> dict[str, tuple[Any, str]]:
-        return {**super().columns(), "motor_torque": (self.motor_torques, "N m"),
-                "motor_speed": (self.motor_speeds, "rad/s"), "tilt": (self.tilts, "rad"),
+        return {**super().columns(), "tilt": (self.tilts, "rad"),
                 "wheel": (self.wheels, "N"), "box_position": (self.box_poses.position, "m"),
                 "box_rotation": (self.box_poses.rpy, "rad"), "stroke": (self.stroke, ""),
                 "carried": (self.carried, "kg"), "state": (self.states, "")}

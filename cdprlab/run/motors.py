@@ -1,0 +1,150 @@
+"""Motors between what is commanded and what the cables do: torque, speed, friction and inertia of the winches."""
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array, checked
+from ..errors import InvalidInput, WinchOverrun
+from ..mechanics.dynamics import mass_and_bias
+from ..mechanics.winch import (
+    Friction,
+    cable_tensions,
+    friction_features,
+    friction_torque,
+    gear_torque,
+    motor_damping,
+    motor_speed,
+    motor_torque,
+)
+from ..robot import Winch
+from ..robot.pose import Pose
+from ..simulate import Simulator
+from ..simulate.state import State
+from .log import Columns
+from .record import Run
+
+_OVER = 1.05
+"""Of its largest speed: a motor that the load turns faster is lost."""
+
+
+class Motors:
+    """An engine behind the motors of its winches; all else that is asked of it, the engine answers.
+
+    engine : as those who command it see it; body : the Simulator itself
+    believed : the winch whose friction and gear the loop makes up for, None: no losses are known
+    period : control step [s]
+    """
+
+    def __init__(self, engine: Any, body: Simulator, believed: Winch | None, period: float) -> None:
+        winch = body.world.robot.winch
+        assert winch is not None
+        self.engine, self.body, self.winch, self.period = engine, body, winch, period
+        self.believed = believed or Winch(winch.drum_radius, winch.gear_ratio)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.engine, name)
+
+    def reset(self, pose: Pose | None = None) -> State:
+        """As the engine does."""
+        self._given = np.zeros(3 * self.body.world.robot.n_cables + 1)
+        self._matrix: Array | None = None
+        self._asked: tuple[Any, Array] | None = None
+        return self.engine.reset(pose)
+
+    def pull(self, tensions: Array, substeps: int) -> None:
+        """What the motors make of these (m,) tensions [N]; friction at the present speed is made up for."""
+        rates, loose, yielding, W = motion(self.body)
+        if self._matrix is not None:   # how the cables turn: −Ẇᵀ t
+            loose = loose - self.body.twist @ (W - self._matrix) / self.period
+        self._matrix = W
+        speed, known = motor_speed(self.winch, rates), motor_speed(self.believed, rates)
+        self._watch(speed)
+        wanted = gear_torque(self.believed, tensions, known) + friction_torque(self.believed, known)
+        damping: Any = 0.0   # of what it makes up for
+        if self.believed != self.winch:
+            damping = np.maximum(motor_damping(self.winch, tensions, speed)
+                                 - motor_damping(self.believed, tensions, known), 0.0)
+        pulled, torques = cable_tensions(self.winch, wanted, rates, loose, yielding, self.period, damping)
+        self._keep(pulled, torques, speed, wanted - torques)
+        self.engine.pull(pulled, substeps)
+
+    def wind(self, lengths: list[float], substeps: int = 1) -> bool:
+        """Rope lengths as far as the motors can bring them: a rope that pulls harder slips."""
+        winch, body = self.winch, self.body
+        self._watch(motor_speed(winch, motion(body)[0]))
+        before, turned = self._asked or (lengths, np.zeros(len(lengths)))   # it begins at rest
+        rates = (np.asarray(lengths) - before) / self.period
+        turning = (rates - turned) / self.period
+        self._asked = lengths, rates
+        spare = winch.torque - motor_torque(winch, 0.0, rates, turning)
+        body.strongest = np.clip(spare / gear_torque(winch, 1.0, motor_speed(winch, rates)),
+                                 0.0, winch.torque * winch.gear_ratio / winch.drum_radius)
+        reached = self.engine.wind(lengths, substeps)
+        torques = motor_torque(winch, body.tensions, rates, turning)
+        self._keep(body.tensions, torques, motor_speed(winch, rates), body.slipping)
+        return reached
+
+    def columns(self) -> Columns:
+        """Those of the engine, and what the motors gave over the last step; `short` is the first cable for which it
+        was less than wanted, from 1, or 0."""
+        m = self.body.world.robot.n_cables
+        return {**self.engine.columns(), "driven_tensions": ((m,), "N"), "driven_torques": ((m,), "N m"),
+                "driven_speeds": ((m,), "rad/s"), "short": ((), "")}
+
+    def sample(self) -> list[float]:
+        """The engine's, and what the motors gave."""
+        return [*self.engine.sample(), *self._given.tolist()]
+
+    def _keep(self, tensions: Array, torques: Array, speed: Array, missing: Any) -> None:
+        short = np.abs(missing) > 1e-9 * (1 + np.abs(torques))
+        self._given = np.concatenate([tensions, torques, speed, [1 + short.argmax() if short.any() else 0]])
+
+    def _watch(self, speed: Array) -> None:
+        """Raises WinchOverrun where a load turns a motor faster than it can turn."""
+        over = (np.abs(speed) > _OVER * self.winch.speed) & (self.body.tensions > 0)
+        if over.any():
+            cable, now = int(over.argmax()) + 1, self.body.time
+            raise WinchOverrun(f"at t = {now:.4g} s the load turns the motor of cable {cable} at "
+                               f"{abs(speed[cable - 1]):.4g} rad/s, its most are {self.winch.speed:g} rad/s, and "
+                               f"{self.winch.torque:g} N m do not hold it", now, cable)
+
+
+@checked
+def identify_friction(run: Run) -> tuple[Friction, float]:
+    """Friction and inertia that explain what motors gave: least squares of τ − gear_torque(t, q̇) = I q̈ + f(q̇).
+
+    run : of a robot with a winch, moving slowly and quickly; all its winches are alike
+    Returns Friction, and the inertia [kg m²].
+    Raises InvalidInput for a run without motors.
+
+    >>> import cdprlab as cl
+    >>> run = cl.run(cl.load_world("fastkit_suspended"), duration=2.0)
+    >>> friction, inertia = cl.identify_friction(run)
+    >>> round(friction.coulomb, 3), round(friction.viscous, 5)
+    (0.02, 0.0002)
+    """
+    flown = run.real or run.world
+    if run.motor_torques is None or run.motor_speeds is None or flown.robot.winch is None:
+        raise InvalidInput("nothing is known of motors: fly a world with a `winch:` block, and winch=\"real\"")
+    speed = run.motor_speeds[:-1]
+    inert = np.diff(run.motor_speeds, axis=0) / run.control_period
+    lost = run.motor_torques[:-1] - gear_torque(flown.robot.winch, run.measured_tensions[:-1], speed)
+    matrix = np.stack([*friction_features(speed), inert], axis=-1).reshape(-1, 4)
+    static, coulomb, viscous, inertia = np.linalg.lstsq(matrix, lost.ravel())[0].tolist()
+    return Friction(static, coulomb, viscous), inertia
+
+
+def motion(engine: Simulator) -> tuple[Array, Array, Array, Array]:
+    """How the cables of an engine move now: l̇ [m/s], and l̈ = l̈₀ − A τ as `cable_tensions` takes it.
+
+    Returns l̇, l̈₀ (but for what comes of the cables' own turning), A, and W in all rows.
+    """
+    robot = engine.carrying
+    W = robot.pattern.basis(engine.rotation) @ engine.wrench_matrix
+    # B_b q̇_b, what driving bases pay of the cables: −u · Ȧ.
+    paid = -(W[:robot.dimension].T * engine.exit_velocities).sum(axis=1)
+    mass, bias = mass_and_bias(robot, engine.rotation, engine.twist)
+    lightness = np.linalg.inv(mass)
+    push = 0.0 if engine.pushed is None else engine.pushed
+    return -engine.twist @ W - paid, lightness @ (bias - push) @ W, W.T @ lightness @ W, W
