@@ -24,6 +24,7 @@ EVERY_EXPLORER = {
         cl.load_world("caroca"), cl.Pose([-1.5, -0.6, 1.6], rpy=[0.02, 0.15, -0.15])),
     "gains": lambda: course.gain_explorer(kp=100, kd=20, dt=4.2, span=1.0),
     "workspaces": lambda: course.workspace_explorer(cl.load_world("planar_rigid")),
+    "one real cable": lambda: course.real_cable_explorer(),
     "bases": lambda: course.base_explorer(cl.load_world("planar_mcdpr")),
     "twists": lambda: course.twist_set_explorer(cl.load_world("planar_mcdpr")),
     "wrenches": lambda: course.wrench_set_explorer(cl.load_world("planar_mcdpr")),

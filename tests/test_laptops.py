@@ -19,6 +19,8 @@ from cdprlab.errors import WorldError, install_command, requirements
 CHECKOUT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((CHECKOUT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
+LESSONS = list((CHECKOUT / "lessons").glob("*.ipynb"))
+
 MACHINES = {
     "linux": {"sys_platform": "linux", "platform_machine": "x86_64", "os_name": "posix"},
     "linux on arm": {"sys_platform": "linux", "platform_machine": "aarch64", "os_name": "posix"},
@@ -122,7 +124,7 @@ def test_both_engines_at_once_are_noticed(monkeypatch: pytest.MonkeyPatch):
 
 def test_lessons_are_copied_and_the_mission_is_listed(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     assert main(["lessons", str(tmp_path / "mine")]) == 0
-    assert len(list((tmp_path / "mine").glob("*.ipynb"))) == 14
+    assert len(list((tmp_path / "mine").glob("*.ipynb"))) == len(LESSONS)
     assert main(["worlds"]) == 0
     (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("fastkit_suspended")]
     assert line.endswith("pick_and_place, mission")
@@ -156,7 +158,7 @@ def test_binder_shows_no_solutions(tmp_path: Path):
     done = subprocess.run(["bash", "-c", script], cwd=home, capture_output=True, text=True, timeout=250)
     assert done.returncode == 0, done.stderr
     left = [path for path in home.rglob("*") if path.is_file()]
-    assert len([path for path in left if path.parent.name == "my_lessons" and path.suffix == ".ipynb"]) == 14
+    assert len([path for path in left if path.parent.name == "my_lessons" and path.suffix == ".ipynb"]) == len(LESSONS)
     assert [path for path in left if b"BEGIN SOLUTION" in path.read_bytes()] == [] and not (home / ".git").exists()
 
 

@@ -30,6 +30,7 @@ _EXPORTS = {
     "explorers.gains": ("error_decay", "gain_explorer"),
     "explorers.planning": ("planning_explorer",),
     "explorers.workspaces": ("workspace_explorer",),
+    "explorers.real_cable": ("real_cable_explorer",),
     "designer.panel": ("robot_designer",),
     "brief": ("workshop_brief",),
     "seeds": ("seed",),

@@ -26,20 +26,11 @@ def minimum(rng, lesson):
     return [("largest_minimum", (W, w_e, high))]
 
 
-def stiffness(rng, lesson):
-    m = int(rng.integers(1, 7))
-    u = rng.normal(size=(m, 2))
-    return [("planar_stiffness", (u / np.linalg.norm(u, axis=1, keepdims=True), rng.normal(size=(m, 2)) / 2,
-                                  rng.uniform(0.5, 4, m), rng.uniform(0, 200, m), rng.uniform(50, 2000, m)))]
-
-
-DRAWS = {"margin": margin, "area": area, "minimum": minimum, "stiffness": stiffness}
+DRAWS = {"margin": margin, "area": area, "minimum": minimum}
 EQUIVALENT: dict[str, dict[str, str]] = {
     "margin": {"line 12: 1.0 → 2.0": "twice the cost has the same minimizer"},
     "area": {"line 12: 1 → 2": "numpy works out any negative size, -2 as well as -1"},
     "minimum": {"line 12: 1.0 → 2.0": "twice the cost has the same minimizer"},
-    "stiffness": {"line 15: np.outer(u_i, u_i) → np.outer(u_i, u_i)": "both factors are the same vector",
-                  "line 17: r_i @ u_i → u_i @ r_i": "a dot product of two vectors"},
 }
 OTHERS = {
     "margin": [("limits as bounds, the rest as slacks", """
@@ -73,16 +64,5 @@ def largest_minimum(W, w_e, high):
                     A_ub=np.column_stack([np.ones(m), np.eye(m)]), b_ub=high,
                     bounds=[(None, None)] + [(0, None)] * m)
     return found.x[0] if found.success else -np.inf
-""")],
-    "stiffness": [("all cables at once", """
-def planar_stiffness(u, r, lengths, tensions, springs):
-    M = np.zeros((len(u), 2, 3))
-    M[:, 0, 0] = M[:, 1, 1] = 1
-    M[:, 0, 2], M[:, 1, 2] = -r[:, 1], r[:, 0]
-    along = u[:, :, None] * u[:, None, :]
-    inner = springs[:, None, None] * along + (tensions / lengths)[:, None, None] * (np.eye(2) - along)
-    K = np.einsum("mia,mij,mjb->ab", M, inner, M)
-    K[2, 2] += np.sum(tensions * np.sum(r * u, axis=1))
-    return K.tolist()
 """)],
 }

@@ -35,19 +35,6 @@ def area_bounds(inside, lower, upper, n):
     return area, area
 '''
 
-STIFFNESS = '''
-def planar_stiffness(u, r, lengths, tensions, springs):
-    """Wrong on purpose."""
-    K = np.zeros((3, 3))
-    for u_i, r_i, l_i, tau, k in zip(u, r, lengths, tensions, springs):
-        M = np.array([[1.0, 0.0, {side}r_i[1]], [0.0, 1.0, r_i[0]]])
-        along = np.outer(u_i, u_i)
-        K += M.T @ ({middle}) @ M
-        K[2, 2] += {lever}
-    return K
-'''
-RIGHT = {"side": "-", "middle": "k * along + tau / l_i * (np.eye(2) - along)", "lever": "tau * (r_i @ u_i)"}
-
 WRONG_ANSWERS: dict[str, list[tuple[str, str]]] = {
     "margin-answer": [
         ("external wrench with the wrong sign", PROGRAM.format(**{**MARGIN, "wrench": "w_e"})),
@@ -98,18 +85,5 @@ def largest_minimum(W, w_e, high):
     found = linprog(np.ones(len(high)), A_eq=W, b_eq=-w_e, bounds=[(-1e6, h) for h in high])
     return found.x.min() if found.status == 0 else -np.inf
 '''),
-    ],
-    "stiffness-answer": [
-        ("springs only", STIFFNESS.format(**{**RIGHT, "middle": "k * along", "lever": "0.0"})),
-        ("levers that turn forgotten", STIFFNESS.format(**{**RIGHT, "lever": "0.0"})),
-        ("levers with the wrong sign", STIFFNESS.format(**{**RIGHT, "lever": "-tau * (r_i @ u_i)"})),
-        ("levers always stiffen", STIFFNESS.format(**{**RIGHT, "lever": "tau * abs(r_i @ u_i)"})),
-        ("pulls that turn along the cable too",
-         STIFFNESS.format(**{**RIGHT, "middle": "k * along + tau / l_i * np.eye(2)"})),
-        ("geometric part subtracted",
-         STIFFNESS.format(**{**RIGHT, "middle": "k * along - tau / l_i * (np.eye(2) - along)"})),
-        ("tension instead of tension over length",
-         STIFFNESS.format(**{**RIGHT, "middle": "k * along + tau * (np.eye(2) - along)"})),
-        ("anchor points turn the other way", STIFFNESS.format(**{**RIGHT, "side": "+"})),
     ],
 }

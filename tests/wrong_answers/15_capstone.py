@@ -1,4 +1,4 @@
-"""Plausible mistakes in lesson 13; each must earn nothing."""
+"""Plausible mistakes in lesson 15; each must earn nothing."""
 
 MARGIN = '''
 def worst_push(W, weight, pushes, tension_min, tension_max):

@@ -1,6 +1,6 @@
-"""The picture of lesson 13: two robots that meet the same brief, with eight cables and with six.
+"""The picture of lesson 15: two robots that meet the same brief, with eight cables and with six.
 
-python docs/lesson_pictures/13_capstone.py
+python docs/lesson_pictures/15_capstone.py
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from cdprlab.course.brief import workshop_brief
 from cdprlab.course.pictures.brief_map import draw_design
 from cdprlab.view.style import house_style
 
-LESSON = Path(__file__).parents[2] / "lessons/source/13_capstone/13_capstone.ipynb"
+LESSON = Path(__file__).parents[2] / "lessons/source/15_capstone/15_capstone.ipynb"
 NAME = "capstone.png"
 HALL = {"lower": [-3.0, -2.2, 0.0], "upper": [3.0, 2.2, 3.6]}
 X, Y, Z = 0.4, 0.3, 0.2
