@@ -121,6 +121,8 @@ class Judge:
         place = (written or places)[-1]
         answer = self.student[place].source
         try:
+            with at_most(self.seconds):
+                self.worker.start()   # which is not the student's time
             self.run_own(index, place)
             self.run(self.help(index, answer))
             self.trouble = self.run(answer)
