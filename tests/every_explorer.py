@@ -30,6 +30,7 @@ EVERY_EXPLORER = {
     "wrenches": lambda: course.wrench_set_explorer(cl.load_world("planar_mcdpr")),
     "planning": lambda: course.planning_explorer(Vehicle.of(cl.load_world("fastkit_suspended").robot, 1.6)),
     "configurations, exact": lambda: course.configuration_explorer(cl.load_world("marionet"), uncertain=False),
+    "model errors": lambda: course.model_error_explorer(cl.load_world("fastkit_suspended")),
     "configurations": lambda: course.configuration_explorer(cl.load_world("marionet")),
 }
 """Name → what makes it."""

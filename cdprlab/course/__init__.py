@@ -31,6 +31,7 @@ _EXPORTS = {
     "explorers.planning": ("planning_explorer",),
     "explorers.workspaces": ("workspace_explorer",),
     "explorers.real_cable": ("real_cable_explorer",),
+    "explorers.model_errors": ("model_error_explorer",),
     "designer.panel": ("robot_designer",),
     "brief": ("workshop_brief",),
     "seeds": ("seed",),
