@@ -1,5 +1,6 @@
 """``python -m cdprlab``."""
 
+import signal
 import sys
 from collections.abc import Sequence
 
@@ -16,4 +17,5 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.exit(main())

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, wraps
-from inspect import signature
+from inspect import isfunction, signature
 from itertools import chain, cycle, repeat
 from math import isfinite
 from types import UnionType
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,12 +28,13 @@ Kind = TypeVar("Kind", bound=type)
 _FLOAT64 = np.dtype(np.float64)
 
 
-def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: str = "", *,
-             batch: bool = False, location: Location = ()) -> Array:
+def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: str = "",
+             batch: bool = False, limit: float = LARGEST, *, location: Location = ()) -> Array:
     """A read-only float64 copy of ``value``, checked.
 
-    shape : the trailing shape; an int must match, a letter stands for any length
+    shape : the trailing shape; an int must match, a letter stands for any length, an empty list for no rows
     batch : whether further axes may stand in front
+    limit : of each number's size; inf where infinity is one
     Raises InvalidInput for anything that is no number, not finite or of another shape.
 
     >>> as_array([1, 2], "position", (2,), "m")
@@ -44,12 +45,15 @@ def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: st
         if given.dtype.kind not in "iuf":   # text that reads as a number is still text, and True no length
             given = _numbers_only(given)
         array = np.array(given, dtype=np.float64)
+        if array.shape == (0,) and len(shape) > 1:
+            array = array.reshape(0, *shape[1:])
     except (TypeError, ValueError, OverflowError):
         raise InvalidInput(f"{name} must be {_wanted(shape, unit)}, got {quoted(value)}", location) from None
     if not _fits(array.shape, shape, batch):
         raise InvalidInput(f"{name} must be {_wanted(shape, unit)}, got {_shape_text(array)}", location)
-    if not (np.abs(array) <= LARGEST).all():   # nor is NaN
-        raise InvalidInput(f"{name} must be finite and at most {LARGEST:g}, got {quoted(value)}", location)
+    if not (np.abs(array) <= limit).all():   # nor is NaN
+        raise InvalidInput(f"{name} must be {'no NaN' if limit == np.inf else f'finite and at most {limit:g}'}, "
+                           f"got {quoted(value)}", location)
     return frozen(array)
 
 
@@ -111,8 +115,13 @@ def _all_frozen(value: Any) -> Any:
 
 
 def _equal(self: Any, other: Any) -> bool:
-    return type(self) is type(other) and all(
-        np.array_equal(a, b) if isinstance(a, np.ndarray) else bool(a == b) for a, b in zip(self, other))
+    return type(self) is type(other) and all(map(_same, self, other))
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        return a.keys() == b.keys() and all(_same(a[key], b[key]) for key in a)
+    return np.array_equal(a, b) if isinstance(a, np.ndarray) else bool(a == b)
 
 
 def _unequal(self: Any, other: Any) -> bool:
@@ -186,10 +195,11 @@ def data_frame(columns: Mapping[str, Any]) -> Any:
 
 
 def checked(public: Public) -> Public:
-    """A public function or class that refuses arguments of another kind than its annotations say.
+    """A public function, or all of a class, that refuses arguments of another kind than its annotations say.
 
-    A number is neither text nor a truth value nor NaN. Arrays are left to `as_array`, ranges to
-    `as_number` and `as_count`, which the function asks itself. Raises InvalidInput.
+    A number is neither text nor a truth value nor NaN. What is annotated with a shape as docstrings tell it,
+    ``Annotated[ArrayLike, "(…, k, 2) [m] or inf"]``, becomes what `as_array` makes of it; other arrays are left to
+    that, and ranges to `as_number` and `as_count`, which the function asks itself. Raises InvalidInput.
 
     >>> @checked
     ... def half(x: float) -> float:
@@ -198,7 +208,10 @@ def checked(public: Public) -> Public:
     2.0
     """
     if isinstance(public, type):
-        public.__init__ = checked(public.__init__)  # type: ignore[misc]
+        for name, method in list(vars(public).items()):
+            bare = getattr(method, "__func__", method)   # of a class or static method
+            if isfunction(bare) and (name == "__init__" or not name.startswith("_")):
+                setattr(public, name, checked(bare) if bare is method else type(method)(checked(bare)))
         return public
 
     @cache
@@ -209,21 +222,36 @@ def checked(public: Public) -> Public:
     @wraps(public)
     def checking(*arguments: Any, **options: Any) -> Any:
         wanted = kinds()
+        shaped = False
         for name, value in chain(zip(wanted, arguments), options.items()):
             kind = wanted.get(name, Any)
-            if not _is(value, kind):
+            if type(kind) is tuple:
+                shaped = True
+            elif not _is(value, kind):
                 raise InvalidInput(f"{name} must be {_words(kind)}, got {quoted(value)}")
+        if shaped:
+            return public(**{name: as_array(value, name, *kind) if type(kind := wanted.get(name)) is tuple else value
+                             for name, value in chain(zip(wanted, arguments), options.items())})
         return public(*arguments, **options)
 
     return checking  # type: ignore[return-value]
 
 
 def _evaluated(annotation: Any, names: dict[str, Any]) -> Any:
-    """What an annotation stands for; where only the type checker imports it, its name."""
+    """What an annotation stands for, its shape if it has one; where only the type checker imports it, its name."""
     try:
-        return eval(annotation, names) if isinstance(annotation, str) else annotation
+        kind = eval(annotation, names) if isinstance(annotation, str) else annotation
     except NameError:
         return annotation
+    return _shape(kind.__metadata__[0]) if get_origin(kind) is Annotated else kind
+
+
+def _shape(text: str) -> tuple[Any, ...]:
+    """What `as_array` takes after value and name, from such a text: shape, unit, batch, limit."""
+    axes, _, unit = text.partition(")")
+    names = axes.strip("(").replace(",", " ").split()
+    shape = tuple(int(name) if name.isdigit() else name for name in names if name != "…")
+    return shape, unit[2:].partition("]")[0], "…" in names, np.inf if unit.endswith("inf") else LARGEST
 
 
 def _is(value: Any, kind: Any) -> bool:
@@ -269,10 +297,8 @@ def _is_number(value: Any, kind: type) -> bool:
         value = value[()]
     if isinstance(value, bool | np.bool_):
         return kind is bool
-    if kind is int:
-        return isinstance(value, int | np.integer)
-    is_real = isinstance(value, int | float | np.integer | np.floating)
-    return kind is float and is_real and (-LARGEST <= value <= LARGEST or value in _UNLIMITED)
+    is_kind = isinstance(value, int | np.integer) or (kind is float and isinstance(value, float | np.floating))
+    return kind is not bool and is_kind and (-LARGEST <= value <= LARGEST or value in _UNLIMITED)
 
 
 _UNLIMITED = (-np.inf, np.inf)

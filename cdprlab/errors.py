@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import copyreg
+import os
+import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,6 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+if sys.argv[:1] == ["-m"] and "cdprlab" in sys.orig_argv:   # the command line loads: Ctrl-C ends it without a traceback
+    signal.signal(signal.SIGINT, lambda *_: os.write(2, b"cdprlab: stopped\n") and os._exit(130))
 
 Location = tuple[str | int, ...]
 """Where in a world file a value stands, e.g. ``("cables", 2, "anchor_point")``; list indices from 0."""

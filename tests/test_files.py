@@ -188,7 +188,7 @@ def test_a_folder_in_a_part_s_place_is_said_and_costs_no_answer(tmp_path):
     first, part = sweep(tmp_path), min(tmp_path.iterdir())
     part.unlink()
     part.mkdir()
-    with pytest.warns(UserWarning, match="judged but not kept"):
+    with pytest.warns(UserWarning, match="done but not kept"):
         assert np.array_equal(sweep(tmp_path).inside, first.inside)
 
 
@@ -230,6 +230,27 @@ def test_two_criteria_of_one_class_are_two_questions(tmp_path):
     counts = [int(cl.workspace(robot_1r2t(), GRID, Nearer(reach), checkpoint=tmp_path)[0].sum())
               for reach in (0.5, 1.0, 1.5)]
     assert counts[0] < counts[1] < counts[2]
+
+
+def test_another_law_of_one_class_is_another_question(tmp_path, monkeypatch):
+    first = cl.workspace(robot_1r2t(), GRID, Nearer(1.0), checkpoint=tmp_path).inside
+
+    def judge(self, robot, poses, margin=True):
+        return Judgement(np.ones(len(poses), bool), np.zeros(len(poses)))
+
+    monkeypatch.setattr(Nearer, "judge", judge)
+    assert not first.all() and cl.workspace(robot_1r2t(), GRID, Nearer(1.0), checkpoint=tmp_path).inside.all()
+
+
+def test_another_version_of_the_package_is_another_question(tmp_path, monkeypatch):
+    sweep(tmp_path)
+    kept = set(os.listdir(tmp_path))
+    sweep(tmp_path)
+    assert set(os.listdir(tmp_path)) == kept
+    read = Path.read_bytes
+    monkeypatch.setattr(Path, "read_bytes", lambda path: read(path) + b"# changed" * (path.name == "law.py"))
+    sweep(tmp_path)
+    assert len(os.listdir(tmp_path)) == 2 * len(kept)
 
 
 def test_a_criterion_that_cannot_be_told_apart_keeps_no_checkpoint(tmp_path):

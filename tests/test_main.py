@@ -129,6 +129,58 @@ def test_wrong_command_line_is_one_line_and_exit_2(arguments, capsys):
     assert len(error.strip().splitlines()) == 1 and len(error) < 1000
 
 
+WORDS = {"run": {"--task": ["default", "x", "", "mission"], "--method": ["kernel", "all", "x", "1"],
+                 "--cables": ["force", "tension", "x"], "--kp": ["1", "-1", "nan", "x", "1e300", "1_"],
+                 "--kd": ["0", "inf", "[]"], "--dt": ["1e-3", "0", "-1", "1e-300", "nan", "5"],
+                 "--control-period": ["1e-3", "0", "3e-4", "x"], "--infeasible": ["stop", "x"],
+                 "--control": ["velocity"], "--speed": ["1"], "--no-pictures": []},
+         "workspace": {"--criterion": ["wrench_closure", "statically_stable", "x", "", ",", "twist_feasible"],
+                       "--plane": ["xz", "qq"], "--at": ["1", "nan", "x"], "--volume": [],
+                       "--step": ["0", "-1", "1e-9", "x", "nan"], "--rpy": ["0", "x"], "--angle": ["0.1", "inf"],
+                       "--push": ["1", "-1", "1e300"], "--acceleration": ["1", "nan"], "--speed": ["0", "-3"],
+                       "--clearance": ["1", "-1"], "--method": ["x", "kernel"], "--axial-stiffness": ["0", "-1", "1e5"],
+                       "--jobs": ["0", "1", "x", "2.5"], "--no-pictures": []}}
+WORLDS = ["planar_point", "planar_rigid", "planar_suspended", "", "x", "no/such.yaml", "caroca.yaml", "a\nb"]
+
+
+@pytest.mark.parametrize("count", [60, pytest.param(2000, marks=pytest.mark.long)])
+def test_whatever_is_typed_is_done_or_refused_in_one_line(count, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(count)
+    refused = 0
+    for _ in range(count):
+        command = str(rng.choice(list(WORDS)))
+        typed = [command, str(rng.choice(WORLDS[:3] if rng.random() < 0.8 else WORLDS)), "--no-pictures"]
+        for option in rng.permutation(list(WORDS[command]))[:rng.integers(1, 4)].tolist():
+            values = WORDS[command][option]
+            typed += [option, *([str(rng.choice(values))] if values else [])]
+        typed += {"run": ["--duration", "0.01"], "workspace": ["--step", "0.7"] * ("--step" not in typed)}[command]
+        try:
+            code = main(typed)
+        except SystemExit as stop:
+            code = stop.code
+        error = capsys.readouterr().err
+        told = [line for line in error.splitlines() if line.startswith("cdprlab")]
+        assert code in (0, 2) and len(told) == (code == 2) and len(error) < 1000, (typed, code, error)
+        refused += code == 2
+    assert count / 4 < refused < count
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+@pytest.mark.parametrize("moment", [0.1, 0.3])
+def test_ctrl_c_while_it_loads_is_told_without_a_traceback(moment):
+    with subprocess.Popen([sys.executable, "-X", "importtime", "-m", "cdprlab", "run", "caroca", "--out", os.devnull],
+                          stderr=subprocess.PIPE, text=True) as process:
+        for line in process.stderr:
+            if line.rstrip().endswith("cdprlab.errors"):    # from here on it is ours
+                break
+        with pytest.raises(subprocess.TimeoutExpired):
+            process.wait(moment / 10)
+        process.send_signal(signal.SIGINT)
+        _, error = process.communicate(timeout=60)
+    assert process.returncode == 130 and "Traceback" not in error and "cdprlab: stopped" in error
+
+
 def test_a_reader_who_leaves_early_makes_no_noise():
     reading, writing = os.pipe()
     os.close(reading)                                       # as `head` does, once it has its lines

@@ -4,8 +4,10 @@ import copy
 import io
 import pickle
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
+import faces
 import joblib
 import numpy as np
 import pytest
@@ -31,6 +33,8 @@ MADE: dict[str, Callable[[], Any]] = {
     "DynamicEquilibrium": lambda: cl.DynamicEquilibrium(ONES), "Box": lambda: cl.Box(np.zeros(3), np.ones(3)),
     "Both": lambda: cl.WrenchFeasible(ONES) & cl.DynamicEquilibrium(ONES),
     "ComputedTorque": lambda: cl.ComputedTorque(),
+    **{f"fastkit's {name}": partial(faces.made, name) for name in
+       ("vehicle", "hall", "grid", "journey", "mission", "trip", "sensors", "job", "plan")},
 }
 
 
@@ -42,7 +46,7 @@ def sent(thing: Any) -> Any:
 
 
 WAYS: list[Callable[[Any], Any]] = [lambda x: pickle.loads(pickle.dumps(x)), copy.deepcopy, copy.copy, sent]
-FRESH = {"Reference", "Judgement"}
+FRESH = {"Reference", "Judgement", "fastkit's mission", "fastkit's sensors"}
 """Answers of a function that nobody else holds: theirs until they travel."""
 
 

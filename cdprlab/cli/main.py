@@ -111,7 +111,7 @@ def _run(options: argparse.Namespace) -> None:
     world = load_world(options.world)
     if options.task not in _tasks(world):
         raise InvalidInput(f"world {world.name!r} has no task {quoted(options.task)}; "
-                           f"there are {', '.join(_tasks(world))}")
+                           f"there are {shortened(', '.join(_tasks(world)))}")
     if options.method == "all":
         _compare(options, world)
     elif options.task == "mission" and "mission" not in world.tasks:

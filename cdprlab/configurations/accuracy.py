@@ -7,14 +7,17 @@ because another one would move the switching point: near x = 1.85 in the paper's
 A234 differ by less than half a percent.
 """
 
+from typing import Annotated
+
 import numpy as np
 
-from ..arrays import Array, checked
+from ..arrays import Array, as_number, checked
+from .region import Triangle
 
 
 @checked
-def position_sensitivity(exits: Array, position: Array, position_uncertainty: float = 0.0,
-                         exit_uncertainty: float = 0.0) -> Array:
+def position_sensitivity(exits: Triangle, position: Annotated[Array, "(…, 3) [m]"],
+                         position_uncertainty: float = 0.0, exit_uncertainty: float = 0.0) -> Array:
     """Largest |Δx|, |Δy| or |Δz| for cable lengths that are each off by one: max_i diam(Δx_i) / diam(Δρ) [m/m].
 
     exits : (3, 3) exit points [m]; position : (…, 3) [m]
@@ -27,7 +30,7 @@ def position_sensitivity(exits: Array, position: Array, position_uncertainty: fl
     1.0
     """
     low, high = _direction_range(exits - position[..., None, :],
-                                 position_uncertainty + exit_uncertainty)
+                                 as_number(position_uncertainty + exit_uncertainty, "uncertainty", "m", minimum=0.0))
     center, radius = (low + high) / 2, (high - low) / 2
     regular = np.abs(np.linalg.det(center)) > 1e-12
     inverse = np.abs(np.linalg.inv(np.where(regular[..., None, None], center, np.eye(3))))

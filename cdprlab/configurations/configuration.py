@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Indices, as_array
+from ..arrays import Array, Indices, as_array, checked
 from ..errors import InvalidInput
 from ..robot import Robot
 
@@ -22,6 +22,7 @@ class Configuration(tuple[int, ...]):
 
     __slots__ = ()
 
+    @checked
     def __new__(cls, cables: Iterable[int]) -> Configuration:
         return super().__new__(cls, sorted(cables))
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, Indices, as_array, as_number, checked
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from .accuracy import position_sensitivity
 from .classify import certainty
@@ -91,7 +91,7 @@ def hanging_position(robot: Robot, lengths: ArrayLike) -> tuple[Array, Configura
         if M is not None and (np.linalg.norm(exits - M, axis=1) <= rho + 1e-9).all():
             found.append((M, chosen))
     if not found:
-        raise InvalidInput(f"no point is within reach of all ropes of lengths {rho.tolist()} m")
+        raise InvalidInput(f"no point is within reach of all ropes of lengths {quoted(rho.tolist())} m")
     # The first, of fewest ropes, where several hold the same point: the others are just not
     # slack.
     return min(found, key=lambda candidate: round(float(candidate[0][2]), 9))

@@ -7,11 +7,15 @@ every coordinate, so that the range over boxes is found at their corners.
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
+from typing import Annotated
 
 import numpy as np
 
 from ..arrays import Array, checked
 from .configuration import counterclockwise
+
+Triangle = Annotated[Array, "(3, 3) [m]"]
+"""Three exit points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +92,7 @@ def _cut(corners: Array, n: Array, c: float) -> Array:
 
 
 @checked
-def region(exits: Array, exit_uncertainty: float = 0.0, position_uncertainty: float = 0.0) -> Region:
+def region(exits: Triangle, exit_uncertainty: float = 0.0, position_uncertainty: float = 0.0) -> Region:
     """The region of one triplet.
 
     exits : (3, 3) exit points [m]
@@ -101,7 +105,7 @@ def region(exits: Array, exit_uncertainty: float = 0.0, position_uncertainty: fl
     >>> region(corners).window(np.array([1, 1, 0.0]), np.array([1, 3, 0.0]))
     (0.0, 0.625)
     """
-    a = counterclockwise(np.asarray(exits, dtype=float))
+    a = counterclockwise(exits)
     normals, offsets = [], []
     for i, j in ((0, 1), (1, 2), (2, 0)):
         # Only the plan view of two exit points enters a side.

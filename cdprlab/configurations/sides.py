@@ -7,6 +7,7 @@ uncertain what is certain, never the reverse.
 
 from collections.abc import Callable
 from itertools import product
+from typing import Annotated
 
 import numpy as np
 
@@ -14,12 +15,13 @@ from ..arrays import Array, Flags, checked
 from ..errors import InvalidInput, quoted
 from ..mechanics.intervals import Intervals, exact, stack
 
+Spot = Annotated[Array, "(2,) [m]"]
 Side = Callable[[Intervals, Intervals, Intervals], Intervals]
 """Boxes (…, 2) of A_i, A_j and M in plan → the range of the side."""
 
 
 @checked
-def side_range(start: Array, end: Array, position: Array, exit_uncertainty: float,
+def side_range(start: Spot, end: Spot, position: Spot, exit_uncertainty: float,
                position_uncertainty: float,
                form: str) -> tuple[float, float]:
     """Lower and upper end of (A_j − A_i) × (M − A_i) over boxes, in one of ``FORMS`` [m²].

@@ -30,6 +30,9 @@ class Winding:
     taut: Flags
 
 
+_MOST_STEPS = 1_000_000
+
+
 @checked
 def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0.2,
                  speed: float = 0.2,
@@ -72,6 +75,9 @@ def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0
         way = end - at
         duration = PEAK_SPEED * max(np.linalg.norm(way[:3]) / pace,
                                     np.abs(way[3:]).max() / reel)
+        if duration / step > _MOST_STEPS:
+            raise InvalidInput(f"a leg takes {duration:.3g} s, more than {_MOST_STEPS} steps of {step:g} s: "
+                               "give less slack, more speed or a larger dt")
         count = int(np.ceil(duration / step))
         # Rest to rest: a rope that is a little off becomes taut, or slack, while the winch is
         # slow, and jerks nothing.

@@ -7,6 +7,7 @@ own. Drawing libraries load when a picture is first asked for.
 from importlib import import_module
 from typing import Any
 
+from ..arrays import checked
 from ..errors import needed_by
 from .events import DONE, STOPPED, Event
 from .job.job import pick_and_place
@@ -27,7 +28,11 @@ from .navigation.occupancy import OccupancyGrid
 from .navigation.planner import Plan, inflated_width, plan_path
 from .navigation.practice import practice_hall
 from .navigation.vehicle import Vehicle
-from .plane import carried, difference
+from .plane import carried as _carried
+from .plane import difference as _difference
+
+carried = checked(_carried)   # here, for inside all goes through them
+difference = checked(_difference)
 
 _PICTURES = {"draw_hall": "hall_figure", "draw_way": "hall_figure",
              "plot_journey": "hall_figure", "frame_at": "job_figure", "plot_job": "job_figure",

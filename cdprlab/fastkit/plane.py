@@ -1,13 +1,25 @@
 """Geometry on the floor: poses (x, y, heading) that carry points and poses, segments, solid rectangles."""
 
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array, as_array, frozen
 from ..errors import InvalidInput
 from ..robot.pose import rotation_from_vector
 from ..workspace.distances import box_distance
 
+Place = Annotated[ArrayLike, "(3,) [m, m, rad]"]
+Places = Annotated[ArrayLike, "(…, 3) [m, m, rad]"]
+Motion = Annotated[ArrayLike, "(3,) [m, m, rad; or a second]"]
+Points = Annotated[ArrayLike, "(…, k, 2) [m]"]
+Scan = Annotated[Array, "(h, 2) [m]"]
+Way = Annotated[Array, "(n, 3) [m, m, rad]"]
+Spots = Annotated[ArrayLike, "(…, 2) [m]"]
+"""What public functions take: poses, motions (v or d of x, y, θ), points in a list, scanned, along a way, anywhere."""
+
+NO_POINTS = frozen(np.zeros((0, 2)))
 _CORNERS = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) / 2
 
 
@@ -25,7 +37,7 @@ def turn(heading: ArrayLike) -> Array:
     return rotation_from_vector(np.asarray(heading, dtype=float)[..., None])
 
 
-def carried(poses: ArrayLike, points: ArrayLike) -> Array:
+def carried(poses: Places, points: Points) -> Array:
     """(…, k, 2) where points (k, 2) of a moving frame are, with the frame at poses (…, 3)."""
     q = np.asarray(poses, dtype=float)
     return q[..., None, :2] + np.asarray(points) @ np.swapaxes(turn(q[..., 2]), -1, -2)
@@ -47,7 +59,7 @@ def relative(pose: ArrayLike, frame: ArrayLike) -> Array:
     return np.array([*(d[:2] @ turn(np.asarray(frame)[2])), d[2]])
 
 
-def difference(target: ArrayLike, pose: ArrayLike) -> Array:
+def difference(target: Places, pose: Places) -> Array:
     """(…, 3) target minus pose, the angle the short way round, in (−π, π] [m, m, rad]."""
     d = np.subtract(target, pose)
     return np.concatenate([d[..., :2], np.pi - np.mod(np.pi - d[..., 2:], 2 * np.pi)], axis=-1)

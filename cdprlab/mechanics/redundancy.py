@@ -112,7 +112,7 @@ def _weights(given: ArrayLike | None, limits: Array, method: str) -> Array:
             return np.where(limits > 0, 1 / limits**2, 0.0)
     weights = as_array(given, "weights", (limits.size,))
     if (weights < 0).any():
-        raise InvalidInput(f"weights must not be negative, got {weights.tolist()}")
+        raise InvalidInput(f"weights must not be negative, got {quoted(weights.tolist())}")
     return weights
 
 

@@ -1,7 +1,7 @@
 """The parts of a robot: frozen `Cable`, `Pulley`, `Platform`, `Base`, …, each checked as it is made."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -162,7 +162,7 @@ class Base:
         """(d,) of the base's frame in the world; spatial bases stand at z = 0 [m]."""
         return np.concatenate([self.position, np.zeros(self.center_of_mass.shape[0] - 2)])
 
-    def to_world(self, points: Array) -> Array:
+    def to_world(self, points: Annotated[Array, "(…, d) [m]"]) -> Array:
         """(…, d) points of the base's frame in the world [m]."""
         return self.origin + points @ self.rotation.T
 

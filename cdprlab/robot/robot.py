@@ -134,7 +134,6 @@ class Robot:
         """Platform mass [kg]."""
         return self.platform.mass
 
-    @checked
     def base(self, name: str) -> Base:
         """The base of that name; raises InvalidInput naming those there are."""
         if name not in self._base_of:
@@ -142,7 +141,6 @@ class Robot:
         return self.bases[self._base_of[name]]
 
     # --- changed copies ---------------------------------------------------------------------------
-    @checked
     def with_bases(self, poses: Mapping[str, ArrayLike]) -> Robot:
         """A copy with some bases elsewhere.
 
@@ -156,7 +154,6 @@ class Robot:
                                   heading=float(heading))
         return replace(self, bases=tuple(moved.values()))
 
-    @checked
     def with_payload(self, mass: float, position: ArrayLike) -> Robot:
         """A copy that carries a point mass; mass, center of mass and inertia follow (parallel axes).
 

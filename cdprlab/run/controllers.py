@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, as_array, checked, lasting
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..mechanics.cables import cables_at
 from ..mechanics.dynamics import inverse_dynamics, pose_error
 from ..mechanics.trajectory import Reference
@@ -128,7 +128,7 @@ def _keep_gains(law: Any, *names: str) -> None:
     for name in names:
         gain = as_array(getattr(law, name), name, (), batch=True)
         if (gain < 0).any():
-            raise InvalidInput(f"{name} must not be negative, got {gain.tolist()}")
+            raise InvalidInput(f"{name} must not be negative, got {quoted(gain.tolist())}")
         object.__setattr__(law, name, gain)
 
 

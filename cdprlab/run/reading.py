@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Array, checked, frozen
-from ..errors import InvalidInput, quoted
+from ..errors import InvalidInput, quoted, shortened
 from ..mechanics.dynamics import pose_error
 from ..mechanics.trajectory import Reference
 from ..robot.pose import Pose
@@ -89,8 +89,11 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
 
 def _table(file: Path) -> dict[str, Array]:
     """Heading → (N,) numbers, NaN where a cell is empty."""
-    with file.open(encoding="utf-8-sig", newline="") as text:
-        headings, *rows = [row for row in reader(text) if row] or [[]]
+    try:
+        with file.open(encoding="utf-8-sig", newline="") as text:
+            headings, *rows = [row for row in reader(text) if row] or [[]]
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidInput(f"cannot read {shortened(str(file))}: {shortened(str(error))}") from None
     if not rows:
         raise InvalidInput(f"{file} must hold a row of headings and rows of numbers")
     numbers = np.empty((len(rows), len(headings)))

@@ -29,6 +29,7 @@ _MOST_SIGNS = 12
 
 
 @lasting
+@checked
 @dataclass(frozen=True, eq=False, repr=False)
 class Polytope:
     """The convex set {shift + M q : A q ≤ b}; make one by `from_image`, `from_rows` or `from_box`.
@@ -61,7 +62,7 @@ class Polytope:
         """
         m = as_array(M, "M", ("n", "k"))
         a = as_array(A, "A", ("r", m.shape[1]))
-        return Polytope(m, a, _limits(b, "b", a.shape[0]), np.zeros(m.shape[0]))
+        return Polytope(m, a, as_array(b, "b", a.shape[:1], limit=np.inf), np.zeros(m.shape[0]))
 
     @staticmethod
     def from_rows(normals: ArrayLike, offsets: ArrayLike) -> Polytope:
@@ -71,7 +72,7 @@ class Polytope:
         """
         rows = as_array(normals, "normals", ("r", "n"))
         n = rows.shape[1]
-        return Polytope(np.eye(n), rows, _limits(offsets, "offsets", rows.shape[0]),
+        return Polytope(np.eye(n), rows, as_array(offsets, "offsets", rows.shape[:1], limit=np.inf),
                         np.zeros(n))
 
     @staticmethod
@@ -84,7 +85,7 @@ class Polytope:
         low, high = (as_array(v, name, (m.shape[1],))
                      for v, name in ((lower, "lower"), (upper, "upper")))
         if (low > high).any():
-            raise InvalidInput(f"lower must not exceed upper, got {low.tolist()} and {high.tolist()}")
+            raise InvalidInput(f"lower must not exceed upper, got {quoted(low)} and {quoted(high)}")
         eye = np.eye(m.shape[1])
         return Zonotope(m, np.concatenate([eye, -eye]), np.concatenate([high, -low]),
                         np.zeros(m.shape[0]))
@@ -180,13 +181,11 @@ class Polytope:
         return -float(low), float(high)
 
     # --- parts of it ------------------------------------------------------------------------------
-    @checked
     def project(self, components: Sequence[int]) -> Polytope:
         """The shadow: the chosen components of every point."""
         chosen = self._chosen(components)
         return type(self)(self.map[chosen], self.rows, self.limits, self.shift[chosen])
 
-    @checked
     def slice(self, components: Sequence[int], origin: ArrayLike = 0.0) -> Polytope:
         """The cut: the chosen components of the points whose others are those of ``origin``.
 
@@ -330,9 +329,8 @@ class Polytope:
         return as_array(x, name, (self.n,), batch=True)
 
     def _origin(self, origin: ArrayLike) -> Array:
-        if np.ndim(origin) == 0 and origin == 0:
-            return np.zeros(self.n)
-        return as_array(origin, "origin", (self.n,))
+        given = as_array(origin, "origin", (), batch=True)
+        return np.zeros(self.n) if given.ndim == given.any() == 0 else as_array(given, "origin", (self.n,))
 
     def _chosen(self, components: Sequence[int]) -> Array:
         chosen = np.asarray(components)
@@ -435,9 +433,3 @@ class Zonotope(Polytope):
         ends = np.array(list(product((0.0, 1.0), repeat=k)))
         on = ends @ (way < -SAME).T + (1 - ends) @ (way > SAME).T == 0   # farthest of all that way
         return np.asarray(ends[meet(on, found.normals)] @ edges.T)
-
-
-def _limits(value: ArrayLike, name: str, count: int) -> Array:
-    given = np.asarray(value, dtype=float)
-    as_array(np.where(np.isposinf(given), 0.0, given), name, (count,))
-    return given.copy()

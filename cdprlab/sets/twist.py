@@ -90,11 +90,10 @@ def checked_speeds(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
     """The arguments of `twist_set` as arrays; raises InvalidInput where they do not fit or a limit is negative."""
     j = as_array(J, "J", ("m", "n"))
     b = as_array(B, "B", (j.shape[0], "a"))
-    cable, base = np.asarray(speed_max, dtype=float), as_array(base_speed_max, "base_speed_max",
-                                                               (b.shape[1],))
-    as_array(np.where(np.isposinf(cable), 0.0, cable), "speed_max", (j.shape[0],), "m/s")
+    cable = as_array(speed_max, "speed_max", (j.shape[0],), "m/s", limit=np.inf)
+    base = as_array(base_speed_max, "base_speed_max", (b.shape[1],))
     if (cable < 0).any() or (base < 0).any():
-        raise InvalidInput(f"speed limits must not be negative, got {cable.tolist()} and {base.tolist()}")
+        raise InvalidInput(f"speed limits must not be negative, got {quoted(cable)} and {quoted(base)}")
     return j, b, cable, base
 
 

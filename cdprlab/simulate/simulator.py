@@ -8,12 +8,13 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_answer, as_array
-from ..errors import InvalidInput, SimulationDiverged
+from ..arrays import Array, as_answer, as_array, as_count, checked
+from ..errors import InvalidInput, SimulationDiverged, quoted
 from ..mechanics.cables import why_no_direction
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import World
+from ..world.model import check_pose
 from .state import State
 
 WOUND = ("length", "elastic")
@@ -87,13 +88,16 @@ class Simulator(ABC):
 
     # --- the interface
     # ----------------------------------------------------------------------------
+    @checked
     def reset(self, pose: Pose | None = None) -> State:
         """Put the robot at rest at a pose (default the world's), all cables whole; time starts at 0."""
+        start = self.world.pose if pose is None else pose
+        check_pose(start, self.world.robot, ("pose",))
         self.steps = 0
         self.strongest: Array | None = None
         self.cut_cables: set[int] = set()
         self.pushed: Array | None = None
-        self.place(self.world.pose if pose is None else pose)
+        self.place(start)
         return self.state()
 
     def step(self, tensions: ArrayLike, substeps: int = 1) -> None:
@@ -103,9 +107,9 @@ class Simulator(ABC):
         m = self.world.robot.n_cables
         held = as_answer(tensions, "tensions", m, "N", self.time)
         if min(held.tolist()) < 0:
-            raise InvalidInput(f"tensions must not be negative [N] (cables only pull), got {held.tolist()} "
+            raise InvalidInput(f"tensions must not be negative [N] (cables only pull), got {quoted(held.tolist())} "
                                f"at t = {self.time:.4g} s")
-        self.pull(held, _checked_substeps(substeps))
+        self.pull(held, as_count(substeps, "substeps"))
 
     def wind(self, lengths: ArrayLike, substeps: int = 1) -> bool:
         """Advance by ``substeps`` × dt while the winches bring the ropes evenly to these lengths.
@@ -117,14 +121,15 @@ class Simulator(ABC):
         if not self.is_wound:
             raise InvalidInput(f"cables={self.cables!r} takes tensions: use step(tensions), or open the simulator "
                                "with cables=\"length\"")
-        _checked_substeps(substeps)
+        as_count(substeps, "substeps")
         before = self.paid_out
         wanted = lengths if isinstance(lengths, list) else as_answer(
             lengths, "rope lengths", len(before), "m", self.time).tolist()
         try:
             after = self._reachable(wanted, substeps)
         except TypeError:   # a list of something else
-            raise InvalidInput(f"rope lengths must be {len(before)} positive numbers [m], got {wanted}") from None
+            raise InvalidInput(f"rope lengths must be {len(before)} positive numbers [m], "
+                               f"got {quoted(wanted)}") from None
         for k in range(1, substeps + 1):
             held = after if k == substeps else [a + k / substeps * (b - a)
                                                 for a, b in zip(before, after)]
@@ -154,7 +159,7 @@ class Simulator(ABC):
             else:
                 return wanted
         if len(wanted) != len(now) or not all(0 < wish < math.inf for wish in wanted):
-            raise InvalidInput(f"rope lengths must be {len(now)} positive numbers [m], got {wanted}")
+            raise InvalidInput(f"rope lengths must be {len(now)} positive numbers [m], got {quoted(wanted)}")
         # A winch exactly at its limit must not fail by rounding.
         farthest = [most * substeps + 1e-9 for most in self._most]
         reached = [min(max(wish, rope - far), rope + far)
@@ -230,15 +235,9 @@ class Simulator(ABC):
         self.close()
 
 
-def _checked_substeps(substeps: int) -> int:
-    if type(substeps) is not int or substeps < 1:
-        raise InvalidInput(f"substeps must be a whole number of at least 1, got {substeps!r}")
-    return substeps
-
-
 def cable_indices(cables: ArrayLike, m: int) -> list[int]:
     """Which of m cables are to be cut; raises InvalidInput unless they are indices from 0."""
     given = np.ravel(cables).tolist()
     if any(isinstance(i, bool) or not isinstance(i, int) or not 0 <= i < m for i in given):
-        raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {given}")
+        raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {quoted(given)}")
     return given

@@ -18,7 +18,7 @@ def batch(*, choice: str = "middle") -> BatchSolver:
     choice : "lowest" (λ_lo), "middle" or "highest" (λ_hi)
     Source: Okoli 2016, eq. (6.33); (6.34)–(6.35) ignore both limits.
     """
-    if choice not in CHOICES:
+    if not isinstance(choice, str) or choice not in CHOICES:
         raise InvalidInput(f"choice must be one of {', '.join(CHOICES)}, got {quoted(choice)}")
 
     def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageColor
 from PIL.PngImagePlugin import PngInfo
 
-from ..arrays import Array
+from ..arrays import Array, checked
 from ..errors import InvalidInput
 from ..simulate.state import State
 from ..world.files import checked_path, replaced
@@ -18,7 +18,7 @@ from ..world.model import Scene
 from .drawing import RobotDrawing
 from .outlines import landmarks
 from .picture import Picture
-from .screen import RobotScreen, robot_axes, sized_figure
+from .screen import RobotScreen, check_like, robot_axes, sized_figure
 from .style import AXIS_COLORS, INK, SLACK_COLOR, TRAIL, house_style, tension_colors
 
 Frame = NDArray[np.uint8]
@@ -46,6 +46,7 @@ def draw(state: State, width: int = 640, height: int = 480) -> Frame:
     ...     draw(engine.state(), 320, 240).shape
     (240, 320, 3)
     """
+    check_like(state, "State", "rope_lengths")
     figure = sized_figure(width, height)
     with house_style():
         axes = robot_axes(figure, state.robot.dimension)
@@ -54,6 +55,7 @@ def draw(state: State, width: int = 640, height: int = 480) -> Frame:
         return Picture(figure).pixels()
 
 
+@checked
 def save_film(run: Any, path: str | Path, seconds: float | None = None, fps: int = 12, width: int = 640) -> Path:
     """An animated GIF of a run, below ``LARGEST_FILE``.
 
@@ -64,6 +66,7 @@ def save_film(run: Any, path: str | Path, seconds: float | None = None, fps: int
     width : [pixels]
     Raises InvalidInput for a bad path or numbers that make no film.
     """
+    check_like(run, "Run", "commanded_tensions")
     lasting = float(run.time[-1]) if len(run.time) else 0.0
     length = min(lasting, _LONGEST) if seconds is None else float(seconds)
     if not (0 < length < np.inf and fps > 0):
@@ -73,6 +76,7 @@ def save_film(run: Any, path: str | Path, seconds: float | None = None, fps: int
                     length / (len(times) - 1), _caption(run))
 
 
+@checked
 def still(run: Any, path: str | Path, t: float = 0.0, width: int = 960) -> Path:
     """A PNG of a run at time ``t`` [s], laid out as a frame of the film, with a text description inside.
 
@@ -93,6 +97,7 @@ class RunScreen(RobotScreen):
     """
 
     def __init__(self, run: Any, width: int, scene: Scene | None = None, captioned: bool = False) -> None:
+        check_like(run, "Run", "commanded_tensions")
         self.run, scene = run, run.world.scene if scene is None else scene
         some = np.unique(np.linspace(0, len(run.time) - 1, 20).astype(int))
         also = [landmarks(run.robot_at(k), scene) for k in some] if run.base_poses is not None else ()

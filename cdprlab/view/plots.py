@@ -10,11 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..arrays import Array
-from ..errors import InvalidInput, quoted
+from ..arrays import Array, checked
+from ..errors import InvalidInput
 from ..run import Run
 from ..workspace.grids import axis_names
 from ..world.files import checked_path, replaced
+from .screen import check_like
 from .style import (
     AXIS_COLORS,
     AXIS_DASHES,
@@ -55,6 +56,7 @@ def plot_tracking(run: Run) -> Figure:
 
     run : Run
     """
+    check_like(run, "Run", "commanded_tensions")
     with house_style():
         rows = _tracking_rows(run)
         figure = Figure(figsize=(8.0, 1.6 + 2 * rows), layout="constrained")
@@ -68,8 +70,7 @@ def plot_tensions(run: Run) -> Figure:
     run : Run
     Raises InvalidInput for anything else.
     """
-    if not hasattr(run, "commanded_tensions"):
-        raise InvalidInput(f"plot_tensions takes a Run, got {quoted(run)}")
+    check_like(run, "Run", "commanded_tensions")
     with house_style():
         figure = Figure(figsize=(8.0, 6.4), layout="constrained")
         _tension_panels(figure.subplots(2, height_ratios=[2, 1]), run)
@@ -126,6 +127,7 @@ def plot_glance(run: Run) -> Figure:
     return figure
 
 
+@checked
 def save_figure(figure: matplotlib.figure.Figure, path: str | Path) -> Path:
     """Save a figure; its description goes into the file (PNG and SVG: Description, PDF: Subject).
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from PIL import Image, ImageColor
 
-from ..arrays import Array
+from ..arrays import Array, checked
 from ..errors import InvalidInput, needed_by
 from ..mechanics.cables import anchor_offsets
 from ..mechanics.catenary import drawn_lengths
@@ -30,6 +30,7 @@ from .outlines import (
     strung,
     surroundings,
 )
+from .screen import check_like
 from .style import FLOOR, INK, SLACK_COLOR, STEEL, TENSION_COLORS
 
 _MOST_FRAMES = 160
@@ -190,11 +191,13 @@ def states_of(run: Any) -> list[State]:
             for k in _some(len(run.time))]
 
 
+@checked
 def save_scene(run: Any, path: str | Path) -> Path:
     """A run as one HTML file of at most 3 MB that plays, and turns, wherever there is a browser.
 
     path : ends in .html
     """
+    check_like(run, "Run", "commanded_tensions")
     target = checked_path(path, ".html")
     page = MotionScene(states_of(run), f"{run.world.title}, task {run.task}").page()
     with replaced(target) as file:

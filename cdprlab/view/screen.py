@@ -10,7 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InvalidInput
+from ..arrays import as_count
+from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world.model import Scene
@@ -18,6 +19,7 @@ from .drawing import SLACK_DASHES, RobotDrawing
 from .picture import Picture
 from .style import INK, SLACK_COLOR, TRAIL, VERMILION, house_style, tension_colors
 
+_MOST = 10_000
 _WIDTH, _HEIGHT = 640, 516
 """Of a screen at its natural size [pixels]; in others everything grows alike."""
 
@@ -31,6 +33,7 @@ class Screen:
     """
 
     def __init__(self, title: str, width: int, captioned: bool = False) -> None:
+        as_count(width, "width", 16, _MOST)
         self.figure = sized_figure(width, round(_HEIGHT * width / _WIDTH), width / _WIDTH)
         self.top = 1 - (56 if captioned else 30) / _HEIGHT
         with house_style():
@@ -88,15 +91,21 @@ class RobotScreen(Screen):
         self.figure.legend(handles=keys, loc="lower right", borderaxespad=0.2, labelcolor=INK)
 
 
+def check_like(value: Any, kind: str, attribute: str) -> None:
+    """Raises InvalidInput for what has not the columns of a run, or not those of a state."""
+    if not hasattr(value, attribute):
+        raise InvalidInput(f"a {kind} is drawn here, got {quoted(value)}")
+
+
 def sized_figure(width: int, height: int, scale: float | None = None) -> Figure:
     """A figure of so many pixels.
 
     scale : of lines and letters, 1 for a picture of 640 x 480; default as large as the figure,
         at least a half
-    Raises InvalidInput below 16 x 16 pixels.
+    Raises InvalidInput below 16 x 16 pixels and above 10000 x 10000.
     """
-    if width < 16 or height < 16:
-        raise InvalidInput(f"a picture needs at least 16 x 16 pixels, got {width} x {height}")
+    for name, pixels in (("width", width), ("height", height)):
+        as_count(pixels, name, 16, _MOST)
     dpi = 100 * (scale or max(0.5, min(width / 640, height / 480)))
     # Matplotlib cuts off parts of pixels: half a one more, or rounding would lose one.
     return Figure(((width + 0.5) / dpi, (height + 0.5) / dpi), dpi=dpi)

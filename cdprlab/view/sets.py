@@ -1,7 +1,7 @@
 """Available twist and wrench sets as pictures: plane shadows and cuts, charts per axis."""
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.patches import Polygon
 from numpy.typing import ArrayLike
 
-from ..arrays import checked
+from ..arrays import Array, as_array, checked
 from ..errors import InvalidInput, quoted
 from ..robot.pattern import motion_pattern as patterns
 from .style import BLUE, CABLE_DASHES, GREEN, INK, ORANGE, VERMILION
@@ -51,13 +51,13 @@ def axis_label(name: str) -> str:
 
 
 @checked
-def draw_polygon(axes: Axes, vertices: ArrayLike, style: int = 0, label: str = "") -> Polygon:
+def draw_polygon(axes: Axes, vertices: Annotated[Array, "(v, 2)"], style: int = 0, label: str = "") -> Polygon:
     """A plane set on axes of one's own, ready to be moved by ``set_xy``.
 
     vertices : (v, 2) in order
     style : which of the colors and outlines, from 0
     """
-    patch = Polygon(np.asarray(vertices), closed=True, label=label, linewidth=1.8,
+    patch = Polygon(vertices, closed=True, label=label, linewidth=1.8,
                     linestyle=CABLE_DASHES[style % 4],
                     edgecolor=COLORS[style % 4], facecolor=to_rgba(COLORS[style % 4], 0.16))
     axes.add_patch(patch)
@@ -73,9 +73,12 @@ def draw_capability(axes: Axes, bars: Mapping[str, ArrayLike], names: Sequence[s
     names : of the axes, as `axis_names` gives them; group : indices of those that are drawn, of
         one unit
     """
+    if not bars or not len(group) or not 0 <= min(group) <= max(group) < len(names):
+        raise InvalidInput(f"group must be indices of names, 0 to {len(names) - 1}, and bars one at least; "
+                           f"got {quoted(group)} and {quoted(bars)}")
     width = 0.8 / len(bars)
     for k, (label, values) in enumerate(bars.items()):
-        heights = np.asarray(values, dtype=float)[list(group)]
+        heights = as_array(values, label, (len(names),), limit=np.inf)[list(group)]
         places = np.arange(len(group)) + (k - (len(bars) - 1) / 2) * width
         drawn = axes.bar(places, np.nan_to_num(heights), 0.92 * width, label=label,
                          color=to_rgba(COLORS[k % 4], 0.75), edgecolor=INK, linewidth=0.6,

@@ -1,5 +1,6 @@
 """Finished parts of long work on disk, each under a name that only the very same question has."""
 
+import marshal
 import pickle
 import warnings
 from contextlib import suppress
@@ -11,16 +12,22 @@ import numpy as np
 
 from ..errors import CannotWrite, InvalidInput
 from ..world.files import made_folder, replaced
+from .criterion import Criterion
 
 
 class Checkpoint:
-    """A folder of ``KEY.npz``, KEY a hash of a question and of one of its parts: anything else is answered anew."""
+    """A folder of ``KEY.npz``, KEY a hash of cdprlab itself, of a question and of one of its parts.
+
+    Anything else is answered anew.
+    """
 
     def __init__(self, folder: str | Path, *question: Any) -> None:
         self.folder = made_folder(folder)
         import hashlib  # here only: it takes a twentieth of the time of `import cdprlab`
 
         self._question = hashlib.sha256()
+        for source in sorted(Path(__file__).parents[1].rglob("*.py")):
+            self._question.update(source.read_bytes())
         _feed(self._question, question)
 
     def load(self, *part: Any) -> dict[str, Any] | None:
@@ -53,6 +60,8 @@ class Checkpoint:
 def _feed(key: Any, value: Any) -> None:
     """Everything a value consists of, into the hash; what a dataclass has worked out for itself is left out."""
     key.update(type(value).__qualname__.encode())
+    if isinstance(value, Criterion):
+        key.update(marshal.dumps(getattr(value.judge, "__code__", None), 2))   # 2: the same bytes in every process
     if isinstance(value, np.ndarray):
         key.update(f"{value.shape}{value.dtype}".encode() + np.ascontiguousarray(value).tobytes())
     elif is_dataclass(value):

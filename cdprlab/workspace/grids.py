@@ -1,14 +1,15 @@
 """Which poses are judged: grids of positions, planes among them, random and evenly spread samples."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, as_number, as_seed, checked, frozen, lasting
-from ..errors import InvalidInput
+from ..errors import InvalidInput, quoted
 from ..robot.pose import Pose
 
 MOST_POSES = 100_000_000
@@ -16,6 +17,7 @@ MOST_POSES = 100_000_000
 
 
 @lasting
+@checked
 @dataclass(frozen=True, eq=False)
 class PoseGrid:
     """Positions on a regular grid, one orientation for all; a batch of poses that exist only when asked for.
@@ -28,7 +30,7 @@ class PoseGrid:
     ((5, 3), 15, [[-1.0, 0.0, 0.5], [-1.0, 0.0, 1.0]])
     """
 
-    axes: dict[str, Array]
+    axes: Mapping[str, Array]
     origin: Pose
 
     def __post_init__(self) -> None:
@@ -48,7 +50,7 @@ class PoseGrid:
         chosen = np.unravel_index(np.arange(*index.indices(len(self))), self.shape)
         return self.poses_at(np.stack([places[at] for places, at in zip(self.axes.values(), chosen)], axis=1))
 
-    def poses_at(self, places: Array) -> Pose:
+    def poses_at(self, places: Annotated[Array, "(N, k) [m]"]) -> Pose:
         """A batch (N,) of poses from places (N, k) along the axes that vary [m]."""
         position = np.tile(self.origin.position, (len(places), 1))
         position[:, [axis_names(self.origin.dimension).index(name) for name in self.axes]] = places
@@ -62,6 +64,8 @@ class PoseGrid:
 
     def field(self, values: ArrayLike) -> Any:
         """Values of all poses, laid out over the axes."""
+        if np.shape(values) != (len(self),):
+            raise InvalidInput(f"values must be {len(self)}, one a pose, got {quoted(values)}")
         return np.asarray(values).reshape(self.shape)
 
     @cached_property
@@ -103,7 +107,7 @@ def position_grid(lower: ArrayLike, upper: ArrayLike, step: float, *,
             for k, name in enumerate(axis_names(len(low)))
             if high[k] > low[k]}
     if not axes:
-        raise InvalidInput(f"lower and upper are the same point {low.tolist()}: let at least one axis vary")
+        raise InvalidInput(f"lower and upper are the same point {quoted(low)}: let at least one axis vary")
     return PoseGrid(axes, Pose(low, rpy, angle=angle))
 
 
@@ -133,6 +137,6 @@ def corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Array, Array]:
     low = as_array(lower, "lower", ("d",), "m")
     high = as_array(upper, "upper", low.shape, "m")
     if (low > high).any() or low.size not in (2, 3):
-        raise InvalidInput(f"lower and upper must be corners of 2 or 3 numbers, lower first [m], got {low.tolist()} "
-                           f"and {high.tolist()}")
+        raise InvalidInput(f"lower and upper must be corners of 2 or 3 numbers, lower first [m], got {quoted(low)} "
+                           f"and {quoted(high)}")
     return low, high

@@ -47,7 +47,6 @@ class InterferenceFree(Criterion):
     root: float | None = None
     unit = "m"
 
-    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         clearance = as_number(self.clearance, "clearance", "m", minimum=0.0)
         found = [np.full((*poses.batch_shape, 1), np.inf)]

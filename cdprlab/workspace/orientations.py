@@ -38,7 +38,6 @@ class AllOrientations(Criterion):
     def unit(self) -> str:  # type: ignore[override]
         return self.criterion.unit
 
-    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         planar = robot.dimension == 2
         given: Array = as_array(self.orientations, "orientations",

@@ -37,7 +37,6 @@ class StaticallyStable(Criterion):
     least: float = 0.0
     unit = "N/m"
 
-    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
         found = distribute_tensions(W, np.broadcast_to(weight, W.shape[:-1]), robot.tension_min,

@@ -25,6 +25,7 @@ from .criterion import Criterion, Judgement, unknown
 from .margins import PARALLEL, tension_margins
 
 
+@checked
 @dataclass(frozen=True)
 class WrenchClosure(Criterion):
     """Every wrench can be exerted by tensions large enough: W has full rank and an all-positive null vector.
@@ -37,7 +38,6 @@ class WrenchClosure(Criterion):
 
     unit = ""
 
-    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         W = wrench_matrix(robot, poses)
         n, m = W.shape[-2:]
@@ -69,7 +69,6 @@ class WrenchFeasible(Criterion):
     by: str | None = None
     unit = "N"
 
-    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
         low, high = robot.tension_min, robot.tension_max
@@ -87,6 +86,7 @@ class WrenchFeasible(Criterion):
         return self.by == "facets" or (self.by is None and self.half_widths is not None)
 
 
+@checked
 @dataclass(frozen=True)
 class StaticEquilibrium(Criterion):
     """Cables that only pull, however hard, balance the weight: no tension is too large for the verdict.
@@ -97,7 +97,6 @@ class StaticEquilibrium(Criterion):
 
     unit = "N"
 
-    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         from scipy.optimize import nnls
 
@@ -125,7 +124,6 @@ class DynamicEquilibrium(Criterion):
     accelerations: ArrayLike
     unit = "N"
 
-    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         half = as_array(self.accelerations, "accelerations", (robot.n_dof,), "m/s², rad/s²")
         W, weight, M = wrench_matrix(robot, poses), gravity_wrench(robot, poses), mass_matrix(robot, poses)
@@ -135,6 +133,7 @@ class DynamicEquilibrium(Criterion):
         return _balanced(robot, W, weight, -np.array([M @ corner for corner in corners]), margin)
 
 
+@checked
 @dataclass(frozen=True)
 class TippingSafe(Criterion):
     """Tensions within the limits balance the weight and leave every mobile base standing.
@@ -146,8 +145,9 @@ class TippingSafe(Criterion):
 
     unit = "N m"
 
-    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
+        if len(poses.batch_shape) != 1:
+            raise InvalidInput(f"TippingSafe judges a row of poses, got {poses!r}")
         rows = tipping_rows(robot, poses)
         if not rows:
             raise InvalidInput("tipping needs bases with a footprint; this robot has none")

@@ -40,7 +40,6 @@ class TwistFeasible(Criterion):
     pivot: Pivot = "base"
     unit = "m/s"
 
-    @checked
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         if (self.twists is None) == (self.half_widths is None):
             raise InvalidInput("TwistFeasible takes twists or half_widths, one of the two")

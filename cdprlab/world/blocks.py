@@ -385,7 +385,9 @@ class TaskBlock(Block):
     def task(self, pose: Pose, robot: Robot) -> Task:
         """The task of a robot that stands at a pose: there it starts, and there it ends, if it names no other."""
         words: Words = {"start": pose} | self.part(robot.dimension)
-        return self.sort(**{"end": words["start"]} | words)
+        task = self.sort(**{"end": words["start"]} | words)
+        task.check(robot)
+        return task
 
     @staticmethod
     def described(part: Task) -> Words:
@@ -468,14 +470,6 @@ class PickAndPlaceTask(TaskBlock):
     place: Triple
     """center of the box's place [m]"""
     gripper: GripperBlock
-
-    def task(self, pose: Pose, robot: Robot) -> Task:
-        if robot.dimension == 2 or not robot.bases:
-            raise InvalidInput("pick_and_place needs a spatial robot with mobile bases", ("kind",))
-        if self.coupled:
-            with under("coupled", "base"):
-                robot.base(self.coupled.base)
-        return super().task(pose, robot)
 
     @classmethod
     def of(cls, part: Any) -> Words:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
-from ruamel.yaml.constructor import DuplicateKeyError
+from ruamel.yaml.constructor import DuplicateKeyError, RoundTripConstructor
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.representer import RoundTripRepresenter
 from ruamel.yaml.resolver import implicit_resolvers
@@ -18,35 +18,35 @@ from ruamel.yaml.scalarfloat import ScalarFloat
 from ruamel.yaml.scalarint import BinaryInt, HexCapsInt, HexInt, OctalInt, ScalarInt
 from ruamel.yaml.tokens import CommentToken
 
-from ..errors import Location, WorldError, shortened
+from ..errors import Location, WorldError, quoted, shortened
 
 LONGEST = 1_000_000
 """Characters of a world file."""
 _DEEPEST = 30
-_MOST_VALUES = 20_000
+_MOST_VALUES = 8_000
 
 
 def parsed(text: str, path: str) -> Any:
     """The document of a text in YAML; raises WorldError naming ``path`` and line."""
-    if len(text) > LONGEST or sum(map(text.count, "[{,:\n")) > _MOST_VALUES:
-        raise WorldError([f"{path}: too long for a world: at most {LONGEST} characters and {_MOST_VALUES} lines, "
-                          "commas, colons and brackets"])
+    if len(text) > LONGEST or max(len(text.split()), sum(map(text.count, "[{,:\n"))) > _MOST_VALUES:
+        raise WorldError([f"{path}: too long for a world: at most {LONGEST} characters, {_MOST_VALUES} words and "
+                          f"{_MOST_VALUES} lines, commas, colons and brackets"])
     try:
         return _yaml().load(text)
     except DuplicateKeyError as error:
         key = str(error.problem).split('"')[1]
         where = place_text((*_cable_at(text, error.problem_mark.index), key))
-        problem = f":{error.problem_mark.line + 1}: {where}: this key stands here twice; keep one"
+        problem = f":{error.problem_mark.line + 1}: {shortened(where)}: this key stands here twice; keep one"
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = f":{mark.line + 1}" if mark else ""
-        problem = f"{line}: not valid YAML: {error.problem or error.context}"
+        problem = f"{line}: not valid YAML: {shortened(error.problem or error.context)}"
     except YAMLError as error:
         problem = f": not valid YAML: {str(error).splitlines()[0]}"
     except RecursionError:
         problem = _TOO_DEEP
-    except Exception as error:   # what a date, a number or a tag has in it that Python cannot make of it
-        problem = f": not valid YAML: {shortened(f'{type(error).__name__}: {error}')}"
+    except Exception as error:   # of ruamel's own
+        problem = f": not valid YAML: {shortened(str(error))}"
     raise WorldError([path + problem])
 
 
@@ -198,6 +198,21 @@ def _cable_at(text: str, index: int) -> Location:
     return ()
 
 
+class _Constructor(RoundTripConstructor):
+    """Names the line of what Python cannot make of a date, a number or a tag."""
+
+    def construct_object(self, node: Any, deep: bool = False) -> Any:
+        kind = node.tag.rpartition(":")[2]
+        try:
+            if kind in ("int", "float") and node.value.endswith("_"):   # 1_ is no 1
+                raise ValueError
+            return super().construct_object(node, deep)
+        except (YAMLError, RecursionError):
+            raise
+        except Exception:
+            raise MarkedYAMLError(problem=f"{quoted(node.value)} is no {kind}", problem_mark=node.start_mark) from None
+
+
 class _Representer(RoundTripRepresenter):
     """Writes numbers and texts so that readers of YAML 1.1 (PyYAML) take them for what they are, too."""
 
@@ -232,7 +247,9 @@ def _with_point_and_sign(number: str) -> str:
 
 def _yaml() -> YAML:
     yaml = YAML(typ="rt")
+    yaml.Constructor = _Constructor
     yaml.Representer = _Representer
+    yaml.composer.warn_double_anchors = False
     yaml.width = 120
     yaml.indent(mapping=2, sequence=4, offset=2)
     return yaml

@@ -3,11 +3,12 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from ..arrays import Array, as_array, as_number, checked, lasting
-from ..errors import InvalidInput, quoted
+from ..errors import InvalidInput, Location, quoted, under
 from ..mechanics.trajectory import Trajectory, quintic
+from ..robot import Robot
 from ..robot.pose import Pose, turned_to
 
 NAME = re.compile(r"[A-Za-z0-9_\-]+")
@@ -51,6 +52,12 @@ class Scene:
     boxes: tuple[Box, ...]
 
 
+def check_pose(pose: Pose, robot: Robot, location: Location) -> None:
+    """Raises InvalidInput unless a robot can be there at all."""
+    if pose.batch_shape or pose.dimension != robot.dimension:
+        raise InvalidInput(f"{location[-1]} must be a single {robot.pattern.engine} pose, got {pose!r}", location)
+
+
 @lasting
 @checked
 @dataclass(frozen=True, eq=False)
@@ -71,11 +78,20 @@ class Task:
         as_number(self.duration, "duration", "s", positive=True, location=("duration",))
         as_number(self.hold, "hold", "s", minimum=0.0, location=("hold",))
 
+    def check(self, robot: Robot) -> None:
+        """Raises InvalidInput for a robot that cannot do it."""
+        check_pose(self.start, robot, ("from",))
+        check_pose(self.end, robot, ("to",))
+
     def trajectory(self) -> Trajectory:
         """The reference motion, without the hold at its end."""
         return quintic(self.start, self.end, self.duration)
 
 
+Spot = Annotated[Array, "(3,) [m, tilt: rad]"]
+
+
+@checked
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PickAndPlace(Task):
     """Take a box from where it stands to its place: a job of many phases, see `picking`.
@@ -93,13 +109,13 @@ class PickAndPlace(Task):
     """
 
     duration: float = 1.0
-    box_size: Array
+    box_size: Spot
     box_mass: float
-    box_position: Array
-    place: Array
-    seat: Array
-    stroke: Array
-    tilt: Array
+    box_position: Spot
+    place: Spot
+    seat: Spot
+    stroke: Spot
+    tilt: Spot
     clearance: float
     kinds = ("pick_and_place",)
     coupled: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
@@ -107,8 +123,17 @@ class PickAndPlace(Task):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        as_number(self.box_mass, "box_mass", "kg", positive=True)
         if not self.stroke.any():
             raise InvalidInput("the stroke must not be zero", ("gripper", "stroke"))
+
+    def check(self, robot: Robot) -> None:
+        super().check(robot)
+        if robot.dimension == 2 or not robot.bases:
+            raise InvalidInput("pick_and_place needs a spatial robot with mobile bases", ("kind",))
+        for name in self.coupled:
+            with under("coupled", "base"):
+                robot.base(name)
 
     def trajectory(self) -> Trajectory:
         raise InvalidInput("a pick_and_place task is no single motion: use cdprlab.fastkit.pick_and_place(world)")

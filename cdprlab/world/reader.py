@@ -33,7 +33,7 @@ def read(document: Any, path: str) -> dict[str, Any]:
     try:
         words = WorldFile.model_validate(content, context=d).part(d)
     except ValidationError as refused:
-        found = [_Mistake(document, error) for error in refused.errors()]
+        found = [_Mistake(document, error) for error in refused.errors()[:100]]
         raise WorldError([mistake.line(path) for mistake in _distinct(found)]) from None
     return words | {"document": document if hasattr(document, "lc") else styled(content)}
 

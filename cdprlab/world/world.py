@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from ..arrays import checked, lasting
-from ..errors import InvalidInput, Location, WorldError, quoted, shortened
+from ..errors import InvalidInput, WorldError, quoted, shortened, under
 from ..robot import Robot
 from ..robot.pose import Pose
 from .files import checked_path, write_text
-from .model import NAME, Scene, Task
+from .model import NAME, Scene, Task, check_pose
 
 # Blocks and documents (pydantic, ruamel) are imported when needed: they would double the time
 # of `import cdprlab`.
@@ -48,12 +48,10 @@ class World:
         if not NAME.fullmatch(self.name):
             raise InvalidInput(f"a world's name must be one word of letters, digits, _ and -, got {quoted(self.name)}",
                                ("name",))
-        poses: dict[Location, Pose] = {("platform", "pose"): self.pose}
+        check_pose(self.pose, self.robot, ("platform", "pose"))
         for name, task in self.tasks.items():
-            poses |= {("tasks", name, "from"): task.start, ("tasks", name, "to"): task.end}
-        for location, pose in poses.items():
-            if pose.batch_shape or pose.dimension != self.robot.dimension:
-                raise InvalidInput(f"{location[-1]} must be a single {self.engine} pose, got {pose!r}", location)
+            with under("tasks", name):
+                task.check(self.robot)
 
     @classmethod
     def from_dict(cls, document: Mapping[str, Any], *, path: str = "world") -> World:
@@ -66,7 +64,6 @@ class World:
         return cls(**read(document, path))
 
     @classmethod
-    @checked
     def from_yaml(cls, text: str, *, path: str = "world") -> World:
         """A world from the text of a world file.
 
@@ -77,15 +74,15 @@ class World:
         8
         """
         from .document import parsed
+        from .reader import read
 
-        return cls.from_dict(parsed(text, path), path=path)
+        return cls(**read(parsed(text, path), path))
 
     @property
     def engine(self) -> str:
         """"planar" (pymunk) or "spatial" (PyBullet)."""
         return self.robot.pattern.engine
 
-    @checked
     def idle_keys(self, cables: str = "tension", *, driven: bool = False, bodies: bool = False,
                   sensed: bool = False) -> tuple[str, ...]:
         """Keys of its file that a run with these cables takes no notice of; methods, sets and jobs may.
@@ -107,14 +104,13 @@ class World:
                 **dict.fromkeys(("bases.mass", "bases.center_of_mass", "bases.footprint"), bodiless)}
         return tuple(key for key, unheard in idle.items() if unheard)
 
-    @checked
     def task(self, name: str = "default") -> Task:
         """The task of that name; raises InvalidInput naming those there are."""
         if name not in self.tasks:
-            raise InvalidInput(f"world {self.name!r} has no task {quoted(name)}; there are {', '.join(self.tasks)}")
+            raise InvalidInput(f"world {self.name!r} has no task {quoted(name)}; there are "
+                               f"{shortened(', '.join(self.tasks))}")
         return self.tasks[name]
 
-    @checked
     def save(self, path: str | Path) -> Path:
         """Write the world file as the world is now: a changed robot or pose too, comments of its file kept.
 

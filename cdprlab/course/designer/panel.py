@@ -10,6 +10,7 @@ from typing import Any
 import ipywidgets
 import numpy as np
 
+from ...arrays import checked
 from ...run import Run
 from ...tensions import tension_methods
 from ...view.notebook import picture_tag
@@ -313,6 +314,7 @@ class RobotDesigner(Shown):
             upload.value = ()  # the same file may be uploaded again
 
 
+@checked
 def robot_designer(world: World | str = _START, brief: Brief | None = None) -> RobotDesigner:
     """Edit a robot's world file field by field; picture, workspace slice, stiffness and warnings follow at once.
 

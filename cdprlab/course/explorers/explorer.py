@@ -48,6 +48,7 @@ def once_a_move(work_out: Callable[[Any, Values], Answer]) -> Callable[[Any, Val
     return remembered
 
 
+@checked
 @dataclass(frozen=True)
 class Slider:
     """A number to be moved.
@@ -85,7 +86,7 @@ class Slider:
         """The value as a number; raises InvalidInput outside the range."""
         # Rounding in a range's end must not refuse the end itself.
         slack = 1e-9 * (self.high - self.low)
-        if not (isinstance(value, int | float) or hasattr(value, "__float__")) \
+        if not isinstance(value, int | float | np.number) \
                 or not self.low - slack <= float(value) <= self.high + slack:
             raise InvalidInput(f"{self.name} must be between {self.low:g} and {self.high:g} {self.unit}".rstrip()
                                + f", got {quoted(value)}")
@@ -266,7 +267,6 @@ class Explorer(Shown):
         """Back to the start."""
         self.set(**self._start_values)
 
-    @checked
     def on_move(self, callback: Callable[[Values], Any]) -> Callable[[], None]:
         """Call ``callback(values)`` after every answer; returns what ends that."""
         self._callbacks.append(callback)

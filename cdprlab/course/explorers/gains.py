@@ -1,11 +1,10 @@
 """Gains and clock at one's fingertips: how an error dies out under K_p and K_d, sampled every Δt."""
 
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
-from numpy.typing import ArrayLike
 
 from ...arrays import Array, checked
 from ...view.style import BLUE, GREY, INK, VERMILION
@@ -79,7 +78,7 @@ def sampled_error(kp: float, kd: float, dt: float, count: int) -> Array:
 
 
 @checked
-def error_decay(kp: float, kd: float, times: ArrayLike) -> Array:
+def error_decay(kp: float, kd: float, times: Annotated[Array, "(…) [s]"]) -> Array:
     """e(t) of ë + K_d ė + K_p e = 0 with e(0) = 1, ė(0) = 0: what an infinitely fast clock would give.
 
     kp, kd : K_p ≥ 0, K_d ≥ 0 [1/s²], [1/s]
@@ -89,14 +88,13 @@ def error_decay(kp: float, kd: float, times: ArrayLike) -> Array:
     >>> error_decay(100.0, 20.0, [0.0, 0.1]).round(4)
     array([1.    , 0.7358])
     """
-    t = np.asarray(times, dtype=float)
     half, root = kd / 2, np.emath.sqrt(kd**2 / 4 - kp)
     if abs(root) < 1e-6 * (1 + half):
-        return (1 + half * t) * np.exp(-half * t)
+        return (1 + half * times) * np.exp(-half * times)
     slow, fast = -half + root, -half - root
     if slow.imag == 0 and half > 0:
         slow = kp / fast  # no cancellation
-    return np.real((fast * np.exp(slow * t) - slow * np.exp(fast * t)) / (fast - slow))
+    return np.real((fast * np.exp(slow * times) - slow * np.exp(fast * times)) / (fast - slow))
 
 
 def damping_ratio(kp: float, kd: float) -> float:

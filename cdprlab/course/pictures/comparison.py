@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import checked
+from ...arrays import Array, as_array, checked
 from ...errors import InvalidInput
 from ...view.plots import Figure
 from ...view.style import CABLE_DASHES, INK, cable_style, house_style
 
 
 @checked
-def plot_comparison(x: ArrayLike, pairs: Mapping[str, tuple[ArrayLike, ArrayLike]], xlabel: str,
+def plot_comparison(x: Annotated[Array, "(N,)"], pairs: Mapping[str, tuple[ArrayLike, ArrayLike]], xlabel: str,
                     ylabel: str,
                     title: str = "", names: tuple[str, str] = ("engine", "formula")) -> Figure:
     """Two panels: each pair as a wide band (first) under a thin line (second); below, the second minus the first.
@@ -33,21 +33,20 @@ def plot_comparison(x: ArrayLike, pairs: Mapping[str, tuple[ArrayLike, ArrayLike
     import matplotlib.pyplot as plt
 
     figure: Any
-    along = np.asarray(x, float)
     with house_style():
         figure, (above, below) = plt.subplots(2, 1, FigureClass=Figure, figsize=(7, 5),
                                               sharex=True, layout="constrained", height_ratios=(3, 2))
         for index, (label, pair) in enumerate(pairs.items()):
-            first, second = (np.asarray(values, float) for values in pair)
-            if not first.shape == second.shape == (along.size,):
-                raise InvalidInput(f"{label!r} must have one value for each x, {along.shape}, got shapes "
+            first, second = (as_array(values, label, ("N",), limit=np.inf) for values in pair)
+            if not first.shape == second.shape == (x.size,):
+                raise InvalidInput(f"{label!r} must have one value for each x, {x.shape}, got shapes "
                                    f"{first.shape} and {second.shape}")
             color, dashes = cable_style(index).color, CABLE_DASHES[index % len(CABLE_DASHES)]
-            above.plot(along, first, color=color, linewidth=6, alpha=0.3, solid_capstyle="butt",
+            above.plot(x, first, color=color, linewidth=6, alpha=0.3, solid_capstyle="butt",
                        label=f"{label}, {names[0]}")
-            above.plot(along, second, color=INK, linewidth=1.2, linestyle=dashes,
+            above.plot(x, second, color=INK, linewidth=1.2, linestyle=dashes,
                        label=f"{label}, {names[1]}")
-            below.plot(along, second - first, color=color, linestyle=dashes, label=label)
+            below.plot(x, second - first, color=color, linestyle=dashes, label=label)
         above.set(ylabel=ylabel, title=title)
         above.legend()
         below.axhline(0, color=INK, linewidth=0.8)

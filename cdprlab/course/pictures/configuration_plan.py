@@ -13,8 +13,10 @@ from ...configurations.classify import INSIDE, OUTSIDE, UNCERTAIN, classify_conf
 from ...configurations.configuration import Configuration, triplets
 from ...configurations.region import region
 from ...configurations.sequence import ConfigurationSequence
+from ...errors import InvalidInput
 from ...robot import Robot
 from ...view.plots import Figure
+from ...view.screen import check_like
 from ...view.style import BLUE, GREY, INK, ORANGE, VERMILION, cable_style, house_style
 from .panels import draw_exit_points, label
 
@@ -66,7 +68,7 @@ def plot_sequences(robot: Robot, sequences: Sequence[ConfigurationSequence], tit
         panels = np.ravel(figure.subplots(1, max(len(sequences), 1), sharey=True,
                                           squeeze=False))
         for panel, sequence, title in zip(panels, sequences,
-                                          titles or [str(s) for s in sequences]):
+                                          list(titles) or [str(s) for s in sequences]):
             draw_room(panel, robot)
             fill_sequence(panel, robot, sequence)
             panel.set_title(title, fontsize=11)
@@ -75,12 +77,17 @@ def plot_sequences(robot: Robot, sequences: Sequence[ConfigurationSequence], tit
     return figure
 
 
-def plot_flight(run: Any, planned: ArrayLike, taut: ArrayLike) -> Figure:
+@checked
+def plot_flight(run: Any, planned: Sequence[Sequence[bool]], taut: Sequence[Sequence[bool]]) -> Figure:
     """How far the load was off the planned motion, and which cables carried, over time.
 
     run : Run; planned, taut : (N, m) which cables the plan lets carry, and which did
     """
     plan, did = np.asarray(planned, dtype=bool), np.asarray(taut, dtype=bool)
+    check_like(run, "Run", "position_errors")
+    if not (plan.ndim == 2 and plan.shape == did.shape and len(plan) == len(run.time)):
+        raise InvalidInput(f"planned and taut must have a row a step, {len(run.time)}, and a column a cable, "
+                           f"got shapes {plan.shape} and {did.shape}")
     off, time = 1e3 * run.position_errors, run.time
     with house_style():
         figure = Figure(figsize=(8.0, 4.4), layout="constrained")

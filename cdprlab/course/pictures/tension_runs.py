@@ -8,6 +8,7 @@ from matplotlib.lines import Line2D
 
 from ...arrays import checked
 from ...errors import InvalidInput
+from ...run import Run
 from ...view.plots import Figure
 from ...view.style import CABLE_DASHES, INK, cable_style, house_style
 
@@ -16,13 +17,13 @@ _MARKERS = 12
 
 
 @checked
-def plot_tension_runs(runs: Sequence[Any]) -> Figure:
+def plot_tension_runs(runs: Sequence[Run]) -> Figure:
     """Tensions of each run above; below, what cables carried beyond the command, and how far the platform was off.
 
     runs : of the same task, by different methods
     Raises InvalidInput where their times differ, or tensions were not commanded.
     """
-    if not runs or any(run.time.shape != runs[0].time.shape or run.commanded_lengths is not None
+    if not len(runs) or any(run.time.shape != runs[0].time.shape or run.commanded_lengths is not None
                        for run in runs):
         raise InvalidInput("plot_tension_runs takes runs of one duration with commanded tensions, got "
                            + (", ".join(f"{run.method} {run.time.size} steps" for run in runs) or "none"))

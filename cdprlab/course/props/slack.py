@@ -1,6 +1,6 @@
 """How much slack makes a configuration certain."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,7 @@ from ...robot import Robot
 
 
 @checked
-def slack_length(robot: Robot, position: ArrayLike, configuration: Iterable[int],
+def slack_length(robot: Robot, position: ArrayLike, configuration: Sequence[int],
                  length_error: float = 0.01, *,
                  exit_uncertainty: float = 0.0) -> float:
     """The smallest length, added to every other cable, that leaves only one configuration compatible [m].

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...robot.pose import Pose
 from ...run import Run
 from ...run.log import write_rows
@@ -105,6 +105,7 @@ class Job(Chronicle, Run):
         return target
 
 
-def least_edge_loads(wheels: Array) -> Array:
+@checked
+def least_edge_loads(wheels: Annotated[Array, "(N, p, k) [N]"]) -> Array:
     """(N, p) what the two wheels of a base's least loaded edge carry, from (N, p, k) wheel loads [N]."""
     return np.asarray((wheels + np.roll(wheels, -1, axis=-1)).min(axis=-1))

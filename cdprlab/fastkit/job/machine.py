@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...arrays import Array, checked
+from ...arrays import Array, checked, lasting
 from ...robot.pose import Pose
 from ..events import DONE, STOPPED, Event
 
@@ -14,6 +14,7 @@ SETTLING = 0.1
 """[s] the engine's wheels take to find the floor."""
 
 
+@lasting
 class Readings(NamedTuple):
     """What the machine may look at.
 

@@ -18,7 +18,7 @@ from ..navigation.driving import Pair, Walker
 from ..navigation.hall import Hall
 from ..navigation.laser import Scanner
 from ..navigation.vehicle import Vehicle
-from ..plane import placed, relative
+from ..plane import Motion, placed, relative
 
 _STEP = 4e-3      # s of the engine
 _AT_ONCE = 5      # of its steps in one call
@@ -50,8 +50,7 @@ class EnginePair(Pair):
                         "wheels": (self._wheels().shape, "N"),
                         "tilts": ((), "rad")})
 
-    @checked
-    def move(self, twist: Array, period: float) -> None:
+    def move(self, twist: Motion, period: float) -> None:
         engine = self.engine
         engine.drive([*self.vehicle.base_speeds(twist), 0, 0, 0])
         for _ in range(round(period / _STEP / _AT_ONCE)):
@@ -59,14 +58,13 @@ class EnginePair(Pair):
         self.pose = self.vehicle.pose_of(engine.base_poses[0])
         self.log.keep(engine.tensions, self._wheels(), engine.tilts.max())
 
-    def drive(self, twist: Array, period: float) -> Array:
+    def drive(self, twist: Motion, period: float) -> Array:
         step = super().drive(twist, period)
         b = self.engine.bullet
         for walker, body in zip(self.walkers, self._bodies):
             b.resetBasePositionAndOrientation(body, [*walker.place, _TALL / 2], STRAIGHT)
         return step
 
-    @checked
     def rays(self, scanner: Scanner) -> Array:
         """Beams are ray tests against everything solid, people included."""
         origin, directions = scanner.beams_from(self.pose)

@@ -12,6 +12,7 @@ from ..job.job_record import Job
 from ..navigation.journey import Journey
 
 
+@checked
 @dataclass
 class Mission(Chronicle):
     """What happened, state by state.
@@ -48,7 +49,6 @@ class Mission(Chronicle):
         """Simulated time so far [s]."""
         return sum(float(part.time[-1]) for part in self.parts.values())
 
-    @checked
     def when(self, begins: str) -> float:
         """When the job first was in that state of its own; now, if it never was, or there is no job [s]."""
         if self.job is None or self.journey is None:

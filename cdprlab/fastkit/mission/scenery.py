@@ -1,6 +1,7 @@
 """The hall around a world's shelf: walls and pallets as parts of its scene."""
 
 from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +14,7 @@ _WALLS, _PALLET = ("north wall", "south wall", "west wall", "east wall"), "palle
 
 
 @checked
-def in_hall(world: World, bounds: ArrayLike, pallets: ArrayLike = (),
+def in_hall(world: World, bounds: ArrayLike, pallets: Annotated[ArrayLike, "(k, 5) [m, rad]"] = (),
             height: float = 1.2) -> World:
     """A world with walls around the floor and pallets on it.
 

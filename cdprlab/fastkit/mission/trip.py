@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, checked
+from ...arrays import Array, checked, lasting
+from ...errors import InvalidInput
 from ...run.log import Log
 from ...world import World
 from ...world.model import PickAndPlace
@@ -33,6 +34,7 @@ def watch(_: Mission) -> None:
     """Nothing is done: the pair stands, or the job that an earlier state began goes on by itself."""
 
 
+@lasting
 @checked
 @dataclass(frozen=True, eq=False)
 class Trip:
@@ -63,17 +65,16 @@ class Trip:
         """(3,) where the straight way into the berth, and out of it, begins [m, m, rad]."""
         return np.asarray(placed(self.berth, [self.station])[0])
 
-    @checked
     def drive_there(self, mission: Mission) -> None:
         """Navigate to the berth in the engine, the true start a little off the one told."""
         truly = self.start + np.random.default_rng(mission.seed).uniform(-1, 1, 3) * [0.08, 0.08, 0.04]
         mission.journey, mission.drive = self._navigate(mission, truly, self.start, self.gate,
                                                         berth=self.berth, seed=mission.seed)
 
-    @checked
     def drive_home(self, mission: Mission) -> None:
         """Navigate back from where the bases have come together; what the pair believed there, it believes still."""
-        assert mission.journey is not None and mission.job is not None
+        if mission.journey is None or mission.job is None:
+            raise InvalidInput("a mission drives home after its journey and its job, which this one has not made")
         truly = self._pair.pose_of(mission.job.base_poses[-1, 0])
         doubt = mission.journey.deviations[-1] + COUPLED
         mission.way_home, mission.drive_home = self._navigate(mission, truly,
@@ -100,14 +101,14 @@ class Trip:
         tell, before = self.progress, mission.now
         return None if tell is None else lambda part: tell(mission.state, before + part)
 
-    @checked
     def arrived(self, mission: Mission) -> World:
         """The world with its bases as the pair truly stands, and deploys from there straight on.
 
         That is what calibrating the exit points on the spot would give; the shelf stays where
         it is.
         """
-        assert mission.journey is not None
+        if mission.journey is None:
+            raise InvalidInput("a mission arrives after its journey, which this one has not made")
         berth, stands = self.berth, mission.journey.poses[-1]
         coupled = {name: shifted(place, berth, stands)
                    for name, place in self.task.coupled.items()}
@@ -116,7 +117,6 @@ class Trip:
         return replace(self.world, robot=self.world.robot.with_bases(deployed),
                        tasks={mission.task: replace(self.task, coupled=coupled)})
 
-    @checked
     def work_there(self, mission: Mission, work: Work | None = None) -> None:
         """Do the work where the pair stands; None: `pick_and_place`, and fold."""
         there, tell = self.arrived(mission), self.told(mission)

@@ -7,7 +7,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array, as_seed, checked
-from ..plane import checked_pose, moved, off_rectangles, point_distance, rectangle_distance, step_between, turn
+from ..plane import (
+    Motion,
+    Place,
+    Spots,
+    checked_pose,
+    moved,
+    off_rectangles,
+    point_distance,
+    rectangle_distance,
+    step_between,
+    turn,
+)
 from .hall import Hall
 from .laser import Scanner, cast
 from .localization import Odometry
@@ -15,7 +26,7 @@ from .vehicle import Vehicle
 
 
 @checked
-@dataclass
+@dataclass(eq=False)
 class Walker:
     """A person who walks to and fro, and stops before walking into a machine.
 
@@ -37,8 +48,7 @@ class Walker:
         self.place, self.onward = np.array(self.way[0]), 1
         self.waited, self.turned = 0.0, 0
 
-    @checked
-    def walk(self, period: float, pose: ArrayLike, size: ArrayLike) -> None:
+    def walk(self, period: float, pose: Place, size: Spots) -> None:
         """Walk on for a period [s], minding a machine at pose (3,), (2,) along and across [m]."""
         left = self.way[self.onward] - self.place
         far = float(np.linalg.norm(left))
@@ -73,6 +83,7 @@ class Walker:
                 self.place = backs[free.argmax()]
 
 
+@checked
 class Pair(ABC):
     """A coupled pair among people, which can be told to drive, and tells what it notices.
 
@@ -90,14 +101,14 @@ class Pair(ABC):
         self._random = np.random.default_rng(as_seed(seed))
 
     @abstractmethod
-    def move(self, twist: Array, period: float) -> None:
+    def move(self, twist: Motion, period: float) -> None:
         """Drive on at (v_x, v_y, ω) for a while; ``pose`` is then another."""
 
     @abstractmethod
     def rays(self, scanner: Scanner) -> Array:
         """(beams,) how far the scanner's beams truly go, inf beyond its range [m]."""
 
-    def drive(self, twist: Array, period: float) -> Array:
+    def drive(self, twist: Motion, period: float) -> Array:
         """Drive on for a while, people walking; returns the step (dx, dy, dθ) the wheels say it was."""
         before = self.pose
         self.move(twist, period)
@@ -121,7 +132,7 @@ class KinematicPair(Pair):
     """A pair that drives exactly as told, and whose beams end where geometry says."""
 
     @checked
-    def move(self, twist: Array, period: float) -> None:
+    def move(self, twist: Motion, period: float) -> None:
         self.pose = moved(self.pose, self.vehicle.within_limits(twist), period)
 
     @checked

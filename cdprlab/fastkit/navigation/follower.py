@@ -1,10 +1,10 @@
 """Following a plan within the bases' speed limits, and never closer to what is in the way than a safe distance."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ...arrays import Array, checked
-from ..plane import carried, difference, moved, relative
+from ...errors import InvalidInput
+from ..plane import NO_POINTS, Place, Scan, Way, carried, difference, moved, relative
 from .planner import between
 from .vehicle import Vehicle
 
@@ -35,20 +35,20 @@ class Follower:
     from driving on.
     """
 
-    def __init__(self, vehicle: Vehicle, poses: ArrayLike, around: ArrayLike = ()) -> None:
-        self.around = np.asarray(around, dtype=float).reshape(-1, 2)
-        self.vehicle, way = vehicle, np.asarray(poses, dtype=float)
-        pieces = [between(a, b, 0.01, 0.01)[1:] for a, b in zip(way, way[1:])]
-        self.way = np.concatenate([way[:1], *pieces])
+    def __init__(self, vehicle: Vehicle, poses: Way, around: Scan = NO_POINTS) -> None:
+        if not len(poses):
+            raise InvalidInput("poses must be one at least: the plan has no way")
+        self.vehicle, self.around = vehicle, around
+        pieces = [between(a, b, 0.01, 0.01)[1:] for a, b in zip(poses, poses[1:])]
+        self.way = np.concatenate([poses[:1], *pieces])
         self.aim, self.twist, self.blocked = 0, np.zeros(3), False
 
-    def arrived(self, pose: ArrayLike) -> bool:
+    def arrived(self, pose: Place) -> bool:
         """Whether the vehicle is at the plan's end, and slow."""
         there = (np.abs(difference(self.way[-1], pose)) <= ARRIVED).all()
         return bool(there and np.abs(self.twist).max() < 0.02)
 
-    @checked
-    def command(self, pose: ArrayLike, unexpected: Array, period: float) -> Array:
+    def command(self, pose: Place, unexpected: Scan, period: float) -> Array:
         """(3,) v_x, v_y, ω of the next period, in the vehicle's frame [m/s, rad/s].
 
         pose : (3,) where the vehicle believes to be
@@ -77,7 +77,7 @@ class Follower:
         self.blocked = share == 0.0
         return self.twist
 
-    def _wanted_distances(self, pose: ArrayLike, points: Array) -> Array:
+    def _wanted_distances(self, pose: Place, points: Array) -> Array:
         """(u,) how far to stay from each point [m]."""
         if not (len(points) and len(self.around)):
             return np.full(len(points), STOP_DISTANCE)

@@ -8,11 +8,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, Flags, as_array, checked, frozen
+from ...arrays import Array, Flags, as_array, checked, frozen, lasting
 from ...world import World
-from ..plane import edges, point_distance, rectangle
+from ..plane import Spots, edges, point_distance, rectangle
 
 
+@lasting
+@checked
 @dataclass(frozen=True, eq=False)
 class Hall:
     """A known map: k solid rectangles on a floor.
@@ -43,7 +45,6 @@ class Hall:
                    np.broadcast_to(np.asarray(seen), len(rows)))
 
     @classmethod
-    @checked
     def of_world(cls, world: World, bounds: ArrayLike, height: float = 0.2,
                  tallest: float = 2.4) -> Hall:
         """The plan of a world's scene: all that stands between the floor and the tops of the bases.
@@ -75,10 +76,9 @@ class Hall:
         """(s, 2, 2) edges a scanner can see [m]."""
         return frozen(edges(self.outlines[self.seen]).reshape(-1, 2, 2))
 
-    def distance(self, points: ArrayLike) -> Array:
+    def distance(self, points: Spots) -> Array:
         """(…) distance of (…, 2) points to the nearest rectangle, 0 inside one [m]; inf in an empty hall."""
-        p = as_array(points, "points", (2,), "m", batch=True)
-        distances = point_distance(p[..., None, :], self.places, self.sizes)
+        distances = point_distance(np.asarray(points)[..., None, :], self.places, self.sizes)
         return distances.min(axis=-1, initial=np.inf)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array, as_number, checked, frozen
+from ...arrays import Array, as_array, as_number, checked, frozen, lasting
 from ...run.log import Log
 from ..events import STOPPED
 from ..plane import carried, checked_pose, difference
@@ -33,6 +33,7 @@ _OUT = np.array([0.1, 0.1, 0.1])      # m, m, rad: this near to where it was to 
 _SURE = np.array([0.15, 0.15, 0.1])   # m, m, rad: less sure of its pose, it must not drive
 
 
+@lasting
 @dataclass(frozen=True, eq=False)
 class Journey:
     """What happened, one row a period.

@@ -1,12 +1,16 @@
 """Laser scanners in the plane: where a beam ends, by geometry alone; an engine's rays give the same."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, checked
-from ..plane import carried, cross, turn
+from ...errors import InvalidInput
+from ..plane import Place, carried, cross, turn
+
+Distances = Annotated[Array, "(beams,) [m] or inf"]
 
 
 @checked
@@ -34,25 +38,29 @@ class Scanner:
         """(beams,) of the beams in the frame [rad]."""
         return self.heading + np.linspace(-self.angle / 2, self.angle / 2, self.beams)
 
-    def beams_from(self, pose: ArrayLike) -> tuple[Array, Array]:
+    def beams_from(self, pose: Place) -> tuple[Array, Array]:
         """(2,) origin and (beams, 2) directions in the world, the frame at pose (3,)."""
         angles = np.asarray(pose)[2] + self.directions
         return carried(pose, [[self.x, self.y]])[0], turn(angles)[..., 0]
 
-    @checked
-    def measured(self, distances: Array, random: np.random.Generator) -> Array:
+    def measured(self, distances: Distances, random: np.random.Generator) -> Array:
         """(beams,) what the scanner says of true distances: with noise, inf beyond its range [m]."""
         noisy = distances + self.noise * random.standard_normal(distances.shape)
         return np.where(distances < self.range, np.clip(noisy, 0.0, self.range), np.inf)
 
-    def points(self, distances: Array) -> Array:
+    def points(self, distances: Distances) -> Array:
         """(h, 2) in the frame, where beams ended; beams that met nothing give no point [m]."""
+        if len(distances) != self.beams:
+            raise InvalidInput(f"distances must be {self.beams}, one a beam, got {len(distances)}")
         origin, directions = self.beams_from(np.zeros(3))
         hit = np.isfinite(distances)
         return origin + distances[hit, None] * directions[hit]
 
 
-def cast(origin: Array, directions: Array, segments: Array, circles: ArrayLike = ()) -> Array:
+@checked
+def cast(origin: Annotated[Array, "(2,) [m]"], directions: Annotated[Array, "(b, 2)"],
+         segments: Annotated[Array, "(s, 2, 2) [m]"],
+         circles: Annotated[ArrayLike, "(c, 3) [m]"] = ()) -> Array:
     """(b,) distance along each beam to the nearest segment or circle, inf where there is none [m].
 
     origin : (2,); directions : (b, 2) unit vectors; segments : (s, 2, 2)

@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ...arrays import Array, checked
-from ..plane import carried, cross, difference, moved, off_segments, turn
+from ..plane import Motion, Place, Points, Scan, carried, cross, difference, moved, off_segments, turn
 from .hall import Hall
 
 _BEAM = 0.1          # m: of one point; ten times the scanner's noise, since neighboring beams err together
@@ -30,15 +29,14 @@ class Odometry:
     per_turn: float = 0.03
     per_meter: float = 0.01
 
-    def covariance(self, step: ArrayLike) -> Array:
+    def covariance(self, step: Motion) -> Array:
         """(3, 3) of a step (dx, dy, dθ) in the vehicle's frame."""
         dx, dy, spin = np.asarray(step, dtype=float).tolist()
         way = float(np.hypot(dx, dy))
         across, about = self.scale * way + 1e-5, self.per_turn * abs(spin) + self.per_meter * way + 1e-5
         return np.diag([across, across, about]) ** 2
 
-    @checked
-    def measured(self, step: ArrayLike, random: np.random.Generator) -> Array:
+    def measured(self, step: Motion, random: np.random.Generator) -> Array:
         """(3,) what the wheels say of a true step."""
         return np.asarray(step) + np.sqrt(np.diag(self.covariance(step))) * random.standard_normal(3)
 
@@ -59,8 +57,8 @@ class Localization:
     [0.1, 0.1, 0.0]
     """
 
-    def __init__(self, hall: Hall, pose: ArrayLike, uncertainty: ArrayLike = (0.1, 0.1, 0.05),
-                 odometry: Odometry | None = None, eyes: ArrayLike = ((0.0, 0.0),)) -> None:
+    def __init__(self, hall: Hall, pose: Place, uncertainty: Place = (0.1, 0.1, 0.05),
+                 odometry: Odometry | None = None, eyes: Points = ((0.0, 0.0),)) -> None:
         self.segments, self.eyes = hall.segments, np.asarray(eyes, dtype=float)
         self.pose = np.array(pose, dtype=float)
         self.covariance = np.diag(np.asarray(uncertainty, dtype=float)) ** 2
@@ -71,7 +69,7 @@ class Localization:
         """(3,) standard deviations the filter believes in [m, m, rad]."""
         return np.sqrt(np.diag(self.covariance))
 
-    def drive(self, step: ArrayLike) -> Array:
+    def drive(self, step: Motion) -> Array:
         """Prediction: the wheels say (dx, dy, dθ) in the vehicle's frame; returns the pose."""
         d = np.asarray(step, dtype=float)
         before, self.pose = self.pose, moved(self.pose, d)
@@ -82,7 +80,7 @@ class Localization:
         self.covariance = F @ self.covariance @ F.T + G @ self.odometry.covariance(d) @ G.T
         return self.pose
 
-    def look(self, points: Array) -> Array:
+    def look(self, points: Scan) -> Array:
         """Correction: scanned points (h, 2) in the vehicle's frame belong on the map's edges; returns the pose.
 
         min over q of ‖q − q_predicted‖² / P + Σ d(q p_i)² / σ², points far off every edge left
@@ -109,7 +107,7 @@ class Localization:
         self.covariance = np.linalg.inv(H)
         return self.pose
 
-    def unexpected(self, points: Array) -> Array:
+    def unexpected(self, points: Scan) -> Array:
         """(u, 2) those scanned points, in the vehicle's frame, that are nowhere near the map's edges."""
         if not len(points) or not len(self.segments):
             return points

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.ndimage import distance_transform_edt
 
-from ...arrays import Array, Flags, as_number, checked, frozen
-from ..plane import carried, point_distance
+from ...arrays import Array, Flags, as_number, checked, frozen, lasting
+from ..plane import NO_POINTS, Places, Scan, Spots, carried, point_distance
 from .hall import Hall
 from .vehicle import Vehicle
 
+Line = Annotated[Array, "(k,) [m]"]
 
+
+@lasting
+@checked
 @dataclass(frozen=True, eq=False)
 class OccupancyGrid:
     """Cells over a hall's floor; a cell counts as occupied if anything may stand in it.
@@ -32,7 +36,7 @@ class OccupancyGrid:
     clearance: Array
 
     @classmethod
-    def of(cls, hall: Hall, cell: float = 0.03, points: ArrayLike = (),
+    def of(cls, hall: Hall, cell: float = 0.03, points: Scan = NO_POINTS,
            reach: float = 0.0) -> OccupancyGrid:
         """The grid of a hall.
 
@@ -52,7 +56,7 @@ class OccupancyGrid:
             where, centers = _near(occupied, low, cell, place[:2],
                                    float(np.hypot(*size)) / 2 + hidden)
             occupied[where] |= point_distance(centers, place, size + 2 * hidden) == 0
-        for point in np.reshape(points, (-1, 2)):
+        for point in points:
             where, centers = _near(occupied, low, cell, point, reach + hidden)
             occupied[where] |= np.linalg.norm(centers - point, axis=-1) <= reach + hidden
         occupied.setflags(write=False)
@@ -67,17 +71,15 @@ class OccupancyGrid:
         """The most by which ``clearance`` is too careful [m]."""
         return 2 * np.sqrt(2) * self.cell
 
-    def clearance_at(self, points: ArrayLike) -> Array:
+    def clearance_at(self, points: Spots) -> Array:
         """(…) clearance at points (…, 2); 0 off the floor [m]."""
         return self._at(*np.moveaxis(np.asarray(points, dtype=float), -1, 0))
 
-    @checked
-    def room(self, vehicle: Vehicle, poses: ArrayLike) -> Array:
+    def room(self, vehicle: Vehicle, poses: Places) -> Array:
         """(…) what is surely left between a vehicle at poses (…, 3) and all that stands there [m]."""
         return self.clearance_at(carried(poses, vehicle.discs)).min(axis=-1) - vehicle.radius
 
-    @checked
-    def room_on(self, vehicle: Vehicle, xs: Array, ys: Array, heading: float) -> Array:
+    def room_on(self, vehicle: Vehicle, xs: Line, ys: Line, heading: float) -> Array:
         """(nx, ny) the same for one heading at all places (x, y): cells are looked up row by column."""
         x, y = carried([0, 0, heading], vehicle.discs).T[:, :, None]
         return self._at((xs + x)[:, :, None], (ys + y)[:, None, :]).min(axis=0) - vehicle.radius

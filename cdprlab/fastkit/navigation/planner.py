@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from ...arrays import Array, Indices, checked, frozen
-from ..plane import checked_pose, difference
+from ...arrays import Array, Indices, checked, frozen, lasting
+from ..plane import Way, checked_pose, difference
 from .occupancy import OccupancyGrid
 from .vehicle import Vehicle
 
@@ -24,6 +24,7 @@ _WIDE = 0.4          # m of room beyond which a place costs nothing extra
 _JOIN = 0.45         # m around start and goal where the lattice is joined
 
 
+@lasting
 @checked
 @dataclass(frozen=True, eq=False)
 class Plan:
@@ -33,11 +34,10 @@ class Plan:
     reason : '' or what is in the way
     """
 
-    poses: Array
+    poses: Way
     reason: str = ""
 
     @classmethod
-    @checked
     def none(cls, reason: str) -> Plan:
         """No way, and why."""
         return cls(np.zeros((0, 3)), reason)

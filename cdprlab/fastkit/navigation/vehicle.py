@@ -5,15 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ...arrays import Array, frozen
+from ...arrays import Array, checked, frozen, lasting
 from ...errors import InvalidInput
 from ...robot import Robot
-from ..plane import difference, placed, point_distance, rectangle
+from ..plane import Motion, Place, Places, Scan, difference, placed, point_distance, rectangle
 from .laser import Scanner
 
 
+@lasting
+@checked
 @dataclass(frozen=True, eq=False)
 class Vehicle:
     """Two coupled bases; its frame is half way between them, x from the active base to the passive one.
@@ -74,44 +75,44 @@ class Vehicle:
         """(k, 2) where the scanners are, in the vehicle's frame [m]."""
         return np.array([[scanner.x, scanner.y] for scanner in self.scanners])
 
-    def outline(self, pose: ArrayLike) -> Array:
+    def outline(self, pose: Places) -> Array:
         """(…, 4, 2) corners at pose (…, 3) [m]."""
         return rectangle(pose, self.size)
 
-    def distances(self, pose: ArrayLike, points: Array) -> Array:
+    def distances(self, pose: Places, points: Scan) -> Array:
         """(…, u) of points (u, 2) from the rectangle at pose (…, 3), both in one frame; 0 inside [m]."""
         return point_distance(points, np.asarray(pose)[..., None, :], self.size)
 
     # --- the bases --------------------------------------------------------------------------------
-    def bases(self, pose: ArrayLike) -> Array:
+    def bases(self, pose: Places) -> Array:
         """(…, 2, 3) poses of the active and the passive base, the pair at pose (…, 3)."""
         return placed(pose, [[-self.arm, 0.0, 0.0], [self.arm, 0.0, 0.0]])
 
-    def base_outlines(self, pose: ArrayLike) -> Array:
+    def base_outlines(self, pose: Places) -> Array:
         """(…, 2, 4, 2) corners of their rectangles [m]."""
         return rectangle(self.bases(pose), [self.length - 2 * self.arm, self.width])
 
-    def pose_of(self, active: ArrayLike) -> Array:
+    def pose_of(self, active: Places) -> Array:
         """(…, 3) pose of the pair whose active base is at (…, 3)."""
         return placed(active, [[self.arm, 0.0, 0.0]])[..., 0, :]
 
-    def base_speeds(self, twist: ArrayLike) -> Array:
+    def base_speeds(self, twist: Motion) -> Array:
         """(3,) speeds of the active base, rotation, along, across, for the pair's (v_x, v_y, ω) in its own frame."""
         vx, vy, spin = np.asarray(twist, dtype=float).tolist()
         return np.array([spin, vx, vy - self.arm * spin])
 
     # --- ways -------------------------------------------------------------------------------------
-    def way(self, a: ArrayLike, b: ArrayLike) -> float:
+    def way(self, a: Place, b: Place) -> float:
         """From one pose to another, of the base that has farther to go, about [m]."""
         x, y, spin = np.abs(difference(a, b)).tolist()
         return float(np.hypot(x, y) + self.arm * spin)
 
-    def quickest(self, step: ArrayLike) -> Array:
+    def quickest(self, step: Places) -> Array:
         """(…) how long a step (…, 3) (dx, dy, dθ) in its own frame takes at the bases' speed limits [s]."""
         x, y, spin = np.moveaxis(np.abs(step), -1, 0)
         return np.asarray((np.stack([spin, x, y + self.arm * spin], axis=-1) / self.speed_max).max(axis=-1))
 
-    def within_limits(self, twist: ArrayLike) -> Array:
+    def within_limits(self, twist: Motion) -> Array:
         """(3,) a motion (v_x, v_y, ω), slowed down until both bases can drive it.
 
         >>> import cdprlab as cl

@@ -74,7 +74,7 @@ def draw_way(axes: Axes, journey: Journey, until: float = np.inf) -> None:
 
     until : what happened later is not drawn [s]
     """
-    n = int(np.searchsorted(journey.time, until, side="right"))
+    n = int(np.searchsorted(journey.time, until, side="right")) or 1
     poses, made = journey.poses[:n], [plan for time, plan in journey.plans if time <= until]
     # Over the way driven, which is the same but for corners.
     for number, plan in enumerate(plan for plan in made if plan.found):
