@@ -250,7 +250,7 @@ def test_values_that_cannot_be_are_named(values, words):
 
 @pytest.mark.parametrize("numbers", [(1.0, 0.0, 0.5), (0.0, 1.0, 2.0), (0.0, float("nan"), 0.0), (0.0, 0.0, 0.0)])
 def test_sliders_need_a_range_that_holds_their_start(numbers):
-    with pytest.raises(InvalidInput, match="slider 'x'|must be a number"):
+    with pytest.raises(InvalidInput, match=r"slider 'x'|must be a number"):
         Slider("x", "x", "m", *numbers)
     with pytest.raises(InvalidInput, match="same name"):
         Explorer([Slider("x", "x", "m", 0, 1, 0)] * 2)
