@@ -16,7 +16,7 @@ from .mechanics.cables import cable_directions, cable_lengths, cable_vectors
 from .mechanics.calibration import Calibration, calibrate
 from .mechanics.catenary import SaggingCable as SaggingCable
 from .mechanics.catenary import SaggingLengths as SaggingLengths
-from .mechanics.catenary import sagging_cable, sagging_lengths, straight_tensions
+from .mechanics.catenary import sagging_cable, sagging_lengths
 from .mechanics.kinematics import Pivot as Pivot
 from .mechanics.kinematics import base_jacobian, forward_kinematics, jacobian
 from .mechanics.redundancy import TwistResolution, resolve_twist
@@ -90,7 +90,7 @@ __all__ = [
     "open_simulator", "perturbed",
     "place_bases",
     "plan_configurations", "plot", "quintic", "read_log", "repeat", "resolve_twist", "run",
-    "sagging_cable", "sagging_lengths", "stiffness", "straight_tensions",
+    "sagging_cable", "sagging_lengths", "stiffness",
     "tension_methods",
     "tipping_moments", "tipping_rows", "workspace", "world_names", "world_schema",
     "wrench_matrix",

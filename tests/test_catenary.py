@@ -11,6 +11,7 @@ import cdprlab as cl
 import robots
 from cdprlab.errors import InfeasibleTensions, InvalidInput, WorldError
 from cdprlab.mechanics.cables import anchor_offsets
+from cdprlab.mechanics.catenary import straight_tensions
 
 
 def cables(count, seed):
@@ -186,7 +187,7 @@ def test_where_cables_count_as_straight():
     robot, pose, _ = sagging("3R3T")
     for angle in (1e-2, 1e-3):
         span = -cl.cable_vectors(robot, pose)
-        pulls, chord = cl.straight_tensions(robot, pose, angle), np.linalg.norm(span, axis=1)
+        pulls, chord = straight_tensions(robot, pose, angle), np.linalg.norm(span, axis=1)
         level = np.linalg.norm(span[:, :-1], axis=1)
         w = robot.linear_density * robot.gravity
         lengths = chord / (1 + pulls / 1e9 - (w * level / pulls)**2 / 24)

@@ -69,7 +69,6 @@ GOOD: dict[str, dict[str, Any]] = {
     "sagging_cable": {"span": [4.0, -1.0], "length": 4.3, "linear_density": 0.05, "axial_stiffness": 1e5,
                       "gravity": 9.81},
     "sagging_lengths": {"robot": HEAVY, "pose": cl.load_world("planar_rigid").pose, "tensions": np.full(4, 300.0)},
-    "straight_tensions": {"robot": HEAVY, "pose": cl.load_world("planar_rigid").pose, "angle": 0.01},
     "stiffness": {"robot": CAROCA.robot, "pose": CAROCA.pose, "tensions": np.full(8, 400.0), "axial_stiffness": 1e5},
     "tipping_moments": {"robot": CAROCA.robot, "pose": CAROCA.pose, "tensions": np.full(8, 400.0)},
     "tipping_rows": {"robot": CAROCA.robot, "pose": CAROCA.pose},

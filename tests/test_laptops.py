@@ -126,7 +126,7 @@ def test_lessons_are_copied_and_the_mission_is_listed(tmp_path: Path, capsys: py
     assert main(["lessons", str(tmp_path / "mine")]) == 0
     assert len(list((tmp_path / "mine").glob("*.ipynb"))) == len(LESSONS)
     assert main(["worlds"]) == 0
-    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("fastkit_suspended")]
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("fastkit_suspended ")]
     assert line.endswith("pick_and_place, mission")
     assert main(["run", "caroca", "--task", "mission"]) == 2
 
