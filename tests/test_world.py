@@ -148,7 +148,7 @@ def test_payload_is_saved(small: World, tmp_path: Path) -> None:
     again, text = saved(loaded, tmp_path)
     for name in ("mass", "inertia", "center_of_mass"):
         assert np.array_equal(getattr(again.robot.platform, name), getattr(loaded.robot.platform, name))
-    for comment in ("# a comment at the top", "# kg, a comment on mass", "# a comment on the task"):
+    for comment in ("# a comment at the top", "# changed; before: kg, a comment on mass", "# a comment on the task"):
         assert comment in text
     assert THIRD_CABLE in text
 
