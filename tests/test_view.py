@@ -396,7 +396,7 @@ def test_a_robot_gone_astray_does_no_harm(place):
 
 def test_pictures_that_are_too_small_are_refused():
     for world in (cl.load_world("caroca"), planar_world()):
-        with pytest.raises(InvalidInput, match="16 x 16"):
+        with pytest.raises(InvalidInput, match="from 16 to"):
             view.draw(state_of(world, [1.0] * world.robot.n_cables), 4, 4)
 
 
