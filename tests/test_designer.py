@@ -491,7 +491,7 @@ def test_a_design_is_simulated_and_played():
 
 
 def test_a_designer_takes_worlds():
-    with pytest.raises(InvalidInput, match="takes a World"):
+    with pytest.raises(InvalidInput, match="must be a World"):
         course.robot_designer(42)
     with pytest.raises(WorldError, match="unknown world"):
         course.robot_designer("no_such_world")

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from ..mechanics.winch import (
     motor_torque,
 )
 from ..robot import Robot, turned_to
-from ..simulate import Simulator
 from ..simulate.spatial import SpatialSimulator
 from ..simulate.state import State
 from ..tensions import solver_for
@@ -53,7 +52,7 @@ class WinchControl(Command):
         self.margin, self.reserve = float(margin), float(reserve)
         self.standing, self.toward = standing, float(toward)
 
-    def start(self, engine: Simulator, substeps: int) -> Columns:
+    def start(self, engine: Any, substeps: int) -> Columns:   # a Simulator, or what is believed of one
         robot = engine.world.robot
         if robot.winch is None:
             raise InvalidInput("winches are to be controlled, but the world has no `winch:` block")
@@ -106,7 +105,7 @@ class TorqueControl(WinchControl):
         super().__init__(margin, reserve, standing, toward)
         self.law, self.friction = ComputedTorque(kp, kd), friction
 
-    def start(self, engine: Simulator, substeps: int) -> Columns:
+    def start(self, engine: Any, substeps: int) -> Columns:   # a Simulator, or what is believed of one
         asked = super().start(engine, substeps)
         self.relaxed = solver_for("relaxed", engine.world.robot.n_dof, self.low, self.high)
         self.believed = self.winch if self.friction is None else replace(self.winch, **self.friction._asdict())
@@ -155,7 +154,7 @@ class VelocityControl(WinchControl):
         super().__init__(margin, reserve)
         self.gain = float(gain)
 
-    def start(self, engine: Simulator, substeps: int) -> Columns:
+    def start(self, engine: Any, substeps: int) -> Columns:   # a Simulator, or what is believed of one
         asked, robot = super().start(engine, substeps), engine.world.robot
         if robot.elasticity is None:
             raise InvalidInput("velocity control winds ropes that stretch, but the world has no `cable:` block")

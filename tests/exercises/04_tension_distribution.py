@@ -72,6 +72,7 @@ EQUIVALENT: dict[str, dict[str, str]] = {
     "break": {"line 27: 0 → 1": "other poses are tried; any that forgives is right",
               "line 29: -0.8 → 0.8": "poses at one border of the range are in it",
               "line 29: -0.3 → 0.3": "poses at one border of the range are in it",
+              "line 31: 6 → 7": "a pose that forgives eight forgives seven",
               "line 29: 0.8 → 1.8": "poses beyond the range forgive no more: what is found lies in it"},
 }
 OTHERS = {

@@ -59,9 +59,8 @@ def over_pulley(A, B, axis, radius):
     if abs(from_center) < radius:
         raise ValueError("inside")
     s = (abs(from_center)**2 - radius**2) ** 0.5
-    leaving = from_center / complex(s, -radius) * 1j ** 0
-    direction = leaving / abs(leaving)          # of the free part, seen in (across, along)
-    wrap = np.angle(complex(direction.imag, direction.real)) % (2 * np.pi)
+    leaving = from_center / complex(s, radius)          # along the free part, seen as (across, along)
+    wrap = np.angle(1j * leaving.conjugate()) % (2 * np.pi)
     T = [a + radius * (1 - np.cos(wrap)) * p / x + radius * np.sin(wrap) * q for a, p, q in zip(A, across, axis)]
     return [radius * wrap + s, T]
 """)],
