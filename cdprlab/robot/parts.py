@@ -209,6 +209,16 @@ class Elasticity:
     axial_stiffness: float = float("inf")
     damping: float = 0.0
 
+    def unstrained(self, lengths: Array, tensions: Array) -> Array:
+        """l₀ = l / (1 + τ / EA): how much rope a length under a tension is.
+
+        lengths : (…) [m]; tensions : (…) [N]
+
+        >>> float(Elasticity(1e3).unstrained(np.array(5.05), np.array(10.0)))
+        5.0
+        """
+        return lengths / (1 + tensions / self.axial_stiffness)
+
 
 def check_order(tension_min: float, tension_max: float) -> None:
     """Raises InvalidInput unless the limits are in order [N]."""

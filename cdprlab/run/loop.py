@@ -102,7 +102,7 @@ class StretchedLengths(Command):
         _, lengths, W = cables_at(robot, wish.pose)
         wrench = inverse_dynamics(robot, wish.pose.rotation, wish.twist, wish.acceleration)
         tensions = self.distributor.tensions(W, wrench, now)
-        return tensions, lengths / (1 + tensions / robot.elasticity.axial_stiffness)
+        return tensions, robot.elasticity.unstrained(lengths, tensions)
 
     def cut(self, cables: list[int]) -> None:
         self.distributor.cut(cables)

@@ -158,7 +158,7 @@ class VelocityControl(WinchControl):
         asked, robot = super().start(engine, substeps), engine.world.robot
         if robot.elasticity is None:
             raise InvalidInput("velocity control winds ropes that stretch, but the world has no `cable:` block")
-        self.stiffness = robot.elasticity.axial_stiffness
+        self.elasticity = robot.elasticity
         self.lengths, self.wanted = np.array(engine.rope_lengths), engine.tensions
         self.fastest = robot.speed_max
         return asked
@@ -172,7 +172,7 @@ class VelocityControl(WinchControl):
         mass, bias = mass_and_bias(engine.carrying, wish.pose.rotation, wish.twist)
         found = self.distribute(W, mass @ wish.acceleration + bias)
         self.wanted = self.wanted if found is None else found
-        unstretched = lengths / (1 + self.wanted / self.stiffness)
+        unstretched = self.elasticity.unstrained(lengths, self.wanted)
         rates = rates + self.gain * (unstretched - self.lengths)
         kept = np.clip(rates, -self.fastest, self.fastest)
         self.lengths = self.lengths + kept * self.period

@@ -144,7 +144,7 @@ class Simulator(ABC):
         elastic = self.world.robot.elasticity if self.cables == "elastic" else None
         held, drawn = np.array(self.paid_out), self.lengths
         if elastic is not None:
-            drawn = drawn / (1 + self.tensions / elastic.axial_stiffness)
+            drawn = elastic.unstrained(drawn, self.tensions)
         # A reaction is known to a small part of it: legs have tips.
         self.slipping = (self.tensions > 0.99 * strongest) & (drawn > held)
         self.paid_out = np.where(self.slipping, drawn, held).tolist()

@@ -307,7 +307,7 @@ class SpatialSimulator(Simulator):
         if self.cables == "elastic" and robot.elasticity is not None:
             held = distribute_tensions(self.wrench_matrix, gravity_wrench(robot, Pose.of(self.position, self.rotation)),
                                        robot.tension_min, robot.tension_max, "relaxed")
-            lengths = lengths / (1 + held.tensions / robot.elasticity.axial_stiffness)
+            lengths = robot.elasticity.unstrained(lengths, held.tensions)
         wound: list[float] = lengths.tolist()
         return wound
 

@@ -14,6 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 import cdprlab as cl
+from cdprlab.compiled.columns import over_pulley
+from cdprlab.mechanics.cables import straight_lengths
 from cdprlab.view.style import BLUE, GREY, INK, ORANGE, house_style
 
 RADIUS = 0.5
@@ -38,9 +40,9 @@ def picture() -> bytes:
 
 
 def _wheel(panel):
-    x, z = LOAD - [RADIUS, 0]
-    free = np.sqrt(x * x + z * z - RADIUS**2)
-    wrap = np.arctan2(x, z) + np.arctan2(RADIUS, free)
+    pulley = np.array([RADIUS, 0.0, 1.0])
+    length = over_pulley(*-LOAD, 0.0, pulley)[0]
+    wrap = (length - straight_lengths(LOAD, pulley[None])[0]) / RADIUS
     turn, arc = np.linspace(0, 2 * np.pi, 90), np.linspace(0, wrap, 40)
     panel.plot(RADIUS - RADIUS * np.cos(turn), RADIUS * np.sin(turn), color=GREY, lw=3)
     panel.plot([0, 0], [-1.6, 0], color=BLUE, lw=2)

@@ -7,6 +7,8 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from ...arrays import Array
+from ...compiled.columns import over_pulley
+from ...mechanics.cables import straight_lengths
 from ...mechanics.catenary import SaggingCable, sagging_cable
 from ...view.style import BLUE, GREY, INK, ORANGE
 from .explorer import Explorer, Slider, Values, once_a_move
@@ -34,9 +36,10 @@ class RealCableExplorer(Explorer):
     def tangent(self, values: Values) -> tuple[Array, float]:
         """Where the cable leaves the wheel, and the angle that it is wrapped by [rad]."""
         radius = values["radius"] / 1e3
-        across, up = _SPAN - [radius, 0.0]
-        wrap = np.arctan2(across, up) + np.arcsin(radius / np.hypot(across, up))
-        return np.array([radius * (1 - np.cos(wrap)), radius * np.sin(wrap)]), float(wrap)
+        pulley = np.array([radius, 0.0, 1.0])   # the cable comes up the pole
+        length, *direction = over_pulley(*-_SPAN, 0.0, pulley)
+        free = float(straight_lengths(_SPAN, pulley[None])[0])
+        return _SPAN + free * np.array(direction[:2]), (length - free) / radius
 
     @once_a_move
     def cable(self, values: Values) -> SaggingCable:
