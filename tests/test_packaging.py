@@ -56,6 +56,8 @@ def test_the_wheel_holds_what_is_not_python(installed: Path):
              if path.is_file() and path.suffix != ".py" and path.parent.name != "__pycache__"}
     assert "py.typed" in there
     assert {name for name in there if not (installed / "cdprlab" / name).is_file()} == set()
+    for folder in ("share/jupyter/lab/settings/overrides.d", "etc/jupyter/labconfig/page_config.d"):
+        assert (installed / folder / "cdprlab.json").is_file()
 
 
 def test_the_checkout_works_from_any_directory(tmp_path: Path):

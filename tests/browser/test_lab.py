@@ -28,9 +28,8 @@ LESSONS = notebooks.names()
 OPTIONS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader",
            "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
 SETTINGS = {
-    # All cells are in the page, however far down; no questions about news.
+    # All cells are in the page, however far down.
     "@jupyterlab/notebook-extension/tracker": {"windowingMode": "none"},
-    "@jupyterlab/apputils-extension/notification": {"fetchNews": "false", "checkForUpdates": False},
 }
 
 
@@ -236,6 +235,14 @@ def test_a_run_plays_without_asking_the_kernel(lesson: Any):
     frames = bar.evaluate("bar => bar.parentNode.cdprlabFrames.slice().sort((a, b) => a - b)")
     print(f"{len(frames)} frames, median {frames[len(frames) // 2]:.0f} ms")
     assert len(frames) > 10
+
+
+@pytest.mark.parametrize("lesson", LESSONS[:1], indirect=True, scope="module")
+def test_no_news_and_no_instructors_menus(lesson: Any):
+    """As `pip install` of cdprlab leaves JupyterLab in its environment; one made before that needs it again."""
+    menus = lesson.locator(".lm-MenuBar-itemLabel").all_inner_texts()
+    assert "Kernel" in menus and "Nbgrader" not in menus
+    assert lesson.get_by_text("Jupyter news").count() == 0
 
 
 def _drag(page: Any, handle: Any) -> None:
