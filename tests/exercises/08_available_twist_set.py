@@ -44,7 +44,7 @@ EQUIVALENT: dict[str, dict[str, str]] = {
         "line 11: -B → B": "base speeds are limited alike both ways, so a base may as well count the other way",
         "line 12: -np.asarray(c, float) → np.asarray(c, float)": "the set is symmetric about zero: h(-c) = h(c)",
         "line 14: [rows, -rows] → [-rows, rows]": "both signs have the same limits: the rows are the same set",
-        "line 14: [cable_max, cable_max] → [cable_max, cable_max]": "both are the same"},
+        "line 15: [cable_max, cable_max] → [cable_max, cable_max]": "both are the same"},
 }
 OTHERS = {
     "rows": [("a loop, the rows in pairs", """

@@ -43,7 +43,7 @@ EQUIVALENT: dict[str, dict[str, str]] = {
     "support": {"line 12: direction @ W @ tensions → tensions @ (direction @ W)": "a dot product of two vectors"},
     "planes": {"line 10: [across, -across] → [-across, across]": "the rows of a polytope have no order"},
     "rows": {"line 12: following - contacts → contacts - following": "its norm is the same",
-             "line 14: [0.0, 0.0, -weight] → [0.0, 0.0, -weight]": "both zeros are the same"},
+             "line 15: [0.0, 0.0, -weight] → [0.0, 0.0, -weight]": "both zeros are the same"},
     "payload": {"line 12: 1.0 → 2.0": "twice the cost has the same minimizer"},
 }
 OTHERS = {
