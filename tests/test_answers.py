@@ -6,6 +6,7 @@ import re
 import warnings
 from pathlib import Path
 
+import mutants
 import notebooks
 import numpy as np
 import pytest
@@ -89,8 +90,12 @@ def test_every_exercise_of_a_recorded_lesson_has_a_fallback(lesson: str):
     (name,) = (name for name in notebooks.names() if name.startswith(lesson))
     notebook = notebooks.read_copy(name)
     text = "\n".join(cell.source for cell in notebook.cells if cell.cell_type == "code")
-    named = re.findall(r'^# .* = course\.fallback\("([^"]+)"\)', text, re.MULTILINE)
-    wanted = [answer.removesuffix("-answer") for answer in notebooks.answers(notebook)]
-    assert [exercise.removeprefix(f"{lesson}_") for exercise in named] == wanted
+    stand_ins = re.findall(r"^# Stuck\?.*\n# ([\w, ]+) = (.*)$", text, re.MULTILINE)
+    answers = [notebook.cells[index].source for index in notebooks.answers(notebook).values()]
+    assert [functions for functions, _ in stand_ins] == [", ".join(mutants.defined(answer)) for answer in answers]
+    named = [found[1] for _, offer in stand_ins if (found := re.fullmatch(r'course\.fallback\("([^"]+)"\)', offer))]
+    # What is a student's own work, a design, is replaced by a robot of the lesson's, and recorded nowhere.
+    recorded = {path.stem for path in stored.RECORDED.glob(f"{lesson}_*.npz")}
+    assert recorded <= {*named, *(f"{lesson}_{exercise}" for exercise in named)}
     for exercise in named:
         course.fallback(exercise)

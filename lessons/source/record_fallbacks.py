@@ -1,8 +1,9 @@
 """Record what a lesson's later cells ask of each exercise's functions, for `course.fallback`.
 
 ``python lessons/source/record_fallbacks.py [LESSON …]`` runs the sources in this process and writes
-``cdprlab/course/answers/recorded/*.npz``: results only. Exercises that later cells ask freely (a controller, an
-explorer) stand in ``cdprlab/course/answers/library.py`` instead.
+``cdprlab/course/answers/recorded/*.npz``: results only, and only where the lesson offers them by `course.fallback`
+(nobody's to give are the capstone's designs). Exercises that later cells ask freely (a controller, an explorer) stand
+in ``cdprlab/course/answers/library.py`` instead.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import copy
 import functools
 import inspect
 import os
+import re
 import sys
 import tempfile
 from collections.abc import Callable
@@ -64,12 +66,15 @@ def main(wanted: list[str]) -> int:
         if wanted and not any(word in path.stem for word in wanted):
             continue
         recorder, space = Recorder(path.stem[:2]), {"__name__": "__main__", "display": lambda *shown: None}
+        notebook = nbformat.read(path, as_version=4)
+        text = "\n".join(cell.source for cell in notebook.cells)
+        offered = set(re.findall(r'course\.fallback\("([^"]+)"\)', text))
         with tempfile.TemporaryDirectory() as folder, chdir(folder):
-            for cell in nbformat.read(path, as_version=4).cells:
+            for cell in notebook.cells:
                 if cell.cell_type == "code":
                     _run(cell, recorder, space)
         for exercise, calls in recorder.calls.items():
-            if exercise not in LIBRARY:
+            if exercise not in LIBRARY and offered & {exercise, exercise[3:]}:
                 file = record(exercise, calls)
                 seen = ", ".join(f"{len(rows)} of {name}" for name, rows in calls.items())
                 print(f"{exercise}: {seen}, {file.stat().st_size / 1e3:.0f} kB")
