@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from textwrap import fill
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -54,8 +55,8 @@ class Verdict(NamedTuple):
         return tuple(f"{point.name}: {point.words}" for point in self.points if not point.met)
 
     def __str__(self) -> str:
-        return "\n".join(f"{'✓' if point.met else '✗'} {point.name}: {point.words}"
-                         for point in self.points)
+        return "\n".join(fill(f"{'✓' if point.met else '✗'} {point.name}: {point.words}", 95,
+                              subsequent_indent="  ") for point in self.points)
 
 
 @dataclass(frozen=True, eq=False)
