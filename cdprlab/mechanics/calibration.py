@@ -13,6 +13,7 @@ from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from ..robot.pose import Pose
 from .cables import anchor_offsets, cable_lengths, cables_at, check_dimension
+from .optimization import least_squares
 from .statics import gravity_wrench, wrench_matrix
 
 TOLD = 0.010
@@ -206,15 +207,11 @@ def _too_heavy(robot: Robot, poses: Pose, tensions: Array, body: Array, sought: 
 def _fit(problem: Problem, start: Array, noise: float,
          names: Sequence[str] = ()) -> tuple[Array, Array, tuple[str, ...]]:
     """Least squares along what is told; returns x (K,), its covariance (K, K), and in words what is not told."""
-    from scipy.optimize import least_squares
-
     ways, deviations = _directions(problem(start)[1], noise)
     along, x = ways[deviations <= TOLD].T, start
     if along.size:
-        tight = 4 * np.finfo(float).eps
         x = start + along @ least_squares(lambda z: problem(start + along @ z)[0], np.zeros(along.shape[1]),
-                                          lambda z: problem(start + along @ z)[1] @ along,
-                                          xtol=tight, ftol=tight, gtol=tight).x
+                                          lambda z: problem(start + along @ z)[1] @ along)
     ways, deviations = _directions(problem(x)[1], noise)
     covariance = (ways.T * deviations**2) @ ways
     words, untold = [], ways[deviations > TOLD]

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array, as_count, as_number, checked, common_batch, frozen, lasting
 from ..errors import InfeasibleTensions, InvalidInput
 from ..robot import STANDARD_GRAVITY, Robot
-from ..robot.pose import Pose
+from ..robot.pose import Pose, cross
 from .cables import anchor_offsets, cable_lengths, cable_vectors
 from .statics import gravity_wrench
 
@@ -21,8 +21,8 @@ _MOST_STRAIN = 0.05
 _MOST_STEPS = 200
 """Of Newton's method, with those that are halved; 60 were seen."""
 
-_MOST_ROUNDS = 25
-"""In which pulls are found; 10 were seen."""
+_MOST_ROUNDS = 50
+"""In which pulls and lengths are found; 10 were seen."""
 
 _TINY = 1e-300
 """In the place of a force or a chord that is zero."""
@@ -155,9 +155,7 @@ def sagging_lengths(robot: Robot, pose: Pose, tensions: ArrayLike) -> SaggingLen
     def wrenches(forces: Array) -> Array:
         """(n, m) of (m, 2) pulls at the anchor points, along the level and upwards."""
         forces = np.column_stack([heading * forces[:, :1], forces[:, 1:]]).astype(float)
-        lacking = ((0, 0), (0, 3 - robot.dimension))
-        moments = np.cross(np.pad(arms, lacking), np.pad(forces, lacking))[:, 6 - 2 * robot.dimension:]
-        return robot.pattern.project(np.hstack([forces, moments]).T, pose.rotation)
+        return robot.pattern.project(np.hstack([forces, cross(arms, forces)]).T, pose.rotation)
 
     spans = level, span[:, -1], density * g, ea
     chord = np.linalg.norm(span, axis=1)
@@ -165,17 +163,20 @@ def sagging_lengths(robot: Robot, pose: Pose, tensions: ArrayLike) -> SaggingLen
     shortest = chord / (1 + 1.1 * _MOST_STRAIN)
     lowest = _lowest(spans, shortest, 4 * chord)
     least = _pulled(spans, lowest)[1].astype(float)
-    pulls = given
+    lengths = np.clip(chord / (1 + given / ea), shortest, lowest)
     for k in range(_MOST_ROUNDS):
-        # At the least pull itself the slopes are infinite: come to it step by step.
-        tried = np.maximum(pulls, (1 + 4.0**-k) * least)
-        lengths, force, pull, rate, slope = _shorter(spans, tried, shortest, lowest)
+        force, pull, rate, slope = _pulled(spans, lengths)
+        tried = pull.astype(float)
         W, slopes = wrenches(-force / pull[:, None]), wrenches(-slope / rate[:, None])
         wanted = given + np.linalg.pinv(slopes) @ (slopes @ (tried - given) - W @ tried - external)
-        pulls = np.clip(wanted, tried / 2, 2 * tried)
+        # At the least pull itself the slopes are infinite: come to it step by step.
+        pulls = np.maximum(np.clip(wanted, tried / 2, 2 * tried), (1 + 2.0**-k) * least)
         moved = np.abs(pulls - tried).max()
         if moved < 1e-12 * (1 + np.abs(pulls).max()):
             break
+        # Newton's method for 1 / T², which is nearly linear in the length of a cable that sags.
+        longer = lengths + pull / 2 * (1 - (pull / pulls)**2) / rate
+        lengths = np.where(longer > lowest, (lengths + lowest) / 2, np.maximum(longer, (lengths + shortest) / 2))
     found = SaggingLengths(frozen((lengths + arcs).astype(float)), frozen(tried))
     worst = int((wanted / least).argmin())
     if moved > 1e-9 * (1 + np.abs(pulls).max()) or wanted[worst] < least[worst]:
@@ -194,25 +195,6 @@ def _lowest(spans: tuple[Any, ...], shortest: Any, longest: Any) -> Any:
         falling = _pulled(spans, middle)[2] < 0
         shortest, longest = np.where(falling, middle, shortest), np.where(falling, longest, middle)
     return longest
-
-
-def _shorter(spans: tuple[Any, ...], pulls: Any, shortest: Any, lowest: Any) -> tuple[Any, ...]:
-    """(m,) lengths between two others at which the cables pull so much, and what `_pulled` says there.
-
-    Newton's method for 1 / T², which is nearly linear in the length of a cable that sags; where it
-    leaves the bracket, the bracket is halved.
-    """
-    low, high, length = shortest, lowest, np.clip(np.hypot(*spans[:2]) / (1 + pulls / spans[3]), shortest, lowest)
-    for _ in range(_MOST_STEPS):
-        force, pull, rate, slope = _pulled(spans, length)
-        low, high = np.where(pull > pulls, length, low), np.where(pull > pulls, high, length)
-        with np.errstate(all="ignore"):
-            goal = length + pull / 2 * (1 - (pull / pulls)**2) / rate
-        goal = np.where((low < goal) & (goal < high), goal, (low + high) / 2)
-        if (np.abs(goal - length) <= 1e-16 * length).all():
-            break
-        length = goal
-    return length, force, pull, rate, slope
 
 
 def _pulled(spans: tuple[Any, ...], lengths: Any) -> tuple[Any, Any, Any, Any]:

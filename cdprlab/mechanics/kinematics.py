@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array, checked, common_batch
 from ..errors import InvalidInput, NoConvergence, quoted
 from ..robot import Robot
-from ..robot.pose import Pose, rotation_from_vector, rotation_vector_jacobian
+from ..robot.pose import Pose, cross, rotation_from_vector, rotation_vector_jacobian
 from .cables import Cables, cable_directions, cables_at, check_dimension, tangent_points
+from .optimization import least_squares
 
 Pivot = Literal["base", "world"]
 
@@ -60,8 +61,6 @@ def base_jacobian(robot: Robot, pose: Pose, pivot: Pivot = "base") -> Array:
     >>> base_jacobian(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).shape
     (8, 0)
     """
-    if pivot not in ("base", "world"):
-        raise InvalidInput(f"pivot must be 'base' or 'world', got {quoted(pivot)}")
     directions, starts = cable_directions(robot, pose), tangent_points(robot, pose)
     columns = np.zeros((*directions.shape[:-1], 3 * len(robot.bases)))
     for k, base in enumerate(robot.bases):
@@ -148,17 +147,6 @@ def nearby_pose(robot: Robot, lengths: Array, last: Pose) -> Pose:
     return pose
 
 
-def cross(a: Array, b: Array) -> Array:
-    """a × b over the last axis: (…, 3) in space, (…, 1) (the z component) in the plane.
-
-    >>> cross(np.array([1.0, 0.0]), np.array([0.0, 2.0]))
-    array([2.])
-    """
-    if a.shape[-1] == 2:
-        return (a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])[..., None]
-    return np.cross(a, b)
-
-
 def moved(robot: Robot, start: Pose, x: Array) -> Pose:
     """p = p₀ + S_v x and R = exp([S_ω x]×) R₀: away from a pose by x (n,) in the motion pattern's rows there."""
     step, d = robot.pattern.basis(start.rotation) @ x, robot.dimension
@@ -206,8 +194,6 @@ def _assemblies(robot: Robot, lengths: Array, guess: Pose, tolerance: float) -> 
 
 
 def _fit_pose(robot: Robot, lengths: Array, start: Pose, tolerance: float) -> Pose:
-    from scipy.optimize import least_squares
-
     known: dict[bytes, Cables] = {}   # the slope is asked where the lengths were
 
     def cables(x: Array) -> Cables:
@@ -219,23 +205,20 @@ def _fit_pose(robot: Robot, lengths: Array, start: Pose, tolerance: float) -> Po
     def residuals(x: Array) -> Array:
         return cables(x).lengths - lengths
 
-    # The tightest tolerances scipy takes: it then stops where rounding does. Fewer cables than
-    # freedoms leave "lm" without a square problem, so those go to the trust region method.
+    # Fewer cables than freedoms leave "lm" without a square problem.
     method = "lm" if robot.n_cables >= robot.n_dof else "trf"
-    tight = 4 * np.finfo(float).eps
     try:
-        result = least_squares(residuals, np.zeros(robot.n_dof),
-                               lambda x: -cables(x).wrench_matrix.T @ moved_rates(robot, start, x), method=method,
-                               xtol=tight, ftol=tight, gtol=tight)
+        x = least_squares(residuals, np.zeros(robot.n_dof),
+                          lambda x: -cables(x).wrench_matrix.T @ moved_rates(robot, start, x), method)
     except InvalidInput as error:
         if not robot.pulleys.size:
             raise
         raise NoConvergence(f"no pose near the guess has these cable lengths: on the way to one {error}; start nearer",
                             np.full(robot.n_cables, np.nan)) from None
-    left = residuals(result.x)
+    left = residuals(x)
     if not np.abs(left).max() <= tolerance:
         worst = int(np.abs(left).argmax())
         raise NoConvergence(f"no pose near the guess has these cable lengths: cable {worst + 1} is off by "
                             f"{left[worst]:.3g} m, allowed {tolerance:g} m; check the lengths, start nearer, or "
                             "pass tolerance=inf for the least-squares pose", left)
-    return moved(robot, start, result.x)
+    return moved(robot, start, x)

@@ -1,5 +1,6 @@
-"""One linear and one quadratic program: whoever has rows, limits and a wish asks here."""
+"""One linear program, one quadratic program and one least squares: whoever has rows, limits and a wish asks here."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -48,4 +49,21 @@ def least_quadratic(H: Array, a: Array, C: Array, b: Array, equal: int = 0, fact
         found: Array = quadprog.solve_qp(H, a, C, b, equal, factored)[0]
     except ValueError:
         return None
+    return found
+
+
+def least_squares(residuals: Callable[[Array], Array], start: Array, slopes: Any = "2-point",
+                  method: str = "trf") -> Array:
+    """The x near a start with the least ‖residuals(x)‖², as far as rounding lets it be found.
+
+    slopes : ∂residuals/∂x as a function of x, or "2-point"
+    method : as scipy has it: "trf", or "lm" for at least as many residuals as unknowns
+
+    >>> least_squares(lambda x: x**2 - 2, np.ones(1)).round(12)
+    array([1.41421356])
+    """
+    from scipy.optimize import least_squares
+
+    tight = 4 * np.finfo(float).eps   # the least that scipy takes
+    found: Array = least_squares(residuals, start, slopes, method=method, xtol=tight, ftol=tight, gtol=tight).x
     return found

@@ -13,6 +13,7 @@ from ..robot import Robot
 from ..robot.pose import Pose
 from .cables import cable_lengths, check_dimension
 from .kinematics import moved, moved_rates, moved_slope
+from .optimization import least_squares
 from .statics import gravity_wrench, wrench_matrix
 
 _TAUT = 1e-6
@@ -56,7 +57,7 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
     >>> bool(pose.position[2] < world.pose.position[2] and (tensions >= 0).all())
     True
     """
-    from scipy.optimize import least_squares, minimize, nnls
+    from scipy.optimize import minimize, nnls
 
     allowed = as_array(lengths, "lengths", (robot.n_cables,), "m")
     if (allowed <= 0).any():
@@ -67,14 +68,12 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
     if robot.gravity <= 0:
         raise InvalidInput("without gravity nothing hangs: the robot's gravity must be positive [m/s²]")
     weight, n = robot.mass * robot.gravity, robot.n_dof
-    tight = 4 * np.finfo(float).eps
     if axial_stiffness is not None:
         stiffness = as_number(axial_stiffness, "axial_stiffness", "N", positive=True)
         return _stretched(robot, allowed, guess, stiffness)
 
     def height(x: Array) -> float:
-        pose = moved(robot, guess, x)
-        return float((pose.position + pose.rotation @ robot.platform.center_of_mass)[-1])
+        return _height(robot, moved(robot, guess, x))
 
     def slope(x: Array) -> Array:
         return -gravity_wrench(robot, moved(robot, guess, x)) @ moved_rates(robot, guess, x) / weight
@@ -97,18 +96,18 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
         missed = wrench_matrix(robot, pose)[:, carrying] @ z[n:] + gravity_wrench(robot, pose) / weight
         return np.concatenate([missed, (cable_lengths(robot, pose) - allowed)[carrying]])
 
-    found = least_squares(unrest, np.concatenate([x, pulls[carrying]]), xtol=tight, ftol=tight, gtol=tight)
-    pose, tensions = moved(robot, guess, found.x[:n]), np.zeros(robot.n_cables)
-    tensions[carrying] = weight * found.x[n:]
+    z = least_squares(unrest, np.concatenate([x, pulls[carrying]]))
+    pose, tensions = moved(robot, guess, z[:n]), np.zeros(robot.n_cables)
+    tensions[carrying] = weight * z[n:]
     over = cable_lengths(robot, pose) - allowed
-    if np.abs(unrest(found.x)).max() > _STILL or over.max() > _TAUT or tensions.min() < 0:
+    if np.abs(unrest(z)).max() > _STILL or over.max() > _TAUT or tensions.min() < 0:
         raise NoConvergence(_NO_REST, over)
     return AtRest(pose, frozen(tensions))
 
 
 def _stretched(robot: Robot, lengths: Array, guess: Pose, stiffness: float) -> AtRest:
     """Where the weight's and the cables' energy is least, and W τ + w_g = 0."""
-    from scipy.optimize import least_squares, minimize
+    from scipy.optimize import minimize
 
     weight = robot.mass * robot.gravity
 
@@ -117,8 +116,7 @@ def _stretched(robot: Robot, lengths: Array, guess: Pose, stiffness: float) -> A
 
     def energy(x: Array) -> float:
         pose = moved(robot, guess, x)
-        height = (pose.position + pose.rotation @ robot.platform.center_of_mass)[-1]
-        return float(height + (pulls(pose)**2 * lengths).sum() / (2 * stiffness * weight))
+        return _height(robot, pose) + float((pulls(pose)**2 * lengths).sum()) / (2 * stiffness * weight)
 
     def imbalance(x: Array) -> Array:
         pose = moved(robot, guess, x)
@@ -129,9 +127,13 @@ def _stretched(robot: Robot, lengths: Array, guess: Pose, stiffness: float) -> A
 
     # Newton's steps alone may go to and fro where a cable turns slack.
     low = minimize(energy, np.zeros(robot.n_dof), jac=slope, method="BFGS").x
-    tight = 4 * np.finfo(float).eps
-    found = least_squares(imbalance, low, xtol=tight, ftol=tight, gtol=tight)
-    if not np.abs(found.fun).max() <= _STILL:
-        raise NoConvergence(_NO_REST, found.fun)
-    pose = moved(robot, guess, found.x)
+    x = least_squares(imbalance, low)
+    if not np.abs(imbalance(x)).max() <= _STILL:
+        raise NoConvergence(_NO_REST, imbalance(x))
+    pose = moved(robot, guess, x)
     return AtRest(pose, frozen(pulls(pose)))
+
+
+def _height(robot: Robot, pose: Pose) -> float:
+    """Of the center of mass [m]."""
+    return float((pose.position + pose.rotation @ robot.platform.center_of_mass)[-1])

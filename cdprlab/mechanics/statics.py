@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array, checked, common_batch, frozen, lasting
 from ..errors import InvalidInput
 from ..robot import Base, Robot
-from ..robot.pose import Pose, cross_matrix
+from ..robot.pose import Pose, cross, lever
 from .cables import anchor_offsets, cable_directions, cables_at, check_dimension, straight_lengths, tangent_points
 
 
@@ -42,17 +42,9 @@ def gravity_wrench(robot: Robot, pose: Pose) -> Array:
     array([    0. ,     0. , -1471.5,     0. ,     0. ,     0. ])
     """
     check_dimension(robot, pose)
-    d, down = robot.dimension, -robot.mass * robot.gravity
-    arm = pose.rotation @ robot.platform.center_of_mass
-    wrench = np.zeros((*pose.batch_shape, 3 * (d - 1), 1))
-    wrench[..., d - 1, 0] = down
-    # (R c) × f with f = (0, down) or (0, 0, down)
-    if d == 2:
-        wrench[..., 2, 0] = arm[..., 0] * down
-    else:
-        wrench[..., 3, 0] = arm[..., 1] * down
-        wrench[..., 4, 0] = -arm[..., 0] * down
-    return robot.pattern.project(wrench, pose.rotation)[..., 0]
+    force, arm = _weight(robot.mass * robot.gravity, robot.dimension), pose.rotation @ robot.platform.center_of_mass
+    wrench = np.concatenate([np.broadcast_to(force, arm.shape), cross(arm, force)], axis=-1)
+    return robot.pattern.project(wrench[..., None], pose.rotation)[..., 0]
 
 
 @checked
@@ -94,20 +86,6 @@ def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: Ar
     if weight:
         geometric = geometric + _weight_stiffness(robot, pose)
     return elastic + np.swapaxes(basis, -1, -2) @ geometric @ basis
-
-
-def moment_slope(arm: Array, force: Array) -> Array:
-    """[f]× [r]×, in the plane −r · f: how the moment r × f of a force grows as its arm turns, dr = dφ × r.
-
-    arm, force : (…, d)
-    Returns (…, 3, 3), or (…, 1, 1) in the plane.
-
-    >>> moment_slope(np.array([0.0, 2.0]), np.array([0.0, 3.0]))
-    array([[-6.]])
-    """
-    if arm.shape[-1] == 2:
-        return -(arm * force).sum(axis=-1)[..., None, None]
-    return cross_matrix(force) @ cross_matrix(arm)
 
 
 @lasting
@@ -166,9 +144,8 @@ def footings(robot: Robot) -> list[Footing]:
         for i, carrier in enumerate(robot.base_indices):
             if carrier == k:   # the cable pulls its exit point with −τ u
                 levers[:, i] = -_turned(axes, robot.cables[i].exit_point - contacts)
-        weight = np.zeros(robot.dimension)
-        weight[-1] = -base.mass * robot.gravity
-        found.append(Footing(k, levers, _turned(axes, base.center_of_mass - contacts), weight, axes))
+        found.append(Footing(k, levers, _turned(axes, base.center_of_mass - contacts),
+                             _weight(base.mass * robot.gravity, robot.dimension), axes))
     return found
 
 
@@ -236,22 +213,29 @@ def _swing(robot: Robot, anchors: Array, u: Array, tau: Array, lengths: Array) -
 def _geometric_stiffness(r: Array, u: Array, tau: Array, swing: Array) -> Array:
     """Σ τ_i K_i in full twist coordinates: from τ du = −swing (dp + dφ × r) and dr = dφ × r."""
     d = r.shape[-1]
-    # dφ × r = arm dφ
-    arm = np.stack([-r[..., 1], r[..., 0]], axis=-1)[..., None] if d == 2 else -cross_matrix(r)
-    moves = np.concatenate([np.broadcast_to(np.eye(d), swing.shape), arm], axis=-1)
+    moves = np.concatenate([np.broadcast_to(np.eye(d), swing.shape), lever(r)], axis=-1)
     full = np.swapaxes(moves, -1, -2) @ swing @ moves
-    full[..., d:, d:] -= tau[..., None, None] * moment_slope(r, u)
+    full[..., d:, d:] += tau[..., None, None] * _moment_loss(r, u)
     return full.sum(axis=-3)
+
+
+def _moment_loss(arm: Array, force: Array) -> Array:
+    """By how much the moment r × f of a force falls as its arm turns, dr = dφ × r."""
+    return np.swapaxes(lever(force), -1, -2) @ lever(arm)
 
 
 def _weight_stiffness(robot: Robot, pose: Pose) -> Array:
     """−d w_g / dx in full twist coordinates: the weight's arm turns with the platform."""
     d, n = robot.dimension, 3 * (robot.dimension - 1)
-    force = np.zeros(d)
-    force[-1] = -robot.mass * robot.gravity
     full = np.zeros((*pose.batch_shape, n, n))
-    full[..., d:, d:] = -moment_slope(pose.rotation @ robot.platform.center_of_mass, force)
+    full[..., d:, d:] = _moment_loss(pose.rotation @ robot.platform.center_of_mass,
+                                     _weight(robot.mass * robot.gravity, d))
     return full
+
+
+def _weight(size: float, d: int) -> Array:
+    """(d,) a force downwards [N]."""
+    return np.asarray(-size * np.eye(d)[-1])
 
 
 def _edges(base: Base) -> tuple[Array, Array]:
@@ -266,6 +250,4 @@ def _edges(base: Base) -> tuple[Array, Array]:
 
 def _turned(axes: Array, arms: Array) -> Array:
     """axis × arm, (…, k, d); in the plane the axis is along z."""
-    if arms.shape[-1] == 2:
-        return axes * np.stack([-arms[..., 1], arms[..., 0]], axis=-1)
-    return np.cross(axes, arms)
+    return np.asarray((lever(arms) @ axes[..., None])[..., 0])

@@ -211,6 +211,29 @@ def cross_matrix(vector: Array) -> Array:
     return matrix
 
 
+def lever(arm: Array) -> Array:
+    """A with φ × r = A φ and r × f = Aᵀ f: [−y, x]ᵀ in the plane, −[r]× in space.
+
+    arm : r (…, d)
+    Returns (…, 2, 1) or (…, 3, 3).
+
+    >>> lever(np.array([1.0, 0.0])) @ [0.5]
+    array([-0. ,  0.5])
+    """
+    if arm.shape[-1] == 2:
+        return np.stack([-arm[..., 1], arm[..., 0]], axis=-1)[..., None]
+    return -cross_matrix(arm)
+
+
+def cross(arm: Array, force: Array) -> Array:
+    """r × f = Aᵀ f with A the `lever` of r: (…, 3) in space, (…, 1) (the z component) in the plane.
+
+    >>> cross(np.array([1.0, 0.0]), np.array([0.0, 2.0]))
+    array([2.])
+    """
+    return np.asarray((np.swapaxes(lever(arm), -1, -2) @ force[..., None])[..., 0])
+
+
 def rotation_vector_jacobian(vector: Array) -> Array:
     """J_l with ω = J_l(r) ṙ for R = exp([r]×), ω in the axes R maps to.
 
@@ -227,23 +250,6 @@ def rotation_vector_jacobian(vector: Array) -> Array:
     b, c = turn_coefficients(np.linalg.norm(vector, axis=-1))[:2]
     k = cross_matrix(vector)
     return np.eye(3) + b[..., None, None] * k + c[..., None, None] * (k @ k)
-
-
-def rotation_vector_jacobian_rate(vector: Array, rate: Array) -> Array:
-    """dJ_l/dt of J_l = I + b [r]× + c [r]×², with b, c of the angle θ = ‖r‖ and θ̇ θ = r · ṙ.
-
-    vector, rate : r, ṙ (…, 3) [rad, rad/s]
-    Returns (…, 3, 3).
-
-    >>> rotation_vector_jacobian_rate(np.zeros(3), np.array([0.0, 0.0, 2.0]))[1, 0]
-    np.float64(1.0)
-    """
-    b, c, b_rate, c_rate = turn_coefficients(np.linalg.norm(vector, axis=-1))
-    along = (vector * rate).sum(axis=-1)
-    b_rate, c_rate = b_rate * along, c_rate * along
-    k, k_rate = cross_matrix(vector), cross_matrix(rate)
-    b, c, b_rate, c_rate = (x[..., None, None] for x in (b, c, b_rate, c_rate))
-    return b_rate * k + b * k_rate + c_rate * (k @ k) + c * (k_rate @ k + k @ k_rate)
 
 
 def turn_coefficients(angle: Any) -> tuple[Any, Any, Any, Any]:

@@ -13,6 +13,7 @@ from ..arrays import Array, as_array, as_number, checked, frozen, lasting
 from ..errors import InvalidInput, under
 from .parts import Base, Cable, Elasticity, Platform, Winch
 from .pattern import MotionPattern
+from .pose import lever
 
 STANDARD_GRAVITY = 9.81
 
@@ -216,9 +217,8 @@ class Robot:
 
 
 def _point_inertia(mass: float, place: Array) -> Array:
-    if place.shape[0] == 2:
-        return np.asarray(mass * (place @ place))
-    return mass * ((place @ place) * np.eye(3) - np.outer(place, place))
+    turns = lever(place)
+    return np.squeeze(mass * turns.T @ turns)
 
 
 def _there_are(names: Mapping[str, int]) -> str:

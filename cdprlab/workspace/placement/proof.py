@@ -7,11 +7,10 @@ import numpy as np
 
 from ...arrays import Array
 from ...mechanics.cables import anchor_offsets, cable_directions, cable_vectors
-from ...mechanics.kinematics import cross
 from ...mechanics.optimization import largest_last
 from ...mechanics.statics import footings
 from ...robot import Robot
-from ...robot.pose import Pose
+from ...robot.pose import Pose, cross
 from .program import Duty
 
 _ROUNDING = 1e-6
@@ -124,15 +123,11 @@ def _ways(robot: Robot, k: int) -> Array:
 
 def _normals(d: int, load: Array) -> Array:
     """(q, d) unit normals of the polytope around a ball, one of them along the force that is needed."""
-    if d == 2:
-        angles = np.arange(32) * np.pi / 16
-        normals = np.column_stack([np.cos(angles), np.sin(angles)])
-    else:
-        normals = np.array([corner for corner in product((-1.0, 0.0, 1.0), repeat=3)
-                            if any(corner)])
+    corners = np.array(list(product(np.linspace(-1, 1, 5), repeat=d)))
     force = np.zeros(d)
     force[:min(d, load.size)] = -load[:d]
-    normals = np.concatenate([normals, [force]]) if force.any() else normals
+    normals = np.concatenate([corners, [force]])
+    normals = normals[normals.any(axis=1)]
     return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
 
 
