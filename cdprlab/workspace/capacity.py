@@ -10,7 +10,7 @@ from ..compiled import CENTROID, FOUND, NOTHING, OUT_OF_RANGE, TOO_REDUNDANT
 from ..errors import InvalidInput
 from ..mechanics.optimization import largest_last
 from ..robot import Robot
-from ..sets.zonotope import facet_normals, products
+from ..sets import Polytope
 from ..tensions import distribute_tensions
 from ..tensions.law import forgiven
 from .margins import margin_by_program, tension_margins
@@ -86,7 +86,7 @@ def capacity_margins(W: Array, w_e: Array, loads: Array, half: Array, low: Array
         [N]
     exact : without it a negative answer only means outside
     Returns (N,); (N, n) outward unit normal of the facet that decides. Where W loses rank the
-    set is flat: −inf for a box that is not, else 0 or what a corner lacks by `tension_margins`.
+    set is flat, and nothing is inside by more than 0.
     Source: Bouchard et al. 2010; Gouttefarde and Krut 2010; Guay et al. 2014 (capacity margin).
 
     >>> W = np.array([[[1.0, 0.0], [0.0, 1.0]]])
@@ -101,26 +101,12 @@ def capacity_margins(W: Array, w_e: Array, loads: Array, half: Array, low: Array
     s, normals, found = capacity(*map(plain, (carried, w_e, loads, half, low, high)), exact)
     s[found == OUT_OF_RANGE] = -np.inf
     for k in np.flatnonzero(found == TOO_REDUNDANT):
-        s[k], normals[k] = _one_by_one(W[k], w_e[k], loads, half, low, high)
+        available = Polytope.from_box(W[k], low, high)
+        reach = (available.normals @ -(w_e[k] + loads).T).max(axis=1) + np.abs(available.normals) @ half
+        worst = int((available.offsets - reach).argmin())
+        s[k], normals[k] = (available.offsets - reach)[worst], available.normals[worst]
     normals[found == OUT_OF_RANGE] = np.nan
     return s, normals
-
-
-def _one_by_one(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: Array) -> tuple[float, Array]:
-    """By the planes of one pose; where W loses rank, by the corners."""
-    n = W.shape[0]
-    if np.linalg.matrix_rank(W) < n:
-        corners = box_loads(loads, half)
-        margins = tension_margins(np.broadcast_to(W, (len(corners), *W.shape)),
-                                  w_e + corners, low, high)
-        return float(min(0.0, margins.min())), np.full(n, np.nan)
-    normals, _ = facet_normals(W)
-    normals = np.concatenate([normals, -normals])
-    along = products(normals, W)
-    offsets = np.maximum(along * low, along * high).sum(axis=1)
-    left = (offsets - (normals @ -(w_e + loads).T).max(axis=1)) - np.abs(normals) @ half
-    worst = int(np.argmin(left))
-    return float(left[worst]), normals[worst]
 
 
 def external_wrenches(wrenches: ArrayLike | None, n: int) -> Array:
