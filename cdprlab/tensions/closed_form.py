@@ -2,10 +2,10 @@
 
 from ..arrays import Array
 from .feasible_polygon import closest_tensions
-from .method import Answers, BatchSolver, vectorized
+from .method import Answers, vectorized
 
 
-def batch() -> BatchSolver:
+def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
     """τ = τ_m − W⁺ (w_e + W τ_m), τ_m = (τ_min + τ_max)/2; cables with equal limits stay at them.
 
     A limit of as much as you like moves that middle, and so the answer: it is what is aimed at.
@@ -13,12 +13,8 @@ def batch() -> BatchSolver:
     Source: Pott, Bruckmann and Mikelsons 2009; Okoli 2016, eq. (6.27)–(6.29), whose bounds are
     misprinted.
     """
-
-    def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
-        return closest_tensions(W, w_e, low, high, 0.5)
-
-    return solve
+    return closest_tensions(W, w_e, low, high, 0.5)
 
 
-METHOD = vectorized(batch, complete=False,
+METHOD = vectorized(solve, complete=False,
                     summary="nearest to the middle of the limits, one formula; may leave the limits")

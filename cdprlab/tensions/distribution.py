@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import LARGEST, Array, as_array
+from ..arrays import LARGEST, Array, as_array, common_batch
 from ..errors import InvalidInput
 from .judgement import TensionDistribution, checked_distribution
 from .methods import method_named, solver_for
@@ -46,11 +46,11 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike,
     tensions: Array
     reasons: Any
     if batch:
-        tensions, reasons = method_named(method, options).batch(**options)(
+        tensions, reasons = method_named(method, options).solve(
             np.broadcast_to(W, (*batch, n, m)).reshape(-1, n, m),
             np.broadcast_to(w_e, (*batch, n)).reshape(-1, n),
             *(limit[None] if low.ndim == high.ndim == 1 else np.broadcast_to(limit, (*batch, m)).reshape(-1, m)
-              for limit in (low, high)))
+              for limit in (low, high)), **options)
         tensions, reasons = tensions.reshape(*batch, m), reasons.reshape(batch)
     else:
         tensions, reasons = solver_for(method, n, low, high, **options)(W, w_e)
@@ -80,12 +80,9 @@ def _limits(value: ArrayLike, name: str, m: int) -> Array:
 def _batch_shape(W: Array, w_e: Array, low: Array, high: Array) -> tuple[int, ...]:
     if W.ndim == 2 and w_e.ndim == low.ndim == high.ndim == 1:
         return ()
-    try:
-        return np.broadcast_shapes(W.shape[:-2], w_e.shape[:-1], low.shape[:-1],
-                                   high.shape[:-1])
-    except ValueError:
-        raise InvalidInput(f"batch shapes do not fit together: W {W.shape}, w_e {w_e.shape}, "
-                           f"limits {low.shape}, {high.shape}") from None
+    limits = common_batch("tension_min", low.shape[:-1], "tension_max", high.shape[:-1])
+    wrenches = common_batch("W", W.shape[:-2], "w_e", w_e.shape[:-1])
+    return common_batch("W and w_e", wrenches, "limits", limits)
 
 
 def _check_order(low: Array, high: Array) -> None:

@@ -2,25 +2,21 @@
 
 from ..arrays import Array
 from .feasible_polygon import closest_tensions
-from .method import Answers, BatchSolver, vectorized
+from .method import Answers, vectorized
 
 OUT_OF_REDUNDANCY = "the improved closed form ran out of redundancy"
 
 
-def batch() -> BatchSolver:
+def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
     """Closed form; fix the worst cable at the limit it breaks; closed form of the others; until all keep theirs.
 
     With no redundancy left the square system is still solved, and judged like every other
     answer.
     Source: Pott 2014; Okoli 2016, 6.4.5, who fixes the first cable found instead of the worst.
     """
-
-    def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
-        return closest_tensions(W, w_e, low, high, 0.5, rounds=W.shape[2],
-                                spent=OUT_OF_REDUNDANCY)
-
-    return solve
+    return closest_tensions(W, w_e, low, high, 0.5, rounds=W.shape[2],
+                            spent=OUT_OF_REDUNDANCY)
 
 
-METHOD = vectorized(batch, complete=False,
+METHOD = vectorized(solve, complete=False,
                     summary="closed form with the worst cable fixed at its limit, repeated; misses some distributions")

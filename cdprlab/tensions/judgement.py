@@ -126,7 +126,7 @@ def _reasons(problem: Problem, tensions: Array, residual: Array, margin: Array, 
         texts[k] = shortfall(tensions[k], residual[k], margin[k], problem.low[k], problem.high[k])
     asked = np.flatnonzero((texts != UNREACHABLE) & ~proven)
     if asked.size:
-        program = METHODS["linear_program"].batch()(*(part[asked] for part in problem))[1]
+        program = METHODS["linear_program"].solve(*(part[asked] for part in problem))[1]
         texts[asked] += np.where(program == "", "; the LP says a distribution exists",
                                  "; the LP says none exists")
     return texts

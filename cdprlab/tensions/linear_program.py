@@ -6,24 +6,20 @@ from ..arrays import Array
 from ..compiled import LOWEST
 from .feasible_polygon import polygon_points, unanswered
 from .law import reachable, tension_scale
-from .method import INFEASIBLE, UNREACHABLE, Answers, BatchSolver, Solution, sharpened, vectorized
+from .method import INFEASIBLE, UNREACHABLE, Answers, Solution, sharpened, vectorized
 
 
-def batch() -> BatchSolver:
+def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
     """A corner of the feasible set: with up to two redundant cables the best of the polygon's, else by HiGHS.
 
     Among equally good corners of a polygon that with the smaller tension in cable 1, then 2, …
     Source: Okoli 2016, eq. (6.24); Huangfu and Hall 2018 (HiGHS).
     """
-
-    def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
-        tensions, reasons, spare = polygon_points(W, w_e, low, high, LOWEST)
-        lows, highs = (np.broadcast_to(limit, tensions.shape) for limit in (low, high))
-        for k in unanswered(spare, reasons):
-            tensions[k], reasons[k] = _highs(W[k], w_e[k], lows[k], highs[k])
-        return tensions, reasons
-
-    return solve
+    tensions, reasons, spare = polygon_points(W, w_e, low, high, LOWEST)
+    lows, highs = (np.broadcast_to(limit, tensions.shape) for limit in (low, high))
+    for k in unanswered(spare, reasons):
+        tensions[k], reasons[k] = _highs(W[k], w_e[k], lows[k], highs[k])
+    return tensions, reasons
 
 
 def _highs(W: Array, w_e: Array, low: Array, high: Array) -> Solution:
@@ -39,5 +35,5 @@ def _highs(W: Array, w_e: Array, low: Array, high: Array) -> Solution:
     return np.full(low.size, np.nan), INFEASIBLE if found.status == 2 else f"HiGHS gave up: {found.message}"
 
 
-METHOD = vectorized(batch, complete=True,
+METHOD = vectorized(solve, complete=True,
                     summary="min Σ τ inside the limits: least total tension, jumps between corners")

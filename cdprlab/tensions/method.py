@@ -26,48 +26,48 @@ Solver = Callable[[Array, Array], Solution]
 Answers = tuple[Array, Texts]
 """Tensions (k, m) and reasons (k,) of a batch."""
 
-BatchSolver = Callable[[Array, Array, Array, Array], Answers]
-"""``(W, w_e, tension_min, tension_max) → Answers``: (k, n, m), (k, n), and limits (k, m) or (1, m) for all."""
+BatchSolver = Callable[..., Answers]
+"""``(W, w_e, tension_min, tension_max, **options) → Answers``: (k, n, m), (k, n), limits (k, m) or (1, m) for all."""
 
 
 class Method(NamedTuple):
     """One family of distributions.
 
+    solve : a BatchSolver
     build : ``(n, tension_min, tension_max, **options) → Solver``; checks its options, allocates
         once
     complete : whether it finds a distribution whenever one exists
     summary : one line for menus and tables
-    batch : ``(**options) → BatchSolver``
     """
 
+    solve: BatchSolver
     build: Callable[..., Solver]
     complete: bool
     summary: str
-    batch: Callable[..., BatchSolver]
 
     def options(self) -> tuple[str, ...]:
-        """Names of the options ``build`` and ``batch`` take."""
+        """Names of the options that ``solve`` and ``build`` take."""
         import inspect
 
-        parameters: Any = inspect.signature(self.batch).parameters.values()
+        parameters: Any = inspect.signature(self.solve).parameters.values()
         return tuple(p.name for p in parameters if p.kind is p.KEYWORD_ONLY)
 
 
-def vectorized(batch: Callable[..., BatchSolver], *, complete: bool, summary: str) -> Method:
+def vectorized(solve: BatchSolver, *, complete: bool, summary: str) -> Method:
     """The method of a batch solver; one wrench is then a batch of one, and weighed: a control loop asks nobody else."""
 
     def build(n: int, tension_min: Array, tension_max: Array, **options: Any) -> Solver:
-        solve_batch, low, high = batch(**options), tension_min[None], tension_max[None]
+        low, high = tension_min[None], tension_max[None]
 
-        def solve(W: Array, w_e: Array) -> Solution:
-            tensions, reasons = solve_batch(W[None], w_e[None], low, high)
+        def solve_one(W: Array, w_e: Array) -> Solution:
+            tensions, reasons = solve(W[None], w_e[None], low, high, **options)
             if reasons[0]:
                 return tensions[0], reasons[0]
             return weigh_one(W, w_e, tension_min, tension_max, tensions[0])
 
-        return solve
+        return solve_one
 
-    return Method(build, complete, summary, batch)
+    return Method(solve, build, complete, summary)
 
 
 def one_by_one(left: Flags, build: Callable[[Array, Array], Solver], W: Array, w_e: Array,

@@ -4,21 +4,17 @@ import numpy as np
 
 from ..arrays import Array
 from .feasible_polygon import closest_tensions
-from .method import Answers, BatchSolver, no_reasons, vectorized
+from .method import Answers, no_reasons, vectorized
 
 
-def batch() -> BatchSolver:
+def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
     """τ = −W⁺ w_e; the limits only judge it afterwards. `infeasible="send"` commands it as it is.
 
     Source: Okoli 2016, eq. (6.26).
     """
-
-    def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
-        nothing = np.zeros((1, W.shape[2]))
-        return closest_tensions(W, w_e, nothing, nothing + 1, 0.0)[0], no_reasons(W.shape[0])
-
-    return solve
+    nothing = np.zeros((1, W.shape[2]))
+    return closest_tensions(W, w_e, nothing, nothing + 1, 0.0)[0], no_reasons(W.shape[0])
 
 
-METHOD = vectorized(batch, complete=False,
+METHOD = vectorized(solve, complete=False,
                     summary="τ = −W⁺ w_e: least norm, limits ignored (tensions may be negative)")

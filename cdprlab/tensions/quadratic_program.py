@@ -1,6 +1,6 @@
 """Least-norm tensions inside the limits: min ‖τ‖² subject to W τ + w_e = 0, τ_min ≤ τ ≤ τ_max."""
 
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from .method import (
     INFEASIBLE,
     UNREACHABLE,
     Answers,
-    BatchSolver,
     Method,
     Solution,
     Solver,
@@ -41,17 +40,12 @@ class LeastNorm:
             tau = least_quadratic(*self.program(W, w_e))
         return self.by_independent_rows(W, w_e) if tau is None else (tau, "")
 
-    def program(self, W: Array, w_e: Array, rows: Array | None = None,
-                offset: Array | None = None,
-                toward: Array | None = None) -> tuple[Array, Array, Array, Array, int, bool]:
-        """What `least_quadratic` takes for min ‖τ − τ_0‖², with G τ + g ≤ 0 besides if there are such rows."""
+    def program(self, W: Array, w_e: Array) -> tuple[Array, Array, Array, Array, int, bool]:
+        """What `least_quadratic` takes."""
         C, b = self.constraints
         C[:, :self.n] = W.T
         np.negative(w_e, out=b[:self.n])
-        if rows is not None and offset is not None:
-            C, b = np.concatenate([C, -rows.T], axis=1), np.concatenate([b, offset])
-        goal = np.zeros(self.low.size) if toward is None else toward
-        return self.identity, goal, C, b, self.n, True
+        return self.identity, np.zeros(self.low.size), C, b, self.n, True
 
     @cached_property
     def identity(self) -> Array:
@@ -102,31 +96,22 @@ def build(n: int, tension_min: Array, tension_max: Array, *, solver: str = "quad
     solver : "quadprog", called directly, or any other that qpsolvers has installed
     Source: Okoli 2016, eq. (6.25).
     """
-    if solver == "quadprog":
-        return around_fixed(lambda low, high: LeastNorm(n, low, high), tension_min, tension_max)
-    return around_fixed(lambda low, high: _other_solver(low, high, solver), tension_min,
-                        tension_max)
+    one = partial(LeastNorm, n) if solver == "quadprog" else partial(_other_solver, solver)
+    return around_fixed(one, tension_min, tension_max)
 
 
-def batch(*, solver: str = "quadprog") -> BatchSolver:
+def solve(W: Array, w_e: Array, low: Array, high: Array, *, solver: str = "quadprog") -> Answers:
     """The same for many wrenches: with up to two redundant cables the polygon's point nearest to 0, else one by one."""
-
-    def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
-        def one(low: Array, high: Array) -> Solver:
-            return build(W.shape[1], low, high, solver=solver)
-
-        if solver == "quadprog":
-            tensions, reasons, spare = least_norm_points(W, w_e, low, high)
-            left = (spare > 2) | (reasons == UNREACHABLE)   # of which the program says more
-        else:
-            tensions, reasons, left = np.empty((len(W), W.shape[2])), no_reasons(len(W)), np.full(len(W), True)
-        one_by_one(left, one, W, w_e, low, high, tensions, reasons)
-        return tensions, reasons
-
-    return solve
+    if solver == "quadprog":
+        tensions, reasons, spare = least_norm_points(W, w_e, low, high)
+        left = (spare > 2) | (reasons == UNREACHABLE)   # of which the program says more
+    else:
+        tensions, reasons, left = np.empty((len(W), W.shape[2])), no_reasons(len(W)), np.full(len(W), True)
+    one_by_one(left, partial(build, W.shape[1], solver=solver), W, w_e, low, high, tensions, reasons)
+    return tensions, reasons
 
 
-def _other_solver(low: Array, high: Array, solver: str) -> Solver:
+def _other_solver(solver: str, low: Array, high: Array) -> Solver:
     with needed_by(f"the QP solver {solver!r}", "quadprog works without it"):
         import qpsolvers
 
@@ -146,5 +131,4 @@ def _other_solver(low: Array, high: Array, solver: str) -> Solver:
     return solve
 
 
-METHOD = Method(build, complete=True,
-                summary="min ‖τ‖² inside the limits: smooth, low tensions", batch=batch)
+METHOD = Method(solve, build, complete=True, summary="min ‖τ‖² inside the limits: smooth, low tensions")

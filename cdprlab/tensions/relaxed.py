@@ -1,5 +1,7 @@
 """When no tensions balance the wrench: the least wrench error inside the limits, then the least tensions."""
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -12,7 +14,6 @@ from .law import NOT_FINITE, limits_kept, tension_scale
 from .method import (
     INFEASIBLE,
     Answers,
-    BatchSolver,
     Method,
     Solution,
     Solver,
@@ -36,22 +37,14 @@ def build(n: int, tension_min: Array, tension_max: Array, *, weights: ArrayLike 
     scale = np.ones(n) if weights is None else as_array(weights, "weights", (n,))
     if (scale <= 0).any():
         raise InvalidInput(f"weights must be positive, got {scale.tolist()}")
+    return around_fixed(partial(_relaxed, scale), tension_min, tension_max)
 
-    return around_fixed(lambda low, high: _relaxed(scale, low, high), tension_min, tension_max)
 
-
-def batch(*, weights: ArrayLike | None = None) -> BatchSolver:
+def solve(W: Array, w_e: Array, low: Array, high: Array, *, weights: ArrayLike | None = None) -> Answers:
     """The quadratic program where it has an answer; the others one by one."""
-    exact = quadratic_program.batch()
-
-    def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
-        tensions, reasons = exact(W, w_e, low, high)
-        one_by_one(reasons != "", lambda low,
-                   high: build(W.shape[1], low, high, weights=weights), W, w_e, low, high,
-                   tensions, reasons)
-        return tensions, reasons
-
-    return solve
+    tensions, reasons = quadratic_program.solve(W, w_e, low, high)
+    one_by_one(reasons != "", partial(build, W.shape[1], weights=weights), W, w_e, low, high, tensions, reasons)
+    return tensions, reasons
 
 
 def _relaxed(scale: Array, low: Array, high: Array) -> Solver:
@@ -105,5 +98,4 @@ def _least_error(rows: Array, goal: Array, low: Array, high: Array,
     return tau, movable & (not sharp or rank < movable.sum())
 
 
-METHOD = Method(build, complete=True,
-                summary="least wrench error inside the limits, then least norm", batch=batch)
+METHOD = Method(solve, build, complete=True, summary="least wrench error inside the limits, then least norm")

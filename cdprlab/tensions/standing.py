@@ -26,8 +26,9 @@ def standing_tensions(W: Array, w_e: Array, low: Array, high: Array, rows: Array
     >>> standing_tensions(W, np.zeros(1), np.ones(2), np.full(2, 9.0), none, np.zeros(0))[0]
     array([1., 1.])
     """
-    goal = np.full(low.size, toward, dtype=float)
-    found = least_quadratic(*LeastNorm(len(w_e), low, high).program(W, w_e, rows, offset, goal))
+    identity, _, C, b, equal, factored = LeastNorm(len(w_e), low, high).program(W, w_e)
+    found = least_quadratic(identity, np.full(low.size, toward, dtype=float),
+                            np.concatenate([C, -rows.T], axis=1), np.concatenate([b, offset]), equal, factored)
     if found is not None:
         return np.clip(found, low, high), ""
     reason = f"{INFEASIBLE} and keep every base standing" if rows.size else INFEASIBLE
