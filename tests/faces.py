@@ -84,7 +84,7 @@ def library() -> dict[str, tuple[Any, Words]]:
         "WrenchFeasible": {"wrenches": np.zeros(6), "half_widths": np.ones(6), "by": None},
         "DynamicEquilibrium": {"accelerations": np.ones(6)},
         "TwistFeasible": {"twists": np.zeros(6), "moving": "none", "pivot": "base"},
-        "InterferenceFree": {"clearance": 0.02, "obstacles": (), "cables": True, "platform": True, "root": None},
+        "InterferenceFree": {"clearance": 0.02, "obstacles": (), "cables": True, "platform": True},
         "StaticallyStable": {"method": "quadratic_program", "axial_stiffness": 1e5}}
     found: dict[str, tuple[Any, Words]] = {}
     for name, words in criteria.items():

@@ -116,9 +116,9 @@ def test_no_facet_and_no_vertex_is_superfluous(kind, n):
 @pytest.mark.parametrize("n, k", [(2, 4), (2, 6), (3, 5), (3, 7), (4, 6), (6, 8)])
 def test_hyperplane_shifting_gives_qhulls_merged_planes(n, k):
     rng = np.random.default_rng(n + k)
-    center, generators = rng.normal(size=n), rng.normal(size=(n, k))
-    normals, offsets = hyperplane_shifting(center, generators)
-    corners = center + np.array(list(itertools.product([-1, 1], repeat=k))) @ generators.T
+    generators = rng.normal(size=(n, k))
+    normals, offsets = hyperplane_shifting(generators)
+    corners = np.array(list(itertools.product([-1, 1], repeat=k))) @ generators.T
     planes = np.unique(ConvexHull(corners).equations.round(7), axis=0)
     mine = np.column_stack([normals, -offsets])
     assert len(planes) == len(mine)
@@ -128,7 +128,7 @@ def test_hyperplane_shifting_gives_qhulls_merged_planes(n, k):
 
 def test_parallel_and_vanishing_generators_make_one_facet():
     generators = np.array([[1.0, 2.0, 0.0, 0.0, 0.0], [0, 0, 1, -1, 0], [0, 0, 1, 1, 0]])
-    normals, offsets = hyperplane_shifting(np.zeros(3), generators)
+    normals, offsets = hyperplane_shifting(generators)
     assert len(normals) == 6
     assert sorted(offsets.round(12)) == pytest.approx([np.sqrt(2)] * 4 + [3.0] * 2)
 
@@ -159,7 +159,6 @@ def test_axis_section_at_the_border_and_off_a_flat_set():
     assert (line.axis_section() == 0).all()
     np.testing.assert_allclose(line.component_range(), [[-1, 1], [-1, 1]])
     assert line.dimension == 1 and "flat: dimension 1" in repr(line) and line.volume == 0
-    np.testing.assert_allclose(np.abs(line.span), np.full((2, 1), np.sqrt(0.5)))
 
 
 @pytest.mark.parametrize("kind", ["rows", "zonotope", "image"])

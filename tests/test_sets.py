@@ -369,23 +369,24 @@ def test_what_can_be_added_while_holding():
 @pytest.mark.parametrize("name", BASED)
 def test_sliding_rows_are_coulombs_law_on_each_base(name):
     robot, pose = heavier(BASED[name]()), robots.random_pose(BASED[name](), 17)
-    rows, limits = sliding_rows(robot, pose, 0.4, sides=64)
+    rows, limits = sliding_rows(robot, pose, 0.4)
     rng, seen = np.random.default_rng(17), set()
     for tau in rng.uniform(0, 1500, (200, robot.n_cables)) * rng.uniform(0, 1, (200, 1)):
         ratios = []
         for base in robot.bases:
             force = sum(f for _, f in robots.pulls_on(robot, pose, base, tau))
             ratios.append(np.linalg.norm(force[:-1]) / -force[-1] if force[-1] < 0 else np.inf)
-        if abs(max(ratios) - 0.4) > 0.001 * 0.4 * 2:    # 64 sides keep 99.88 %
+        sure = robot.dimension == 2 or not 0.4 * np.cos(np.pi / 8) <= max(ratios) <= 0.4   # the octagon is inside
+        if sure and abs(max(ratios) - 0.4) > 1e-9:
             assert bool((rows @ tau <= limits).all()) == (max(ratios) < 0.4)
             seen.add(max(ratios) < 0.4)
     assert seen == {True, False}
 
 
-@pytest.mark.parametrize("arguments", [(-0.1, 8), (0.4, 2), ("rough", 8)])
-def test_friction_that_is_none(arguments):
+@pytest.mark.parametrize("friction", [-0.1, "rough"])
+def test_friction_that_is_none(friction):
     with pytest.raises(InvalidInput):
-        sliding_rows(*case("two bases", 0), *arguments)
+        sliding_rows(*case("two bases", 0), friction)
 
 
 @pytest.mark.parametrize("moving", ["all", "none"])

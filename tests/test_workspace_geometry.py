@@ -73,14 +73,14 @@ def test_box_distance_is_the_brute_force_minimum(d):
 def test_interference_margin_is_the_smallest_distance_of_all():
     robot, poses = robot_3r3t(), random_poses(robot_3r3t(), 25, 1, turn=0.9)
     box = Box(np.array([1.0, 0.5, 2.2]), np.array([0.4, 0.8, 0.6]), 0.7, "obstacle", "pillar")
-    found = cl.workspace(robot, poses, cl.InterferenceFree(0.02, obstacles=(box,), root=0.1))
+    found = cl.workspace(robot, poses, cl.InterferenceFree(0.02, obstacles=(box,)))
     turn = cl.Pose([0, 0, 0], rpy=[0, 0, 0.7]).rotation
     for k, pose in enumerate(poses):
         anchors = pose.position + anchor_offsets(robot, pose)
         u = cl.cable_directions(robot, pose)
         gaps = [brute_segments(anchors[i], robot.exit_points[i], anchors[j], robot.exit_points[j])
                 for i, j in cable_pairs(robot)]
-        body = [((x - pose.position) @ pose.rotation for x in (a + 0.1 * v, e))
+        body = [((x - pose.position) @ pose.rotation for x in (a + 0.2 * v, e))   # ten times the clearance
                 for a, v, e in zip(anchors, u, robot.exit_points)]
         gaps += [brute_box(*ends, robot.platform.size / 2) for ends in body]
         gaps += [brute_box((a - box.position) @ turn, (e - box.position) @ turn, box.size / 2)

@@ -222,8 +222,7 @@ def _fewest_changes(way: _Way) -> list[tuple[_Chain, _Places]]:
         logging.getLogger(__name__).warning(
             "more than %d sequences have %d changes: ranked are that many, those with the fewest unsafe changes",
             _MOST, len(layers) - 1)
-    found = sorted(found[:_MOST])
-    return [(chain, places) for chain in found if (places := _places(way, chain)) is not None]
+    return [(chain, _places(way, chain)) for chain in sorted(found[:_MOST])]
 
 
 def _latest(way: _Way, starts: set[Configuration], goals: set[Configuration]) -> list[dict[Configuration, float]]:
@@ -246,19 +245,15 @@ def _latest(way: _Way, starts: set[Configuration], goals: set[Configuration]) ->
     return layers if layers[0] else []
 
 
-def _places(way: _Way, chain: _Chain) -> _Places | None:
-    """For each change of a chain where it may be, so that the changes come in order; None where it cannot."""
-    overlaps = [way.overlap(old, new) for old, new in pairwise(chain)]
+def _places(way: _Way, chain: _Chain) -> _Places:
+    """For each change of a chain where it may be, so that the changes come in order."""
+    overlaps = [way.changes[old][new] for old, new in pairwise(chain)]
     places: _Places = []
     earliest = 0.0
-    for k, overlap in enumerate(overlaps):
-        if overlap is None:
-            return None
-        earliest = max(earliest, overlap[0])
-        latest = min(o[1] for o in overlaps[k:] if o is not None)
-        if earliest > latest + _EDGE:
-            return None
-        places.append((min(earliest, latest), latest, overlap[2]))
+    for k, (first, _, safe) in enumerate(overlaps):
+        earliest = max(earliest, first)
+        latest = min(last for _, last, _ in overlaps[k:])
+        places.append((min(earliest, latest), latest, safe))
     return places
 
 

@@ -207,12 +207,6 @@ class Polytope:
         """Of the set itself: below n where it is flat, −1 when it is empty."""
         return -1 if self.is_empty else self._frame.dimension
 
-    @property
-    def span(self) -> Array:
-        """(n, dimension) orthonormal directions in which the set extends."""
-        at = self._frame
-        return np.asarray(np.linalg.qr(at.scales[:, None] * at.basis)[0])
-
     @cached_property
     def vertices(self) -> Array:
         """(v, n) corners; in the plane counter-clockwise. Raises NotListable where there are too many."""
@@ -346,14 +340,14 @@ class Zonotope(Polytope):
     @cached_property
     def center(self) -> Array:
         """(n,) of the set."""
-        high, low = self.limits.reshape(2, -1)
-        return frozen(self.shift + self.map @ ((high - low) / 2))
+        low, high = self._box
+        return frozen(self.shift + self.map @ ((low + high) / 2))
 
     @cached_property
     def generators(self) -> Array:
         """G, (n, k)."""
-        high, low = self.limits.reshape(2, -1)
-        return frozen(self.map * ((high + low) / 2))
+        low, high = self._box
+        return frozen(self.map * ((high - low) / 2))
 
     @cached_property
     def _box(self) -> tuple[Array, Array]:
@@ -421,7 +415,7 @@ class Zonotope(Polytope):
                                    np.linalg.qr(u[:, rank:] / scales[:, None])[0])))
 
     def _list(self, at: Frame) -> Planes:
-        return Planes(*hyperplane_shifting(np.zeros(at.dimension), at.back @ self._edges, least=0.0))
+        return Planes(*hyperplane_shifting(at.back @ self._edges, least=0.0))
 
     def _meetings(self, found: Planes) -> Array:
         at, k = self._frame, self._edges.shape[1]

@@ -105,5 +105,5 @@ def _outer_rows(J: Array, B: Array, cable: Array, base: Array) -> tuple[Array, A
     """
     limited = np.isfinite(cable)
     generators = np.concatenate([np.diag(cable[limited]), (B * base)[limited]], axis=1)
-    normals, offsets = hyperplane_shifting(np.zeros(len(generators)), generators)
+    normals, offsets = hyperplane_shifting(generators)
     return normals @ J[limited], offsets

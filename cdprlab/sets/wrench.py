@@ -3,7 +3,6 @@
 import numpy as np
 
 from ..arrays import Array, as_number, checked
-from ..errors import InvalidInput, quoted
 from ..mechanics.cables import cable_directions
 from ..mechanics.statics import tipping_rows, wrench_matrix
 from ..robot import Robot
@@ -46,16 +45,16 @@ def available_wrench_set(robot: Robot, pose: Pose, tipping: bool = False, fricti
                                np.concatenate([high, -low, *(limit for _, limit in standing)]))
 
 
-def sliding_rows(robot: Robot, pose: Pose, friction: float, sides: int = 8) -> tuple[Array, Array]:
+def sliding_rows(robot: Robot, pose: Pose, friction: float) -> tuple[Array, Array]:
     """Rows (A, b) with A τ ≤ b while friction holds every base that carries cables: |F_h| ≤ μ N as a whole.
 
-    The circle of horizontal forces is replaced by a regular polygon inside it (in the plane
-    there are two directions, exactly). A base turning on the spot is not looked at.
+    The circle of horizontal forces is replaced by a regular octagon inside it, which keeps at
+    least 92 % of every direction (in the plane there are two directions, exactly). A base
+    turning on the spot is not looked at.
     Source: named as open by Pedemonte et al. 2020, sec. 5.
 
     robot : m cables; pose : one pose
     friction : μ between wheels and floor
-    sides : of the polygon; 8 keep at least 92 % of every direction
     Returns (f, m) and (f,) [N].
 
     >>> import cdprlab as cl
@@ -63,11 +62,9 @@ def sliding_rows(robot: Robot, pose: Pose, friction: float, sides: int = 8) -> t
     (0, 8)
     """
     mu = as_number(friction, "friction", minimum=0.0)
-    if not isinstance(sides, int) or sides < 3:
-        raise InvalidInput(f"sides must be a whole number of at least 3, got {quoted(sides)}")
     pulls = -cable_directions(robot, one_pose(pose))      # on the bases
-    angles = 2 * np.pi * np.arange(sides) / sides
-    ways, share = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1), float(np.cos(np.pi / sides))
+    angles = np.pi / 4 * np.arange(8)
+    ways, share = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1), float(np.cos(np.pi / 8))
     if robot.dimension == 2:
         ways, share = np.array([[1.0, 0.0], [-1.0, 0.0]]), 1.0
     rows, limits = [np.zeros((0, robot.n_cables))], [np.zeros(0)]

@@ -19,25 +19,24 @@ MOST_COMBINATIONS = 100_000
 """Of generators, before a listing is called too long."""
 
 
-def hyperplane_shifting(center: Array, generators: Array, least: float = -1.0) -> tuple[Array, Array]:
-    """Rows (N, d) with {center + G z : least ≤ z ≤ 1} = {x : N x ≤ d}, one row a facet; G must have full row rank.
+def hyperplane_shifting(generators: Array, least: float = -1.0) -> tuple[Array, Array]:
+    """Rows (N, d) with {G z : least ≤ z ≤ 1} = {x : N x ≤ d}, one row a facet; G must have full row rank.
 
     Every facet is parallel to n − 1 independent generators; its plane is shifted outwards along
     its normal n by Σ max(n·g_i, least n·g_i), which is Σ |n·g_i| where |z| ≤ 1.
 
-    center : (n,); generators : G, (n, k); least : of every z, −1 or 0
+    generators : G, (n, k); least : of every z, −1 or 0
     Raises NotListable where the choices of n − 1 generators are more than
     ``MOST_COMBINATIONS``.
     Source: Gouttefarde and Krut 2010; Bouchard et al. 2010.
 
-    >>> normals, offsets = hyperplane_shifting(np.zeros(2), np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]))
+    >>> normals, offsets = hyperplane_shifting(np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]))
     >>> len(normals), float(offsets.max().round(6))
     (6, 2.0)
     """
     normals, along = facet_normals(generators)
-    both = np.concatenate([normals, -normals])
     along = np.concatenate([along, -along])
-    return both, np.maximum(along, least * along).sum(axis=1) + both @ center
+    return np.concatenate([normals, -normals]), np.maximum(along, least * along).sum(axis=1)
 
 
 def facet_normals(generators: Array) -> tuple[Array, Array]:

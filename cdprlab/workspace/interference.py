@@ -27,13 +27,12 @@ class InterferenceFree(Criterion):
 
     Cables are straight lines, on pulleys from the tangent point on; two that share an end cannot
     be told apart there and are not compared. A cable meets the platform's box at its anchor
-    point anyway: only what is farther than ``root`` from there counts, by default ten times the
-    clearance and 5 cm at least, so that cables may leave the platform at 6° and more.
+    point anyway: only what is farther from there than ten times the clearance, and 5 cm at least,
+    counts, so that cables may leave the platform at 6° and more.
 
     clearance : [m]
     obstacles : boxes of a scene, e.g. ``world.scene.boxes``
     cables, platform : whether these are looked at; in the plane cables that cross do touch
-    root : [m]
     margin : the smallest distance less the clearance [m]; touching and passing through count as
         distance 0
     Source: Merlet 2004 (cable interference); Perreault et al. 2010; the workspace at one
@@ -44,7 +43,6 @@ class InterferenceFree(Criterion):
     obstacles: Sequence[Box] = ()
     cables: bool = True
     platform: bool = True
-    root: float | None = None
     unit = "m"
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
@@ -53,8 +51,7 @@ class InterferenceFree(Criterion):
         if self.cables:
             found.append(cable_distances(robot, poses))
         if self.platform:
-            root = max(0.05, 10 * clearance) if self.root is None else self.root
-            found.append(platform_distances(robot, poses, root))
+            found.append(platform_distances(robot, poses, max(0.05, 10 * clearance)))
         found += [obstacle_distances(robot, poses, box) for box in self.obstacles]
         nearest = np.concatenate(found, axis=-1).min(axis=-1)
         return Judgement((nearest >= clearance) & (nearest > _SAME), nearest - clearance)
@@ -83,16 +80,12 @@ def cable_distances(robot: Robot, poses: Pose) -> Array:
 
 
 def platform_distances(robot: Robot, poses: Pose, root: float = 0.05) -> Array:
-    """(…, m) between the platform's box and each cable from ``root`` [m] after its anchor point on.
-
-    Raises InvalidInput for a negative root.
-    """
-    skipped = as_number(root, "root", "m", minimum=0.0)
+    """(…, m) between the platform's box and each cable from ``root`` [m] after its anchor point on."""
     body = robot.platform
     exits = (tangent_points(robot, poses) - poses.position[..., None, :]) @ poses.rotation   # in the platform's frame
     way = exits - robot.anchor_points
     length = np.linalg.norm(way, axis=-1, keepdims=True)
-    start = robot.anchor_points + way * np.minimum(skipped / np.where(length > 0, length, 1.0), 1.0)
+    start = robot.anchor_points + way * np.minimum(root / np.where(length > 0, length, 1.0), 1.0)
     return box_distance(start - body.center, exits - body.center, body.size / 2)
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array, as_number, checked
+from ..arrays import Array, checked
 from ..errors import InvalidInput
 from ..mechanics.statics import gravity_wrench, stiffness, wrench_matrix
 from ..robot import Robot
@@ -16,25 +16,21 @@ from .criterion import Criterion, Judgement
 @checked
 @dataclass(frozen=True)
 class StaticallyStable(Criterion):
-    """The weight is balanced, and every eigenvalue of the stiffness at these tensions exceeds ``least``.
+    """The weight is balanced, and every eigenvalue of the stiffness at these tensions is positive.
 
     Lengths stay, cables stretch and turn; the weight's own part counts where the center of mass
     is not at P.
 
     method : tension distribution that decides how much the cables are pretensioned
     axial_stiffness : EA [N]; default that of the robot's cables
-    length : turns are measured at this arm, which makes all of the matrix N/m [m]
-    least : smallest eigenvalue asked for [N/m]
-    margin : the smallest eigenvalue less ``least`` [N/m]; NaN where the method finds no
-        tensions
+    margin : the smallest eigenvalue [N/m], turns measured at an arm of 1 m; NaN where the method
+        finds no tensions
     Source: Behzadipour and Khajepour 2006; Okoli 2016, sec. 2.5, whose statically stable
     workspace this is.
     """
 
     method: str = "quadratic_program"
     axial_stiffness: float | None = None
-    length: float = 1.0
-    least: float = 0.0
     unit = "N/m"
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
@@ -46,19 +42,16 @@ class StaticallyStable(Criterion):
         held = np.asarray(found.feasible)
         if held.any():
             smallest[held] = smallest_stiffness(robot, poses[held], found.tensions[held],
-                                                self.axial_stiffness,
-                                                self.length)
-        return Judgement(smallest > self.least, smallest - self.least)
+                                                self.axial_stiffness)
+        return Judgement(smallest > 0, smallest)
 
 
 def smallest_stiffness(robot: Robot, poses: Pose, tensions: Array,
-                       axial_stiffness: float | None = None,
-                       length: float = 1.0) -> Array:
-    """Smallest eigenvalue of the symmetric stiffness of cables and weight, turns times ``length``.
+                       axial_stiffness: float | None = None) -> Array:
+    """Smallest eigenvalue of the symmetric stiffness of cables and weight, turns measured at an arm of 1 m.
 
     robot, poses : single or batched; tensions : (…, m) [N]
     axial_stiffness : EA [N]; default that of the robot's cables
-    length : [m]
     Returns (…) [N/m].
     Raises InvalidInput if the stiffness of the cables is not known.
 
@@ -72,9 +65,5 @@ def smallest_stiffness(robot: Robot, poses: Pose, tensions: Array,
             raise InvalidInput("the world says no cable stiffness: give axial_stiffness, EA [N], or add "
                                "`cable: {axial_stiffness: …}` to it")
         axial_stiffness = robot.elasticity.axial_stiffness
-    arm = as_number(length, "length", "m", positive=True)
     K = stiffness(robot, poses, tensions, axial_stiffness, weight=True)
-    scale = np.where(np.arange(robot.n_dof) < robot.n_dof - len(robot.pattern.turn_axes),
-                     1.0, 1.0 / arm)
-    symmetric = (K + np.swapaxes(K, -1, -2)) / 2 * scale[:, None] * scale
-    return np.asarray(np.linalg.eigvalsh(symmetric)[..., 0])
+    return np.asarray(np.linalg.eigvalsh((K + np.swapaxes(K, -1, -2)) / 2)[..., 0])

@@ -50,7 +50,7 @@ def submatrix_twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
         if not np.isfinite(cable[chosen]).all() or np.linalg.cond(square) > 1e10:
             continue
         generators = np.linalg.solve(square, np.concatenate([np.diag(cable[chosen]), b[chosen] * base], axis=1))
-        normals, offsets = hyperplane_shifting(np.zeros(n), generators)
+        normals, offsets = hyperplane_shifting(generators)
         rows.append(normals)
         limits.append(offsets)
     if not rows:
