@@ -20,6 +20,8 @@ pytestmark = [pytest.mark.long, pytest.mark.parametrize("lesson", mutants.lesson
 def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("MPLBACKEND", "Agg")
     monkeypatch.chdir(tmp_path)
+    yield
+    notebooks.round_to_nearest()
 
 
 def test_what_passes_a_check_never_breaks_a_later_cell(lesson: str):

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import mutants
+import notebooks
 import numpy as np
 import pytest
 
@@ -20,6 +21,8 @@ needs_alarm = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no ti
 @pytest.fixture(autouse=True)
 def _undrawn(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(os.environ, "MPLBACKEND", "Agg")
+    yield
+    notebooks.round_to_nearest()
 
 
 @needs_alarm

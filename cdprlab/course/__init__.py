@@ -54,7 +54,7 @@ _EXPORTS = {
     "..robot.pose": ("rotation_from_vector", "rotation_vector"),
     "..world.model": ("Task",),
     "..sets": ("twist_set",),
-    "..configurations": ("hanging_position",),
+    "..configurations": ("hanging_position", "plan_detour"),
     "..configurations.accuracy": ("position_sensitivity",),
     "..configurations.region": ("region",),
     "..configurations.sides": ("side_range",),

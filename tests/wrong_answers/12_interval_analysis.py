@@ -62,6 +62,33 @@ RIGHT_CLASSIFY = {"clockwise": "side_exact(corners[0], corners[1], corners[2], 0
                   "widths": "exit_uncertainty, position_uncertainty", "inside": "all(low > 0 for low, _ in ranges)",
                   "outside": "any(high < 0 for _, high in ranges)"}
 
+CROSSING = '''
+def detour(exit_points, start, goal, position_uncertainty, exit_uncertainty, longest):
+    """Wrong on purpose."""
+    regions = regions_of(exit_points, position_uncertainty, exit_uncertainty)
+    low, high = np.min(exit_points, axis=0), np.max(exit_points, axis=0)
+    for x, y in product(np.linspace(low[0], high[0], 15), np.linspace(low[1], high[1], 15)):
+        V = np.array([x, y, (start[2] + goal[2]) / 2])
+        length = np.linalg.norm(V - start) + np.linalg.norm(goal - V)
+        if {detour}:
+            return V
+    {none}
+
+
+def fifth_exit(exit_points, start, goal, position_uncertainty, exit_uncertainty):
+    """Wrong on purpose."""
+    low, high = np.min(exit_points, axis=0), np.max(exit_points, axis=0)
+    for x, y in product(np.linspace(low[0], high[0], 9), np.linspace(low[1], high[1], 9)):
+        A = np.array([x, y, {height}])
+        regions = regions_of({ends}, position_uncertainty, exit_uncertainty)
+        if {fifth}:
+            return A
+    {none}
+'''
+RIGHT_CROSSING = {"detour": "length <= longest and sure_until(regions, start, V) == sure_until(regions, V, goal) == 1",
+                  "none": "raise ValueError('none')", "height": "high[2]", "ends": "np.vstack([exit_points, A])",
+                  "fifth": "sure_until(regions, start, goal) == 1"}
+
 
 def wrong(template, right, **mistake):
     """A right answer with something in it that is not."""
@@ -108,5 +135,17 @@ WRONG_ANSWERS: dict[str, list[tuple[str, str]]] = {
         ("only the larger of both half widths",
          wrong(CLASSIFY, RIGHT_CLASSIFY, widths="0.0, max(position_uncertainty, exit_uncertainty)")),
         ("the exit points taken as exact", wrong(CLASSIFY, RIGHT_CLASSIFY, widths="0.0, position_uncertainty")),
+    ],
+    "crossing-answer": [
+        ("only the first piece", wrong(CROSSING, RIGHT_CROSSING,
+                                       detour="length <= longest and sure_until(regions, start, V) == 1")),
+        ("only the second piece", wrong(CROSSING, RIGHT_CROSSING,
+                                        detour="length <= longest and sure_until(regions, V, goal) == 1")),
+        ("however long", wrong(CROSSING, RIGHT_CROSSING,
+                               detour="sure_until(regions, start, V) == sure_until(regions, V, goal) == 1")),
+        ("nearly certain is enough", wrong(CROSSING, RIGHT_CROSSING, fifth="sure_until(regions, start, goal) > 0.5")),
+        ("any fifth rope", wrong(CROSSING, RIGHT_CROSSING, fifth="True")),
+        ("a winch above the ceiling", wrong(CROSSING, RIGHT_CROSSING, height="high[2] + 0.5")),
+        ("no answer where nothing will do", wrong(CROSSING, RIGHT_CROSSING, none="return None")),
     ],
 }

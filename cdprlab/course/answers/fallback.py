@@ -95,6 +95,8 @@ def _numbers(thing: Any) -> Iterator[float]:
             yield from _numbers(getattr(thing, field.name))
     elif isinstance(thing, Mapping):
         yield from _numbers(list(thing.items()))
+    elif hasattr(thing, "lb"):      # an interval of codac
+        yield from (thing.lb(), thing.ub())
     elif isinstance(thing, list | tuple):
         yield len(thing)
         for part in thing:
