@@ -56,7 +56,7 @@ def edge_loads(job):
 
 
 # --- the job ----------------------------------------------------------------------------------------------
-@pytest.mark.parametrize(("which", "load"), [("flown", 7.0), ("wound", 2.0)])
+@pytest.mark.parametrize(("which", "load"), [("flown", 7.0), pytest.param("wound", 2.0, marks=pytest.mark.long)])
 def test_the_whole_job_is_done(request, which, load):
     job = request.getfixturevalue(which)
     assert job.state == DONE and not job.reason
@@ -71,7 +71,7 @@ def test_the_whole_job_is_done(request, which, load):
     assert job.carried.max() == load
 
 
-@pytest.mark.parametrize("which", ["flown", "wound"])
+@pytest.mark.parametrize("which", ["flown", pytest.param("wound", marks=pytest.mark.long)])
 def test_the_platform_keeps_its_pose_while_the_base_deploys(request, which):
     """The base ends in the world file's place to a centimeter, within its speed; nobody else moved."""
     job = request.getfixturevalue(which)
@@ -185,16 +185,15 @@ def test_a_job_is_pictured(flown, tmp_path):
     assert early.shape == late.shape and (early != late).any()
 
 
-@pytest.mark.parametrize(("control", "until"), [("torque", 12.0), ("velocity", 6.0)])
-def test_two_jobs_are_identical(request, control, until):
-    """The same again, up to some time: bases coupled, released and driving."""
-    first = request.getfixturevalue({"torque": "flown", "velocity": "wound"}[control])
-    again = pick_and_place(first.world, control=control,
-                           faults=(lambda sensors: "enough" if sensors.time > until else "",))
-    same = first.time < until
+@pytest.mark.parametrize(("name", "control"), [("fastkit_suspended", "torque"), ("fastkit_constrained", "velocity")])
+def test_two_jobs_are_identical(name, control):
+    """Up to some time: bases coupled, released and driving."""
+    first, again = (pick_and_place(cl.load_world(name), control=control,
+                                   faults=(lambda sensors: "enough" if sensors.time > 6 else "",)) for _ in range(2))
+    same = first.time < 6
     assert same.sum() > 1000
-    for name in ("measured_tensions", "motor_torques", "wheels", "errors", "base_poses"):
-        np.testing.assert_array_equal(getattr(first, name)[same], getattr(again, name)[:same.sum()])
+    for record in ("measured_tensions", "motor_torques", "wheels", "errors", "base_poses"):
+        np.testing.assert_array_equal(getattr(first, record)[same], getattr(again, record)[same])
 
 
 # --- tipping ----------------------------------------------------------------------------------------------

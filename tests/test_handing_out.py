@@ -149,6 +149,7 @@ def squeezed(text: str) -> str:
     return "".join(text.split())
 
 
+@pytest.mark.long
 def test_what_was_unpacked_installs_and_flies_where_nothing_can_be_written(unpacked: Path, tmp_path: Path):
     pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
     site, home = tmp_path / "site", tmp_path / "home"

@@ -279,6 +279,7 @@ def test_the_drives_are_drawn(mission):
     assert len(points[0].get_xdata()) == len(mission.journey.scans[0])
 
 
+@pytest.mark.long
 def test_the_command_line_writes_the_journey(tmp_path, capsys):
     from cdprlab.cli.mission_command import fly_mission
 
