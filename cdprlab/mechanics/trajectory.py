@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +10,13 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, as_number, checked, frozen, lasting
 from ..errors import InvalidInput
-from ..robot.pose import Pose, rotation_from_vector, rotation_vector
+from ..robot.pose import (
+    Pose,
+    rotation_from_vector,
+    rotation_vector,
+    rotation_vector_jacobian,
+    rotation_vector_jacobian_rate,
+)
 
 PEAK_SPEED = 15 / 8
 """Largest over mean speed of a quintic from rest to rest."""
@@ -35,38 +40,51 @@ class Reference(NamedTuple):
 @checked
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """A motion ``(t) → Reference`` of single times or arrays, from rest to rest: before and after it nothing moves.
+    """A motion ``(t) → Reference`` that takes single times or arrays; before 0 and after ``duration`` it rests.
 
     start, end : Pose
-    duration : T [s]
+    duration : [s]
+    coefficients : (6, n) c_k of [p − p₀; r] = Σ c_k t^k, the rotation R₀ exp([r]×)
     """
 
     start: Pose
     end: Pose
     duration: float
+    coefficients: Array
 
-    @cached_property
-    def way(self) -> Array:
-        """(3 planar or 6 spatial,) from start to end: [p₁ − p₀; log(R₁ R₀ᵀ)] in world axes [m, rad]."""
-        turn = rotation_vector(self.end.rotation @ self.start.rotation.T)
-        return frozen(np.concatenate([self.end.position - self.start.position, turn]))
+    def __post_init__(self) -> None:
+        frozen(self.coefficients)
 
     def __call__(self, t: ArrayLike) -> Reference:
-        s = np.clip(as_array(t, "t", (), "s", batch=True) / self.duration, 0.0, 1.0)[..., None]
-        step, d = rest_to_rest(s) * self.way, self.start.dimension
-        pose = Pose.of(self.start.position + step[..., :d],
-                       rotation_from_vector(step[..., d:]) @ self.start.rotation)
-        rate = 30 * (s * (1 - s))**2 / self.duration
-        bend = 60 * s * (1 - s) * (1 - 2 * s) / self.duration**2
-        return Reference(pose, rate * self.way, bend * self.way)
+        from numpy.polynomial.polynomial import polyder, polyval
+
+        times = as_array(t, "t", (), "s", batch=True)
+        within = np.clip(times, 0.0, self.duration)
+        resting = (within != times)[..., None]
+        values = (polyval(within, polyder(self.coefficients, order)) for order in range(3))
+        x, rate, bend = (np.moveaxis(np.asarray(value, np.float64), 0, -1) for value in values)
+        rate, bend = np.where(resting, 0.0, rate), np.where(resting, 0.0, bend)
+        d = self.start.dimension
+        rotation, spin, spin_rate = _turning(self.start.rotation, x[..., d:], rate[..., d:],
+                                             bend[..., d:])
+        pose = Pose.of(np.asarray(self.start.position + x[..., :d]), rotation)
+        return Reference(pose, np.concatenate([rate[..., :d], spin], axis=-1),
+                         np.concatenate([bend[..., :d], spin_rate], axis=-1))
 
 
 @checked
-def quintic(start: Pose, end: Pose, duration: float) -> Trajectory:
-    """From rest to rest along a straight line and about one axis: x = x₀ + (x₁ − x₀)(10 s³ − 15 s⁴ + 6 s⁵), s = t/T.
+def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike | None = None,
+            end_twist: ArrayLike | None = None, start_acceleration: ArrayLike | None = None,
+            end_acceleration: ArrayLike | None = None) -> Trajectory:
+    """Fifth-degree polynomial between two poses; rest to rest x = x₀ + (x₁ − x₀)(10 s³ − 15 s⁴ + 6 s⁵), s = t/T.
+
+    Position is interpolated in world axes; orientation as R₀ exp([r(t)]×), r quintic, which
+    rest to rest turns about one fixed axis.
 
     start, end : single poses
     duration : T [s]
+    start_twist, end_twist : (3 or 6,) [v; ω] in world axes, default rest [m/s, rad/s]
+    start_acceleration, end_acceleration : their time derivatives, default zero [m/s², rad/s²]
     Returns Trajectory: ``(t) → pose, twist, acceleration``.
     Raises InvalidInput for poses of different dimension or a duration that is not positive.
     Source: Okoli 2016, eq. (6.6)–(6.14), solved anew: the printed coefficients (6.19)–(6.21)
@@ -81,7 +99,25 @@ def quintic(start: Pose, end: Pose, duration: float) -> Trajectory:
         raise InvalidInput("a trajectory runs between two single poses, not batches")
     if start.dimension != end.dimension:
         raise InvalidInput(f"start has {start.dimension} dimensions, end has {end.dimension}")
-    return Trajectory(start, end, period)
+    d = start.dimension
+    given = {"start_twist": start_twist, "end_twist": end_twist,
+             "start_acceleration": start_acceleration, "end_acceleration": end_acceleration}
+    ends = [np.zeros(3 * (d - 1)) if value is None else as_array(value, name, (3 * (d - 1),))
+            for name, value in given.items()]
+    turn = rotation_vector(start.rotation.T @ end.rotation)
+    step = np.concatenate([end.position - start.position, turn])
+    rate0, bend0 = _vector_rates(start.rotation, np.zeros_like(turn), ends[0], ends[2], d)
+    rate1, bend1 = _vector_rates(start.rotation, turn, ends[1], ends[3], d)
+    # From 0 to the step with these rates and second derivatives at the ends: three powers are
+    # known, three are not.
+    powers = np.arange(3, 6)
+    at_end = np.stack([period**powers, powers * period**(powers - 1),
+                       powers * (powers - 1) * period**(powers - 2)])
+    missing = np.stack([step - rate0 * period - bend0 * period**2 / 2,
+                        rate1 - rate0 - bend0 * period, bend1 - bend0])
+    known = [np.zeros_like(step), rate0, bend0 / 2]
+    return Trajectory(start, end, period,
+                      np.concatenate([known, np.linalg.solve(at_end, missing)]))
 
 
 def rest_to_rest(share: ArrayLike) -> Array:
@@ -107,3 +143,24 @@ def hold(pose: Pose, duration: float) -> Trajectory:
     array([0., 0., 0., 0., 0., 0.])
     """
     return quintic(pose, pose, duration)
+
+
+def _turning(start: Array, vector: Array, rate: Array, bend: Array) -> tuple[Array, Array, Array]:
+    """R, ω and ω̇ in world axes of R = R₀ exp([r]×): ω = R₀ J ṙ, ω̇ = R₀ (J r̈ + J̇ ṙ)."""
+    rotation = start @ rotation_from_vector(vector)
+    if vector.shape[-1] == 1:
+        return rotation, rate, bend
+    j, j_rate = rotation_vector_jacobian(vector), rotation_vector_jacobian_rate(vector, rate)
+    spin = (j @ rate[..., None])[..., 0]
+    spin_rate = (j @ bend[..., None] + j_rate @ rate[..., None])[..., 0]
+    return rotation, spin @ start.T, spin_rate @ start.T
+
+
+def _vector_rates(start: Array, vector: Array, twist: Array, acceleration: Array, d: int) -> tuple[Array, Array]:
+    """Rates of [p; r] that give this twist and acceleration where the rotation vector is ``vector``."""
+    if d == 2:
+        return twist, acceleration
+    inverse = np.linalg.inv(rotation_vector_jacobian(vector))
+    rate = inverse @ (start.T @ twist[d:])
+    bend = inverse @ (start.T @ acceleration[d:] - rotation_vector_jacobian_rate(vector, rate) @ rate)
+    return np.concatenate([twist[:d], rate]), np.concatenate([acceleration[:d], bend])
