@@ -13,12 +13,12 @@ from cdprlab.mechanics.intervals import Intervals, exact
 CODAC = """
 import sys
 import numpy as np
-a, b = np.load(sys.argv[1])
+a, b, t = np.load(sys.argv[1])
 import codac
 rows = []
-for p, q in zip(a, b):
-    x, y = codac.Interval(*p), codac.Interval(*q)
-    found = [x + y, x - y, x * y, x / y, codac.sqr(x), codac.sqrt(y)]
+for p, q, r in zip(a, b, t):
+    x, y, z = codac.Interval(*p), codac.Interval(*q), codac.Interval(*r)
+    found = [x + y, x - y, x * y, x / y, codac.sqr(x), codac.sqrt(y), codac.cos(z), codac.sin(z)]
     rows.append([(each.lb(), each.ub()) for each in found])
 np.save(sys.argv[2], np.array(rows))
 """
@@ -26,9 +26,12 @@ np.save(sys.argv[2], np.array(rows))
 
 
 def boxes(seed, count=200):
-    """Any intervals, and positive ones."""
+    """Any intervals, positive ones, and angles up to several turns wide."""
     rng = np.random.default_rng(seed)
-    return np.stack([np.sort(rng.uniform(-2, 3, (count, 2))), np.sort(rng.uniform(0.5, 4, (count, 2)))])
+    width = rng.choice([0.0, 1e-9, 0.3, 2.0, 7.0], count)
+    start = rng.uniform(-20, 20, count)
+    return np.stack([np.sort(rng.uniform(-2, 3, (count, 2))), np.sort(rng.uniform(0.5, 4, (count, 2))),
+                     np.stack([start, start + width], axis=1)])
 
 
 @pytest.mark.skipif(importlib.util.find_spec("codac") is None, reason="codac is not installed")
@@ -38,8 +41,8 @@ def test_codac_is_hardly_narrower(tmp_path):
     np.save(tmp_path / "given.npy", given)
     subprocess.run([sys.executable, "-c", CODAC, tmp_path / "given.npy", tmp_path / "found.npy"], check=True)
     low, high = np.moveaxis(np.load(tmp_path / "found.npy"), -1, 0)
-    x, y = (Intervals(*part.T) for part in given)
-    for k, ours in enumerate((x + y, x - y, x * y, x / y, x.square(), y.sqrt())):
+    x, y, z = (Intervals(*part.T) for part in given)
+    for k, ours in enumerate((x + y, x - y, x * y, x / y, x.square(), y.sqrt(), z.cos(), z.sin())):
         assert (ours.lower <= low[:, k]).all() and (high[:, k] <= ours.upper).all()
         assert (low[:, k] - ours.lower <= 1e-14).all() and (ours.upper - high[:, k] <= 1e-14).all()
 
@@ -58,13 +61,25 @@ def test_exact_results_lie_between_the_ends():
 
 
 def test_everything_inside_is_mapped_inside():
-    a, b = boxes(5)
-    shares = np.random.default_rng(6).random((2, 50, len(a)))
-    x, y = (Intervals(*part.T) for part in (a, b))
-    p, q = (part[:, 0] + share * (part[:, 1] - part[:, 0]) for part, share in zip((a, b), shares))
+    a, b, t = boxes(5)
+    shares = np.random.default_rng(6).random((3, 50, len(a)))
+    x, y, z = (Intervals(*part.T) for part in (a, b, t))
+    p, q, r = (part[:, 0] + share * (part[:, 1] - part[:, 0]) for part, share in zip((a, b, t), shares))
     for ours, value in ((x + y, p + q), (x - y, p - q), (x * y, p * q), (x / y, p / q), (x.square(), p * p),
-                        (y.sqrt(), np.sqrt(q)), (x & x, p)):
+                        (y.sqrt(), np.sqrt(q)), (z.cos(), np.cos(r)), (z.sin(), np.sin(r)), (x & x, p)):
         assert (ours.lower <= value).all() and (value <= ours.upper).all()
+
+
+def test_peaks_and_troughs_at_the_ends_and_inside():
+    turns = np.arange(-4, 5) * np.pi / 2
+    for low, high in ((turns, turns), (turns - 0.1, turns + 0.1), (turns, turns + np.pi / 2)):
+        box = Intervals(low, high)
+        for ours, function in ((box.cos(), np.cos), (box.sin(), np.sin)):
+            values = function(np.linspace(low, high, 101))
+            assert (ours.lower <= values.min(axis=0)).all() and (values.max(axis=0) <= ours.upper).all()
+            assert (values.min(axis=0) - ours.lower < 1e-8).all() and (ours.upper - values.max(axis=0) < 1e-8).all()
+    whole = Intervals(np.array(0.3), np.array(0.3 + 2 * np.pi))
+    assert (whole.cos().lower, whole.cos().upper, whole.sin().lower, whole.sin().upper) == (-1, 1, -1, 1)
 
 
 def test_a_divisor_that_may_be_zero_bounds_nothing():

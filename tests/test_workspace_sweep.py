@@ -179,6 +179,7 @@ def off_center():
 CASES = {
     "planar point": (cl.load_world("planar_point").robot, [-1.2, 0.0], [3.2, 2.4], {}, 0.08),
     "planar platform": (off_center(), [-2, -2], [2, 2], {"angle": 0.15}, 0.06),
+    "planar platform, turning": (off_center(), [-0.5, 0.9, -0.2], [0.5, 1.9, 0.2], {}, 0.07),
     "point in space": (robot_3t(), [-1, -1, 0], [3, 3, 5], {}, 0.4),
     "a plane of the Caroca": (robot_3r3t(), [-3.5, 0.3, 0], [3.5, 0.3, 4.0], {"rpy": [0.1, -0.05, 0.2]}, 0.2),
 }
@@ -192,9 +193,11 @@ def test_sampled_poses_never_contradict_a_certificate(name):
     rng = np.random.default_rng(11)
     # As many samples in each box decided as make 4000, a third of them on its corners.
     chosen = rng.choice(np.flatnonzero(found.verdict != 0), 4000)
-    share = rng.random((4000, robot.dimension))
+    share = rng.random((4000, len(lower)))
     share[::3] = share[::3].round()
-    poses = cl.Pose(found.lower[chosen] + share * (found.upper - found.lower)[chosen], **options)
+    x = found.lower[chosen] + share * (found.upper - found.lower)[chosen]
+    turning = len(lower) > robot.dimension
+    poses = cl.Pose(x[:, :2], angle=x[:, 2]) if turning else cl.Pose(x, **options)
     assert (cl.workspace(robot, poses, cl.WrenchFeasible()).inside == (found.verdict[chosen] == 1)).all()
     W, w = cl.wrench_matrix(robot, poses), np.broadcast_to(cl.gravity_wrench(robot, poses), (4000, robot.n_dof))
     for k in range(0, 4000, 50):
@@ -230,17 +233,22 @@ def test_a_certificate_for_several_wrenches_holds_for_each():
     assert not ((verdict == 1) & ~inside).any() and not ((verdict == -1) & inside).any() and (verdict == 1).any()
 
 
-@pytest.mark.parametrize("name", ["planar", "spatial"])
-def test_interval_sums_hold_what_they_stand_for(name):
+@pytest.mark.parametrize(("planar", "held"), [(True, True), (True, False), (False, True)])
+def test_interval_sums_hold_what_they_stand_for(planar, held):
     """V σ, the weight, the lengths and n · column at random poses inside boxes."""
-    rng, planar = np.random.default_rng(13), name == "planar"
+    rng = np.random.default_rng(13)
     robot = off_center() if planar else robot_3r3t()
     d = robot.dimension
     low = rng.uniform(-0.5, 0.5, (50, d))
     high = low + rng.uniform(0, 0.1, (50, d))
-    turn = {"angle": 0.3} if planar else {"rpy": [0.2, -0.1, 0.4]}
-    pose = cl.Pose(low + rng.random((50, d)) * (high - low), **turn)
-    boxes = PoseBoxes(robot, Intervals(low, high), pose.rotation[0])
+    p, angles, turn = low + rng.random((50, d)) * (high - low), rng.uniform(-0.5, 0.5, 50), 0.05
+    if held:
+        pose = cl.Pose(p, **({"angle": 0.3} if planar else {"rpy": [0.2, -0.1, 0.4]}))
+        turned = pose.rotation[0]
+    else:
+        pose = cl.Pose(p, angle=angles + rng.uniform(-turn, turn, 50))
+        turned = Intervals(angles - turn, angles + turn)
+    boxes = PoseBoxes(robot, Intervals(low, high), turned)
     sigma, normal = rng.normal(size=(50, 2, robot.n_cables)), rng.normal(size=(50, robot.n_dof))
     W, lengths = cl.wrench_matrix(robot, pose), cl.cable_lengths(robot, pose)
     V = W * lengths[:, None]

@@ -1,7 +1,8 @@
 """Interval arithmetic on whole arrays, rounded outward: after every operation both ends move one number out.
 
 Whichever way the processor rounds, the true result of one operation lies between the neighbors
-of the computed one.
+of the computed one. Only cosine and sine are not that exact: they are off by less than
+``_TURN`` in every library of today.
 """
 
 from __future__ import annotations
@@ -15,6 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
+
+_TURN = 1e-15
+"""More than four units in the last place of cosines and sines near 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +80,22 @@ class Intervals:
         """Of what is not negative but by rounding."""
         out = _outward(np.sqrt(np.maximum(self.lower, 0.0)), np.sqrt(self.upper))
         return Intervals(np.maximum(out.lower, 0.0), out.upper)
+
+    def cos(self) -> Intervals:
+        """Peaks at even multiples of π, troughs at odd ones; one that is only nearly inside counts."""
+        ends = np.cos(np.stack([self.lower, self.upper]))
+        first, last = self.lower / (2 * np.pi), self.upper / (2 * np.pi)
+        near = 1e-9 * (1 + np.abs(first) + np.abs(last))
+
+        def holds(turns: float) -> Array:
+            return np.asarray(np.floor(last - turns + near) >= np.ceil(first - turns - near))
+
+        return Intervals(np.where(holds(0.5), -1.0, np.maximum(ends.min(axis=0) - _TURN, -1.0)),
+                         np.where(holds(0.0), 1.0, np.minimum(ends.max(axis=0) + _TURN, 1.0)))
+
+    def sin(self) -> Intervals:
+        """cos(x − π/2)."""
+        return (self - Intervals(np.pi / 2, np.nextafter(np.pi / 2, 2))).cos()
 
     def total(self) -> Intervals:
         """Sum over the last axis, one by one."""

@@ -1,9 +1,9 @@
-"""Certified workspaces: boxes of positions that are inside or outside beyond doubt, and what is left between them."""
+"""Certified workspaces: boxes of poses that are inside or outside beyond doubt, and what is left between them."""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Progress, as_array, as_number
+from ..arrays import Array, Progress, as_number
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths, have_directions
 from ..mechanics.intervals import Intervals
@@ -29,9 +29,10 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
     all over the box. Robot and limits are taken as given, in floating point, and not one newton
     is forgiven.
 
-    lower, upper : (d,) corners [m]; equal ends hold an axis
-    resolution : boxes that are neither are halved down to this size [m]
-    rpy, angle : the orientation, as `Pose` takes it [rad]
+    lower, upper : (d,) corners [m]; in the plane (x, y, φ) as well [m, rad]; equal ends hold an
+        axis
+    resolution : boxes that are neither are halved down to this size [m; rad for φ]
+    rpy, angle : the orientation where it is held, as `Pose` takes it [rad]
     wrenches : (k, n) or (n,) external wrenches besides the weight; inside needs all of them
         [N, N m]
     progress : called with (share decided in percent, 100)
@@ -49,7 +50,9 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
     if robot.pulleys.size:
         raise InvalidInput("proofs over boxes of poses know cables that leave their exit points straight, "
                            "this robot's run over pulleys: use workspace() instead")
-    low, high = corners(as_array(lower, "lower", (robot.dimension,), "m"), upper)
+    low, high = corners(lower, upper)
+    if low.size not in (robot.dimension, 3):
+        raise InvalidInput(f"lower must be {robot.dimension} numbers [m] for this robot, got {low.size}")
     least = as_number(resolution, "resolution", "m", positive=True)
     rotation = Pose(np.zeros(robot.dimension), rpy, angle=angle).rotation
     loads = external_wrenches(wrenches, robot.n_dof)
@@ -73,15 +76,14 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
 
 def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array, loads: Array) -> Array:
     """(N,) 1, −1 or 0: inside for all loads, outside for one."""
-    poses = Pose((low + high) / 2, matrix=rotation)
+    boxes, poses = _boxes(robot, low, high, rotation)
     sound = have_directions(robot, poses)
     if not sound.all():   # an exit point in the very middle: such a box is halved
         verdict = np.zeros(len(low))
         if sound.any():
             verdict[sound] = _verdicts(robot, low[sound], high[sound], rotation, loads)
         return verdict
-    boxes, lengths = PoseBoxes(robot, Intervals(low, high), rotation), cable_lengths(robot, poses)
-    W = wrench_matrix(robot, poses)
+    W, lengths = wrench_matrix(robot, poses), cable_lengths(robot, poses)
     weight = np.broadcast_to(gravity_wrench(robot, poses), (len(low), robot.n_dof))
     inside, outside = np.ones(len(low), dtype=bool), np.zeros(len(low), dtype=bool)
     for load in loads:
@@ -96,3 +98,13 @@ def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array, loads: Arr
                                       robot.tension_min, robot.tension_max)[1]
             outside[bad] = certainly_outside(boxes[bad], load, normal)
     return inside.astype(float) - outside
+
+
+def _boxes(robot: Robot, low: Array, high: Array, rotation: Array) -> tuple[PoseBoxes, Pose]:
+    """Boxes between corners, and the poses in their middle; a column more than positions need is the angle."""
+    d, middle = robot.dimension, (low + high) / 2
+    position = Intervals(low[:, :d], high[:, :d])
+    if low.shape[1] == d:
+        return PoseBoxes(robot, position, rotation), Pose(middle, matrix=rotation)
+    turned = Intervals(low[:, d], high[:, d])
+    return PoseBoxes(robot, position, turned), Pose(middle[:, :d], angle=middle[:, d])

@@ -1,14 +1,15 @@
 """What a box of poses holds for certain: feasible everywhere, or nowhere, for one wrench.
 
 With σ_i = τ_i / l_i, the tension for each meter of cable, equilibrium reads V σ + w = 0, V
-having columns [A_i − p − r_i; r_i × (A_i − p)]: linear in the position p, so that sums over
-cables are exact.
+having columns [A_i − p − r_i; r_i × (A_i − p)]: linear in the position p, and in cos φ and sin
+φ, so that sums over cables are exact.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import add
 
 import numpy as np
 
@@ -21,59 +22,73 @@ _TINY = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class PoseBoxes:
-    """N boxes of positions at one orientation.
+    """N boxes of poses.
 
     robot : any motion pattern but 2R3T, without pulleys
     position : Intervals (N, d) [m]
-    rotation : R, (d, d)
+    turned : one rotation R (d, d) for all; in the plane also by angles, Intervals (N,) [rad]
     """
 
     robot: Robot
     position: Intervals
-    rotation: Array
+    turned: Intervals | Array
 
     def __getitem__(self, chosen: Flags) -> PoseBoxes:
-        return PoseBoxes(self.robot, self.position[chosen], self.rotation)
+        turned = self.turned[chosen] if isinstance(self.turned, Intervals) else self.turned
+        return PoseBoxes(self.robot, self.position[chosen], turned)
+
+    @cached_property
+    def turns(self) -> list[tuple[Intervals, Array]]:
+        """f (N or 1, 1, 1) and exact R_k with R = Σ f_k R_k: cos φ and sin φ of angles, else 1."""
+        if isinstance(self.turned, Intervals):
+            angle = self.turned[:, None, None]
+            return [(angle.cos(), np.eye(2)),
+                    (angle.sin(), np.array([[0.0, -1.0], [1.0, 0.0]]))]
+        return [(exact(np.ones((1, 1, 1))), self.turned)]
 
     @cached_property
     def arms(self) -> Intervals:
-        """(m, d) r_i = R b_i."""
-        return exact(self.robot.anchor_points).times(self.rotation.T)
-
-    @cached_property
-    def ways(self) -> Intervals:
-        """(N, m, d) A_i − p − r_i [m]."""
-        return self.robot.exit_points - self.position[:, None, :] - self.arms
+        """(N or 1, m, d) r_i = R b_i."""
+        return self._turned(self.robot.anchor_points)
 
     @cached_property
     def lengths(self) -> Intervals:
         """(N, m) of the cables [m]."""
-        return self.ways.square().total().sqrt()
+        way = self.robot.exit_points - self.position[:, None, :] - self.arms
+        return way.square().total().sqrt()
 
     @cached_property
     def weight(self) -> Intervals:
-        """(n,) gravity wrench."""
-        body, d = self.robot.platform, self.robot.dimension
-        force = exact(-body.mass) * (self.robot.gravity * np.eye(d)[-1])
-        return self._wrench(force, _cross(exact(body.center_of_mass).times(self.rotation.T), force))
+        """(N or 1, n) gravity wrench."""
+        force = exact(-self.robot.mass) * (self.robot.gravity * np.eye(self.robot.dimension)[-1:])
+        return self._wrench(force, _cross(self._turned(self.robot.platform.center_of_mass[None])[:, 0], force))
 
     def wrenches(self, sigma: Array) -> Intervals:
-        """(N, k, n) V σ for exact σ (N, k, m), as narrow as positions allow."""
-        s, p = exact(sigma), self.position[:, None, :]
-        total = s.times(np.ones((self.robot.n_cables, 1)))
-        force = s.times(self.robot.exit_points - self.arms) - total * p
-        moments = s.times(_cross(self.arms, exact(self.robot.exit_points)))
-        return self._wrench(force, moments - _cross(s.times(self.arms), p))
+        """(N, k, n) V σ for exact σ (N, k, m), as narrow as positions and angle allow."""
+        exits, p = self.robot.exit_points, self.position[:, None, :]
+        arms, moments = exact(0.0), exact(0.0)      # Σ σ_i r_i and Σ σ_i r_i × A_i
+        for f, R in self.turns:
+            r = exact(self.robot.anchor_points).times(R.T)
+            arms = f * exact(sigma).times(r) + arms
+            moments = f * exact(sigma).times(_cross(r, exact(exits))) + moments
+        ones = np.ones((self.robot.n_cables, 1))
+        return self._wrench(exact(sigma).times(exits) - arms - exact(sigma).times(ones) * p,
+                            moments - _cross(arms, p))
 
     def pulls(self, normal: Array) -> Intervals:
-        """(N, m) n · [u_i; r_i × u_i] for exact n = [f; m] (N, n): (f + m × r) · u."""
+        """(N, m) n · [u_i; r_i × u_i] for exact n = [f; m] (N, n): (f + m × r)·(A − p) − f·r, over the length."""
         d = self.robot.dimension
         full = exact(np.pad(normal, ((0, 0), (0, d + len(_CROSS[d]) - self.robot.n_dof)))[:, None])
-        turned = [full[..., i] for i in range(d)]
+        way, r, force = self.robot.exit_points - self.position[:, None, :], self.arms, full[..., :d]
+        turned = [force[..., i] for i in range(d)]
         for i, (j, k) in enumerate(_CROSS[d], d):
-            turned[k] = full[..., i] * self.arms[..., j] + turned[k]
-            turned[j] = turned[j] - full[..., i] * self.arms[..., k]
-        return (stack(turned) * self.ways).total() / self.lengths
+            turned[k] = full[..., i] * r[..., j] + turned[k]
+            turned[j] = turned[j] - full[..., i] * r[..., k]
+        return (stack(turned) * way - r * force).total() / self.lengths
+
+    def _turned(self, points: Array) -> Intervals:
+        """(N or 1, k, d) R x of exact points (k, d)."""
+        return reduce(add, (f * exact(points).times(R.T) for f, R in self.turns))
 
     def _wrench(self, force: Intervals, moment: Intervals) -> Intervals:
         """The motion pattern's rows."""

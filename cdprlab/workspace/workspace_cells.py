@@ -1,4 +1,4 @@
-"""A workspace as cells: boxes of positions inside, outside or between the two, and what they measure together."""
+"""A workspace as cells: boxes inside, outside or between the two, and what they measure together."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from ..arrays import Array, Indices, lasting
 class WorkspaceCells:
     """Cells that fill what was asked for.
 
-    lower, upper : (N, k) corners [m]; equal along an axis that is held
+    lower, upper : (N, k) corners [m], of an angle [rad]; equal along an axis that is held
     verdict : (N,) 1 inside, −1 outside, 0 undecided or on the border
     """
 
@@ -37,7 +37,7 @@ class WorkspaceCells:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """The true length, area or volume lies between these [m, m², m³].
+        """The true length, area or volume lies between these [m, m², m³, times rad with an angle].
 
         Those of `refine` hold for a workspace without details smaller than the first grid's cells.
         """
