@@ -11,6 +11,7 @@ import numpy as np
 from generated import save_small, write_tables
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
+from practice_halls import practice_hall
 
 import cdprlab as cl
 from cdprlab.cli.mission_command import BOUNDS, PALLETS, PEOPLE, START
@@ -22,7 +23,6 @@ from cdprlab.fastkit import (
     mission_states,
     navigate,
     plot_journey,
-    practice_hall,
     run_mission,
 )
 from cdprlab.fastkit.events import spans

@@ -193,8 +193,6 @@ def of_fastkit() -> dict[str, tuple[Any, Words]]:
         "plan_path": (fastkit.plan_path, {"grid": grid, "vehicle": vehicle, "start": [-3, -3, 0],
                                           "goal": [-2, -3, 0], "margin": 0.1}),
         "plot_job": (fastkit.plot_job, {"job": job}), "plot_journey": (fastkit.plot_journey, {"journey": journey}),
-        "practice_hall": (fastkit.practice_hall, {"vehicle": vehicle, "seed": 0, "size": (10.0, 8.0), "pallets": 2,
-                                                  "gap": 0.25}),
         "run_mission": (fastkit.run_mission, {
             **world, "start": [5, -3.5, 1.8], "task": "pick_and_place", "station": (0.2, -0.4, 0), "walkers": (),
             "seed": 0, "beams": 11, "work": None, "states": (), "progress": None}),

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from practice_halls import practice_hall
 from scipy.ndimage import label
 
 import cdprlab as cl
@@ -24,7 +25,6 @@ from cdprlab.fastkit import (
     inflated_width,
     navigate,
     plan_path,
-    practice_hall,
 )
 from cdprlab.fastkit.navigation.driving import clearance
 from cdprlab.fastkit.navigation.journey import with_berth

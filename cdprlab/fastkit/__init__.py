@@ -26,7 +26,6 @@ from .navigation.laser import Scanner, cast
 from .navigation.localization import Localization, Odometry
 from .navigation.occupancy import OccupancyGrid
 from .navigation.planner import Plan, inflated_width, plan_path
-from .navigation.practice import practice_hall
 from .navigation.vehicle import Vehicle
 from .plane import carried as _carried
 from .plane import difference as _difference
@@ -74,7 +73,6 @@ __all__ = [
     "pair_pose",
     "pick_and_place",
     "plan_path",
-    "practice_hall",
     "run_mission",
     "walk_through",
     *_PICTURES,

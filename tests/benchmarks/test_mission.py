@@ -6,9 +6,10 @@ The mission is there, at the shelf and home again; navigation in the engine alon
 import time
 
 import pytest
+from practice_halls import practice_hall
 
 import cdprlab as cl
-from cdprlab.fastkit import KinematicPair, Vehicle, Walker, navigate, practice_hall
+from cdprlab.fastkit import KinematicPair, Vehicle, Walker, navigate
 
 BOUNDS = [[-5, -6], [7, 2]]
 PALLETS = [[2.6, -3.0, 0.8, 1.2, 0.3], [-1.5, -2.2, 1.2, 0.8, 0.0]]
