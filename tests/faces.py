@@ -138,7 +138,7 @@ def library() -> dict[str, tuple[Any, Words]]:
         "Friction": (cl.Friction, {"static": 0.1, "coulomb": 0.1, "viscous": 0.1}),
         "Winch": (cl.Winch, fields(FASTKIT.robot.winch)),
         "Run.boxes_at": (run.boxes_at, {"index": 0}), "Run.robot_at": (run.robot_at, {"index": 0}),
-        "Run.save": (run.save, {"folder": "out", "every": 1}),
+        "Run.save": (run.save, {"folder": "out"}),
         "Trajectory()": (made("path"), {"t": 0.5}),
         "PoseGrid": (cl.PoseGrid, fields(made("poses"))),
         "PoseGrid.field": (made("poses").field, {"values": np.zeros(3)}),
@@ -253,7 +253,7 @@ def of_fastkit() -> dict[str, tuple[Any, Words]]:
                                     "patience": 4.0, "hall": None}),
         "Walker.walk": (fastkit.Walker([[0, 0], [1, 0]]).walk, {"period": 0.1, "pose": HERE, "size": [1, 1]}),
         "Job.boxes_at": (job.boxes_at, {"index": 0}), "Job.state_at": (job.state_at, {"index": 0}),
-        "Job.robot_at": (job.robot_at, {"index": 0}), "Job.save": (job.save, {"folder": "out", "every": 5}),
+        "Job.robot_at": (job.robot_at, {"index": 0}), "Job.save": (job.save, {"folder": "out"}),
     }
 
 

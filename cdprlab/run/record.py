@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -47,6 +47,9 @@ class Run:
     estimates : Pose of batch (N,) as measured, and beside it estimated_twists, sensed_lengths,
         sensed_tensions (N, …): what was known as each step began, without sensors the truth
     """
+
+    csv_rows: ClassVar[int] = 1
+    """Of how many rows log.csv keeps one; log.npz has them all."""
 
     world: World
     task: str
@@ -168,16 +171,16 @@ class Run:
         """A row a control step, as a pandas DataFrame with the columns of log.csv."""
         return data_frame(flat_columns(self.columns()))
 
-    def save(self, folder: str | Path, every: int = 1) -> Path:
+    def save(self, folder: str | Path) -> Path:
         """Write log.npz (named arrays and their units), log.csv, the world used and the settings.
 
-        folder : made if missing, also for the real world; every : of how many rows log.csv keeps one
+        folder : made if missing, also for the real world
         """
         settings = {"task": self.task, "method": self.method, "cables": self.cables,
                     **self.settings}
         if self.cut_short:
             settings["cut_short"] = self.cut_short
-        target = save_record(folder, self.columns(), self.world, settings, every)
+        target = save_record(folder, self.columns(), self.world, settings, self.csv_rows)
         if self.real is not None:
             self.real.save(target / "real.yaml")
         return target

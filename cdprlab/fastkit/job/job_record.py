@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -13,9 +13,6 @@ from ...run.log import write_rows
 from ...world.model import PickAndPlace
 from ..events import Chronicle, Event
 from .machine import SETTLING
-
-_EVERY = 5
-"""Rows that log.csv keeps one of, for spreadsheets; log.npz has them all."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -30,6 +27,8 @@ class Job(Chronicle, Run):
     carried : (N,) known payload [kg]
     states : (N,) index into ``events``; words : state → what is done in it
     """
+
+    csv_rows: ClassVar[int] = 5
 
     events: tuple[Event, ...]
     base_poses: Array
@@ -93,12 +92,9 @@ class Job(Chronicle, Run):
                 "box_rotation": (self.box_poses.rpy, "rad"), "stroke": (self.stroke, ""),
                 "carried": (self.carried, "kg"), "state": (self.states, "")}
 
-    def save(self, folder: str | Path, every: int = _EVERY) -> Path:
-        """Write log.npz (arrays and their units), log.csv, events.csv, the world and the settings.
-
-        folder : made if missing; every : of how many rows log.csv keeps one
-        """
-        target = super().save(folder, every)
+    def save(self, folder: str | Path) -> Path:
+        """Write log.npz (arrays and their units), log.csv, events.csv, the world and the settings."""
+        target = super().save(folder)
         write_rows(target / "events.csv", [
             ("time [s]", "state", "why"),
             *((f"{event.time:.3f}", event.state, event.why) for event in self.events)])
