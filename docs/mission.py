@@ -50,7 +50,7 @@ def results(mission):
 def halls():
     """Twenty halls driven by kinematics: one line each."""
     pair = Vehicle.of(cl.load_world("fastkit_suspended").robot)
-    heads = ("hall", "ends", "time", "way", "plans", "waited, backed off", "smallest clearance",
+    heads = ("hall", "ends", "time", "way", "plans", "waited", "smallest clearance",
              "localization error at the end")
     lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
     for seed in HALLS:
@@ -62,7 +62,7 @@ def halls():
         length = np.linalg.norm(np.diff(way.poses[:, :2], axis=0), axis=1).sum()
         cells = (seed, f"{way.state}: {way.reason}" if way.reason else way.state, f"{way.time[-1]:.0f} s",
                  f"{length:.1f} m", len(way.plans),
-                 f"{way.waiting.sum() * period:.0f} s, {way.backing.sum() * period:.0f} s",
+                 f"{way.waiting.sum() * period:.0f} s",
                  f"{way.clearance.min():.2f} m", f"{1e3 * np.hypot(*off[:2]):.0f} mm, {np.degrees(abs(off[2])):.2f}°")
         lines.append(f"| {' | '.join(map(str, cells))} |")
     return "\n".join(lines)

@@ -198,7 +198,7 @@ def of_fastkit() -> dict[str, tuple[Any, Words]]:
             "seed": 0, "beams": 11, "work": None, "states": (), "progress": None}),
         "save_job_film": (fastkit.save_job_film, {"job": job, "path": "j.gif", "seconds": 0.2, "fps": 8, "width": 64}),
         "walk_through": (lambda **words: list(fastkit.walk_through(**words)), {"mission": mission, "states": ()}),
-        "Follower": (fastkit.Follower, {"vehicle": vehicle, "poses": [HERE, HERE], "around": ()}),
+        "Follower": (fastkit.Follower, {"vehicle": vehicle, "poses": [HERE, HERE]}),
         "Follower.arrived": (_follower().arrived, {"pose": HERE}),
         "Follower.command": (_follower().command, {"pose": HERE, "unexpected": seen, "period": 0.1}),
         "Hall": (fastkit.Hall, fields(hall)),

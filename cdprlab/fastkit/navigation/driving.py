@@ -77,8 +77,7 @@ class Walker:
             backs = self.place + turn([0.0, 0.8, -0.8, 1.5, -1.5]) @ away    # straight back, or past what stands there
             free = point_distance(backs, pose, size) >= far
             if self.hall is not None:
-                free &= self.hall.distance(backs) >= min(float(self.hall.distance(self.place)),
-                                                         self.radius + 0.2)
+                free &= self.hall.distance(backs) >= self.radius
             if free.any():
                 self.place = backs[free.argmax()]
 

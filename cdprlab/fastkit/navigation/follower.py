@@ -4,17 +4,12 @@ import numpy as np
 
 from ...arrays import Array, checked
 from ...errors import InvalidInput
-from ..plane import NO_POINTS, Place, Scan, Way, carried, difference, moved, relative
+from ..plane import Place, Scan, Way, difference, moved, relative
 from .planner import between
 from .vehicle import Vehicle
 
 STOP_DISTANCE = 0.3
 """The pair does not come closer than this to anything that is not on its map and may walk [m]."""
-
-STANDING_DISTANCE = 0.1
-"""The same for what stood still while a way around it was planned [m]."""
-
-_STILL = 0.12            # m: a point this near to one that was planned around is the same thing, still there
 
 _AHEAD = 0.12            # m on the plan, from where the pair is to where it aims
 _GAIN = 2.0              # 1/s
@@ -29,16 +24,15 @@ class Follower:
     """Drives along a plan: aims a little ahead of where the vehicle is, as fast as limits and neighbors allow.
 
     vehicle : Vehicle; poses : (n, 3) of a `Plan`
-    around : (a, 2) points that are not on the map and were planned around, in the world [m]
 
     ``twist`` is the last command; ``blocked`` whether something that is not on the map keeps it
     from driving on.
     """
 
-    def __init__(self, vehicle: Vehicle, poses: Way, around: Scan = NO_POINTS) -> None:
+    def __init__(self, vehicle: Vehicle, poses: Way) -> None:
         if not len(poses):
             raise InvalidInput("poses must be one at least: the plan has no way")
-        self.vehicle, self.around = vehicle, around
+        self.vehicle = vehicle
         pieces = [between(a, b, 0.01, 0.01)[1:] for a, b in zip(poses, poses[1:])]
         self.way = np.concatenate([poses[:1], *pieces])
         self.aim, self.twist, self.blocked = 0, np.zeros(3), False
@@ -66,8 +60,7 @@ class Follower:
         most = _ACCELERATION * period * np.array([1, 1, 1 / self.vehicle.arm])
         wish = self.twist + np.clip(wish - self.twist, -most, most)
         here = np.zeros(3)
-        least = np.minimum(self._wanted_distances(pose, unexpected),
-                           self.vehicle.distances(here, unexpected) - 1e-4)
+        least = np.minimum(STOP_DISTANCE, self.vehicle.distances(here, unexpected) - 1e-4)
         for share in (1.0, 0.5, 0.2, 0.0):
             self.twist = share * wish
             then = self.vehicle.distances(moved(here, np.outer(_HORIZON, self.twist)),
@@ -76,11 +69,3 @@ class Follower:
                 break
         self.blocked = share == 0.0
         return self.twist
-
-    def _wanted_distances(self, pose: Place, points: Array) -> Array:
-        """(u,) how far to stay from each point [m]."""
-        if not (len(points) and len(self.around)):
-            return np.full(len(points), STOP_DISTANCE)
-        off = carried(pose, points)[:, None] - self.around
-        return np.where(np.linalg.norm(off, axis=-1).min(axis=1) < _STILL, STANDING_DISTANCE,
-                        STOP_DISTANCE)

@@ -24,9 +24,6 @@ DOCKING_MARGIN = 0.06
 """Kept from the map on the last straight drive to a berth; the localization is that good three times over [m]."""
 
 _WAIT = 2.0           # s blocked, then another way is looked for
-_GIVE_WAY = 6.0       # s blocked without any other way, then the pair backs off: who is cornered can walk on
-_BACK = 1.0           # m it backs off, the way it came
-_RETREATS = 3         # times it does so on one journey: what stands for good would have it come and go for ever
 _PATIENCE = 30.0      # s blocked without any other way, then the journey ends
 _AROUND = 0.2         # m kept occupied about a point that is not on the map
 _OUT = np.array([0.1, 0.1, 0.1])      # m, m, rad: this near to where it was to leave to, it is out of the berth
@@ -42,7 +39,7 @@ class Journey:
     time : (N,) [s]; poses : (N, 3) true; estimates : (N, 3) believed
     deviations : (N, 3) believed uncertainty
     clearance : (N,) exact distance to the nearest thing [m]
-    waiting, backing : (N,) bool, for somebody to walk on, and off, so that somebody can
+    waiting : (N,) bool, for somebody to walk on
     people : (N, c, 3) center and radius; plans : (time, Plan) as they were made
     scans : N of (h, 2) points, vehicle's frame
     """
@@ -58,7 +55,6 @@ class Journey:
     deviations: Array
     clearance: Array
     waiting: Array
-    backing: Array
     people: Array
     plans: tuple[tuple[float, Plan], ...]
     scans: tuple[Array, ...] = field(repr=False)
@@ -142,16 +138,13 @@ class _Driver:
     scans: list[Array] = field(default_factory=list)
     blocked: float = 0.0
     since_plan: float = 0.0
-    retreats: int = 0
-    backing: bool = False
-    came_from: int = 0
 
     def __post_init__(self) -> None:
         self.grid = OccupancyGrid.of(self.hall)
         self.log = Log({"time": ((), "s"), "poses": ((3,), "m, m, rad"),
                         "estimates": ((3,), "m, m, rad"),
                         "deviations": ((3,), "m, m, rad"), "clearance": ((), "m"),
-                        "waiting": ((), ""), "backing": ((), ""),
+                        "waiting": ((), ""),
                         "people": (self.pair.people.shape, "m")})
 
     def run(self, longest: float, progress: Callable[[float], Any] | None) -> Journey:
@@ -164,10 +157,7 @@ class _Driver:
             if follower is None:
                 return self._journey(STOPPED, reason)
             if follower.arrived(where.pose):
-                if not self.backing:
-                    return self._journey(ARRIVED, "")
-                self.backing = False
-                follower = self._hopeful(now, points)[0] or follower
+                return self._journey(ARRIVED, "")
             reason = self._fault(now, longest)
             if reason:
                 return self._journey(STOPPED, reason)
@@ -197,40 +187,22 @@ class _Driver:
         return (follower, reason) if follower else self._plan(now, np.zeros((0, 2)))
 
     def _patient(self, follower: Follower, now: float, points: Array) -> Follower:
-        """Where something is in the way: wait a little, look for a way around it, back off and come again."""
+        """Where something is in the way: wait a little, then look for a way around it."""
         if follower.blocked:
             self.blocked += self.period
-        elif not self.backing:
+        else:
             self.blocked = max(0.0, self.blocked - self.period)
         self.since_plan += self.period
         if not follower.blocked or self.blocked < _WAIT or self.since_plan < _WAIT:
             return follower
         other, _ = self._plan(now, self.where.unexpected(points))
-        if other:
-            self.backing = False
-            return other
-        back = self._way_back()
-        if self.blocked < _GIVE_WAY or self.backing or self.retreats == _RETREATS or len(back) < 2:
-            return follower
-        self.retreats, self.backing = self.retreats + 1, True
-        return Follower(self.pair.vehicle, back)
-
-    def _way_back(self) -> Array:
-        """(n, 3) the last meter of the way so far, backwards."""
-        back, far = [self.where.pose], 0.0
-        for then in self.log["estimates"][self.came_from:][::-1]:
-            step = self.pair.vehicle.way(then, back[-1])
-            if step > 0.05 and far < _BACK * (1 + self.retreats):
-                back.append(back[-1] + difference(then, back[-1]))
-                far += step
-        return np.array(back)
+        return other or follower
 
     def _plan(self, now: float, unexpected: Array) -> tuple[Follower | None, str]:
         """A way around points that no map shows, or why there is none."""
-        pose, vehicle = self.where.pose, self.pair.vehicle
-        around, grid = carried(pose, unexpected), self.grid
+        pose, vehicle, grid = self.where.pose, self.pair.vehicle, self.grid
         if len(unexpected):
-            grid = OccupancyGrid.of(self.hall, points=around, reach=_AROUND)
+            grid = OccupancyGrid.of(self.hall, points=carried(pose, unexpected), reach=_AROUND)
         plan = plan_path(grid, vehicle, pose if self.leaving is None else self.leaving,
                          self.stops[0], self.margin)
         if plan.found and self.leaving is not None:
@@ -239,22 +211,22 @@ class _Driver:
             plan = with_berth(self.hall, vehicle, plan, self.stops[1])
         self.plans.append((now, plan))
         self.since_plan = 0.0
-        return (Follower(vehicle, plan.poses, around) if plan.found else None), plan.reason
+        return (Follower(vehicle, plan.poses) if plan.found else None), plan.reason
 
     def _mind_the_berth(self) -> None:
-        """Once out of the berth, plans begin where the pair is, and it does not back off into it."""
+        """Once out of the berth, plans begin where the pair is."""
         if self.leaving is not None and (np.abs(difference(self.leaving, self.where.pose)) < _OUT).all():
-            self.leaving, self.came_from = None, len(self.log)
+            self.leaving = None
 
     def _note(self, now: float, points: Array) -> None:
         pair, where = self.pair, self.where
         room = clearance(pair.vehicle, pair.pose, pair.hall, pair.people)
         self.log.keep(now, pair.pose, where.pose, where.deviation, room,
-                      self.blocked > 0, self.backing, pair.people)
+                      self.blocked > 0, pair.people)
         self.scans.append(points)
 
     def _journey(self, state: str, reason: str) -> Journey:
         columns: dict[str, Any] = {name: self.log[name] for name in self.log.units}
-        columns |= {name: columns[name] > 0 for name in ("waiting", "backing")}
+        columns["waiting"] = columns["waiting"] > 0
         return Journey(self.hall, self.pair.vehicle, self.stops[-1], state, reason,
                        plans=tuple(self.plans), scans=tuple(self.scans), **columns)

@@ -73,11 +73,10 @@ def plot_drives(mission: Mission) -> Figure:
 def _draw_drive(column: Any, mission: Mission, way: Journey, drive: Log) -> None:
     room, loads, tilts, tensions = column
     room.plot(way.time, way.clearance, color=BLUE)
-    busy = np.logical_or(way.waiting, way.backing)
-    room.fill_between(way.time, 0, 1, where=busy, transform=room.get_xaxis_transform(),
-                      color=GREEN, alpha=0.2, linewidth=0, label="waits or backs off")
+    room.fill_between(way.time, 0, 1, where=way.waiting, transform=room.get_xaxis_transform(),
+                      color=GREEN, alpha=0.2, linewidth=0, label="waits")
     room.set_ylim(bottom=0)
-    if busy.any():
+    if way.waiting.any():
         room.legend(loc="lower right", fontsize=9)
     times, robot, leaning = way.time[1:], mission.world.robot, float(np.degrees(LEANS))
     draw_lines(loads, times[_FOUND:], _edges(drive), [base.name for base in robot.bases],

@@ -88,8 +88,6 @@ class PlanScreen(Screen):
                       markersize=2.5, zorder=6, label="scanned points")
             self.figure.legends.clear()
             self.figure.legend(loc="lower center", ncols=5, borderaxespad=0.3, fontsize=9)
-        if way.backing[k]:
-            return "it backs off, so that the person can walk on"
         standing = k > 0 and np.abs(way.poses[k] - way.poses[k - 1]).max() < 1e-4
         return "it waits for somebody to walk on" if way.waiting[k] and standing else ""
 
