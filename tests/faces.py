@@ -184,8 +184,7 @@ def of_fastkit() -> dict[str, tuple[Any, Words]]:
         "mission_states": (fastkit.mission_states, {"trip": trip, "work": None}),
         "navigate": (fastkit.navigate, {
             "pair": pair, "hall": hall, "start": [-3, -3, 0], "goal": [-2.9, -3, 0], "berth": None, "leaving": None,
-            "uncertainty": (0.1, 0.1, 0.05), "margin": 0.1, "period": 0.1, "longest": 0.2, "odometry": None,
-            "progress": None}),
+            "uncertainty": (0.1, 0.1, 0.05), "period": 0.1, "progress": None}),
         "pair_pose": (fastkit.pair_pose, {"world": FASTKIT, "active": "active"}),
         "pick_and_place": (fastkit.pick_and_place, {
             "world": FASTKIT, "task": "pick_and_place", "control": "torque", "speed": 0.5, "dt": 2e-3,

@@ -168,11 +168,12 @@ def test_who_has_nothing_to_fold_is_told():
 
 
 def test_no_wheel_lifts_and_no_cable_moves_on_the_way(mission, world):
-    # The first rows are wheels finding the floor.
-    assert mission.drive["wheels"][3:].min() > 10 and mission.drive["tilts"].max() < np.radians(0.5)
-    np.testing.assert_allclose(mission.drive["tensions"], world.robot.tension_min[0], atol=0.05)  # tips weigh 1e-3 N
-    assert mission.drive_home["wheels"][3:].min() > 10 and mission.drive_home["tilts"].max() < np.radians(0.5)
-    assert len(mission.drive_home) == len(mission.way_home.time) - 1
+    for way in (mission.journey, mission.way_home):
+        measured = way.measured
+        # The first rows are wheels finding the floor.
+        assert measured["wheels"][3:].min() > 10 and measured["tilts"].max() < np.radians(0.5)
+        np.testing.assert_allclose(measured["tensions"], world.robot.tension_min[0], atol=0.05)  # tips weigh 1e-3 N
+        assert len(measured) == len(way.time) - 1
 
 
 def test_the_work_begins_where_the_pair_stands(mission, world):
@@ -200,9 +201,9 @@ def test_the_mission_repeated_is_identical(mission, world):
                         walkers=(Walker([[2.5, -1.0], [6.0, -1.0]]),))
     np.testing.assert_array_equal(again.journey.poses, mission.journey.poses)
     np.testing.assert_array_equal(again.journey.estimates, mission.journey.estimates)
-    np.testing.assert_array_equal(again.drive["wheels"], mission.drive["wheels"])
+    np.testing.assert_array_equal(again.journey.measured["wheels"], mission.journey.measured["wheels"])
     np.testing.assert_array_equal(again.way_home.poses, mission.way_home.poses)
-    np.testing.assert_array_equal(again.drive_home["wheels"], mission.drive_home["wheels"])
+    np.testing.assert_array_equal(again.way_home.measured["wheels"], mission.way_home.measured["wheels"])
     assert again.events == mission.events
 
 
@@ -268,15 +269,12 @@ def test_the_film_shows_each_state_at_its_time(mission):
 
 
 def test_the_drives_are_drawn(mission):
-    from cdprlab.fastkit.pictures.mission_figure import plot_drives, plot_scans
+    from cdprlab.fastkit.pictures.mission_figure import plot_drives
 
     figure = plot_drives(mission)
     assert [panel.get_title(loc="left") or panel.get_title() for panel in figure.axes[:2]] == ["way there", "way home"]
     np.testing.assert_array_equal(figure.axes[0].lines[0].get_ydata(), mission.journey.clearance)
     assert f"{mission.way_home.clearance.min():.2f} m of room" in figure.alt_text
-    scans = plot_scans(mission.journey, 4)
-    points = [line for line in scans.axes[0].lines if line.get_label() == "scanned points"]
-    assert len(points[0].get_xdata()) == len(mission.journey.scans[0])
 
 
 @pytest.mark.long
@@ -285,5 +283,5 @@ def test_the_command_line_writes_the_journey(tmp_path, capsys):
 
     mission = fly_mission(cl.load_world("fastkit_suspended"), tmp_path, pictures=True, work=lambda *_: None)
     assert mission.state == STOPPED and "stopped safely: in deployed" in capsys.readouterr().out
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["drives.png", "journey.png", "mission.gif", "scans.png"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["drives.png", "journey.png", "mission.gif"]
     assert (tmp_path / "mission.gif").stat().st_size < 3_000_000

@@ -35,7 +35,7 @@ def fly_mission(world: World, folder: Path, pictures: bool, work: Any = None) ->
 
 def _pictures(mission: Mission) -> dict[str, Callable[[Path], Any]]:
     from ..fastkit import plot_job, plot_journey
-    from ..fastkit.pictures.mission_figure import plot_drives, plot_scans
+    from ..fastkit.pictures.mission_figure import plot_drives
     from ..fastkit.pictures.mission_film import save_mission_film
 
     def film(path: Path) -> None:
@@ -46,7 +46,6 @@ def _pictures(mission: Mission) -> dict[str, Callable[[Path], Any]]:
     found: dict[str, Callable[[Path], Any]] = {}
     if there is not None:
         found |= {"journey.png": lambda path: view.save_figure(plot_journey(there), path),
-                  "scans.png": lambda path: view.save_figure(plot_scans(there), path),
                   "drives.png": lambda path: view.save_figure(plot_drives(mission), path),
                   "mission.gif": film}
     if back is not None:

@@ -28,12 +28,12 @@ def at_the_shelf(mission: Mission) -> str:
 
 def stands_still(mission: Mission) -> str:
     """undeployed → deployed: all wheels carry, no base leans."""
-    drive = mission.drive
-    if drive is None or not len(drive):
+    measured = mission.journey and mission.journey.measured
+    if not measured:
         return ""
-    if drive["wheels"][-1].min() < 1.0:
+    if measured["wheels"][-1].min() < 1.0:
         return "a wheel carries nothing"
-    return "a base leans" if drive["tilts"][-1] > LEANS else ""
+    return "a base leans" if measured["tilts"][-1] > LEANS else ""
 
 
 def base_in_place(mission: Mission) -> str:

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...arrays import checked
-from ...run.log import Log
 from ...world import World
 from ..events import Chronicle, Event
 from ..job.job_record import Job
@@ -20,10 +19,7 @@ class Mission(Chronicle):
     world, task : what was to be done; seed : of all noise
     state, reason : "done", or "stopped" and why
     events : states in order
-    journey, drive : the way to the shelf, and what the engine measured on it: tensions, wheels,
-        tilts
-    job : what happened there
-    way_home, drive_home : the way back, and what the engine measured on it
+    journey, job, way_home : the way to the shelf, what happened there, the way back
     real_time_factor : simulated over elapsed time
     """
 
@@ -32,10 +28,8 @@ class Mission(Chronicle):
     seed: int
     events: list[Event] = field(default_factory=list)
     journey: Journey | None = None
-    drive: Log | None = None
     job: Job | None = None
     way_home: Journey | None = None
-    drive_home: Log | None = None
     real_time_factor: float = np.nan
 
     @property

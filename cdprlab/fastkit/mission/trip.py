@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Array, checked, lasting
 from ...errors import InvalidInput
-from ...run.log import Log
 from ...world import World
 from ...world.model import PickAndPlace
 from ..job.job import pick_and_place
@@ -68,8 +67,8 @@ class Trip:
     def drive_there(self, mission: Mission) -> None:
         """Navigate to the berth in the engine, the true start a little off the one told."""
         truly = self.start + np.random.default_rng(mission.seed).uniform(-1, 1, 3) * [0.08, 0.08, 0.04]
-        mission.journey, mission.drive = self._navigate(mission, truly, self.start, self.gate,
-                                                        berth=self.berth, seed=mission.seed)
+        mission.journey = self._navigate(mission, truly, self.start, self.gate, berth=self.berth,
+                                         seed=mission.seed)
 
     def drive_home(self, mission: Mission) -> None:
         """Navigate back from where the bases have come together; what the pair believed there, it believes still."""
@@ -77,20 +76,17 @@ class Trip:
             raise InvalidInput("a mission drives home after its journey and its job, which this one has not made")
         truly = self._pair.pose_of(mission.job.base_poses[-1, 0])
         doubt = mission.journey.deviations[-1] + COUPLED
-        mission.way_home, mission.drive_home = self._navigate(mission, truly,
-                                                              mission.journey.estimates[-1],
-                                                              self.start, leaving=self.gate,
-                                                              uncertainty=doubt,
-                                                              seed=mission.seed + 1)
+        mission.way_home = self._navigate(mission, truly, mission.journey.estimates[-1], self.start,
+                                          leaving=self.gate, uncertainty=doubt,
+                                          seed=mission.seed + 1)
 
     def _navigate(self, mission: Mission, truly: Array, believed: Array, goal: Array, *,
-                  seed: int, **how: ArrayLike) -> tuple[Journey, Log]:
+                  seed: int, **how: ArrayLike) -> Journey:
         hall, pair = Hall.of_world(self.world, self.bounds), self._pair
         walkers = tuple(replace(walker, hall=hall) for walker in self.walkers)
         with EnginePair(self.coupled, pair, hall, truly, walkers, seed=seed) as bases:
-            way = navigate(bases, hall, believed, goal, progress=self.told(mission),
-                           **how)     # type: ignore[arg-type]
-            return way, bases.log
+            return navigate(bases, hall, believed, goal, progress=self.told(mission),
+                            **how)     # type: ignore[arg-type]
 
     @property
     def _pair(self) -> Vehicle:

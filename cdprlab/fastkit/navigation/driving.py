@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array, as_seed, checked
+from ...run.log import Log
 from ..plane import (
     Motion,
     Place,
@@ -89,7 +90,10 @@ class Pair(ABC):
     vehicle : Vehicle; hall : what truly stands there, on the map or not
     pose : (3,) where it truly is: for records and options, not for navigation [m, m, rad]
     walkers : people; odometry : how wrong the wheels are; seed : of all noise
+    log : what an engine measured, a row a period
     """
+
+    log: Log | None = None
 
     def __init__(self, vehicle: Vehicle, hall: Hall, pose: ArrayLike,
                  walkers: tuple[Walker, ...] = (), odometry: Odometry | None = None,

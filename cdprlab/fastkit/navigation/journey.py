@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array, as_number, checked, frozen, lasting
+from ...arrays import Array, as_number, checked, frozen, lasting
 from ...run.log import Log
 from ..events import STOPPED
-from ..plane import carried, checked_pose, difference
+from ..plane import Place, carried, checked_pose, difference
 from .driving import Pair, clearance
 from .follower import Follower
 from .hall import Hall
-from .localization import Localization, Odometry
+from .localization import Localization
 from .occupancy import OccupancyGrid
-from .planner import MARGIN, Plan, between, plan_path
+from .planner import Plan, between, plan_path
 from .vehicle import Vehicle
 
 ARRIVED = "arrived"
@@ -24,6 +24,7 @@ DOCKING_MARGIN = 0.06
 """Kept from the map on the last straight drive to a berth; the localization is that good three times over [m]."""
 
 _WAIT = 2.0           # s blocked, then another way is looked for
+_LONGEST = 600.0      # s a journey may take
 _PATIENCE = 30.0      # s blocked without any other way, then the journey ends
 _AROUND = 0.2         # m kept occupied about a point that is not on the map
 _OUT = np.array([0.1, 0.1, 0.1])      # m, m, rad: this near to where it was to leave to, it is out of the berth
@@ -42,6 +43,7 @@ class Journey:
     waiting : (N,) bool, for somebody to walk on
     people : (N, c, 3) center and radius; plans : (time, Plan) as they were made
     scans : N of (h, 2) points, vehicle's frame
+    measured : what an engine measured, a row a period; None by kinematics alone
     """
 
     hall: Hall
@@ -58,6 +60,7 @@ class Journey:
     people: Array
     plans: tuple[tuple[float, Plan], ...]
     scans: tuple[Array, ...] = field(repr=False)
+    measured: Log | None = None
 
     @property
     def errors(self) -> Array:
@@ -84,8 +87,7 @@ class Journey:
 @checked
 def navigate(pair: Pair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
              berth: ArrayLike | None = None, leaving: ArrayLike | None = None,
-             uncertainty: ArrayLike = (0.1, 0.1, 0.05), margin: float = MARGIN,
-             period: float = 0.1, longest: float = 600.0, odometry: Odometry | None = None,
+             uncertainty: Place = (0.1, 0.1, 0.05), period: float = 0.1,
              progress: Callable[[float], Any] | None = None) -> Journey:
     """Drive the pair to a goal on a known map; stop with the reason where that fails.
 
@@ -96,18 +98,16 @@ def navigate(pair: Pair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
         [m, m, rad]
     leaving : (3,) driven to first, as straight and as narrow: the way out of a berth
         [m, m, rad]
-    margin : kept from all that is on the map [m]; period : between two scans [s]
-    longest : time allowed [s]
+    period : between two scans [s]
     progress : called with the simulated time
     Returns Journey.
     Source: Pedemonte et al. 2020, section 2.3.
     """
     as_number(period, "period", "s", positive=True)
-    doubt = as_array(uncertainty, "uncertainty", (3,), "m, m, rad")
-    where = Localization(hall, checked_pose(start, "start"), doubt, odometry, pair.vehicle.eyes)
+    where = Localization(hall, checked_pose(start, "start"), uncertainty, pair.odometry, pair.vehicle.eyes)
     stops = [checked_pose(goal, "goal")] + ([] if berth is None else [checked_pose(berth, "berth")])
     out = None if leaving is None else checked_pose(leaving, "leaving")
-    return _Driver(pair, hall, stops, out, where, margin, period).run(longest, progress)
+    return _Driver(pair, hall, stops, out, where, period).run(progress)
 
 
 def with_berth(hall: Hall, vehicle: Vehicle, plan: Plan, berth: Array,
@@ -132,7 +132,6 @@ class _Driver:
     stops: list[Array]
     leaving: Array | None
     where: Localization
-    margin: float
     period: float
     plans: list[tuple[float, Plan]] = field(default_factory=list)
     scans: list[Array] = field(default_factory=list)
@@ -147,7 +146,7 @@ class _Driver:
                         "waiting": ((), ""),
                         "people": (self.pair.people.shape, "m")})
 
-    def run(self, longest: float, progress: Callable[[float], Any] | None) -> Journey:
+    def run(self, progress: Callable[[float], Any] | None) -> Journey:
         pair, where, now = self.pair, self.where, 0.0
         points = pair.scan()
         where.look(points)
@@ -158,7 +157,7 @@ class _Driver:
                 return self._journey(STOPPED, reason)
             if follower.arrived(where.pose):
                 return self._journey(ARRIVED, "")
-            reason = self._fault(now, longest)
+            reason = self._fault(now)
             if reason:
                 return self._journey(STOPPED, reason)
             twist = follower.command(where.pose, where.unexpected(points), self.period)
@@ -171,10 +170,10 @@ class _Driver:
             if progress is not None:
                 progress(now)
 
-    def _fault(self, now: float, longest: float) -> str:
+    def _fault(self, now: float) -> str:
         """'' while the pair may drive on, else why it has to stop."""
-        if now > longest:
-            return f"not there after {longest:g} s"
+        if now > _LONGEST:
+            return f"not there after {_LONGEST:g} s"
         if (self.where.deviation > _SURE).any():
             return "lost: the scanners see too little of the map to know where the pair is"
         if self.blocked > _PATIENCE:
@@ -204,7 +203,7 @@ class _Driver:
         if len(unexpected):
             grid = OccupancyGrid.of(self.hall, points=carried(pose, unexpected), reach=_AROUND)
         plan = plan_path(grid, vehicle, pose if self.leaving is None else self.leaving,
-                         self.stops[0], self.margin)
+                         self.stops[0])
         if plan.found and self.leaving is not None:
             plan = with_berth(self.hall, vehicle, plan, pose, leaving=True)
         if plan.found and len(self.stops) > 1:
@@ -229,4 +228,5 @@ class _Driver:
         columns: dict[str, Any] = {name: self.log[name] for name in self.log.units}
         columns["waiting"] = columns["waiting"] > 0
         return Journey(self.hall, self.pair.vehicle, self.stops[-1], state, reason,
-                       plans=tuple(self.plans), scans=tuple(self.scans), **columns)
+                       plans=tuple(self.plans), scans=tuple(self.scans), measured=self.pair.log,
+                       **columns)

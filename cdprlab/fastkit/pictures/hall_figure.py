@@ -33,7 +33,7 @@ def plot_journey(journey: Journey) -> Figure:
         figure.legend(*plan.get_legend_handles_labels(), loc="outside lower center", ncols=5,
                       fontsize=9)
         scan = figure.add_subplot(grid[0, 1])
-        draw_scan(scan, journey)
+        _draw_scan(scan, journey)
         pose, reach = journey.estimates[-1], journey.vehicle.scanners[0].range + journey.vehicle.length / 2
         scan.set(xlim=(pose[0] - reach, pose[0] + reach),
                  ylim=(pose[1] - 0.75 * reach, pose[1] + 0.75 * reach),
@@ -94,14 +94,14 @@ def draw_way(axes: Axes, journey: Journey, until: float = np.inf) -> None:
                               edgecolor=INK, zorder=4))
 
 
-def draw_scan(axes: Axes, journey: Journey, k: int = -1) -> None:
-    """A scan where the pair believes it was taken, over the map; k : index of the period, the last one by default."""
+def _draw_scan(axes: Axes, journey: Journey) -> None:
+    """The last scan where the pair believes it was taken, over the map."""
     draw_hall(axes, journey.hall)
-    pose = journey.estimates[k]
+    pose = journey.estimates[-1]
     draw_pair(axes, journey.vehicle, pose)
     axes.plot(*carried(pose, journey.vehicle.eyes).T, "o", color=BLUE, markersize=6, zorder=6,
               label="scanners")
-    axes.plot(*carried(pose, journey.scans[k]).T, ".", color=VERMILION, markersize=3, zorder=5,
+    axes.plot(*carried(pose, journey.scans[-1]).T, ".", color=VERMILION, markersize=3, zorder=5,
               label="scanned points")
 
 
