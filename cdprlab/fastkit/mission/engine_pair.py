@@ -37,6 +37,8 @@ class EnginePair(Pair):
     wheels (2, k) load of each wheel [N], tilts, the larger of the two bases' [rad].
     """
 
+    log: Log
+
     def __init__(self, world: World, vehicle: Vehicle, hall: Hall, pose: ArrayLike,
                  walkers: tuple[Walker, ...] = (), seed: int = 0) -> None:
         super().__init__(vehicle, hall, pose, walkers, seed=seed)

@@ -92,8 +92,8 @@ def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: Arr
         return Plan.none(f"there is no way of {wide:.2f} m width from the start to the goal")
     # Out of a tight place as the lattice goes: a straight drive could stay as tight for long.
     tight = np.zeros((0, 3)) if here >= margin else a[None]
-    wide = np.concatenate([a[None], nodes, b[None]])[len(tight):]
-    return Plan(frozen(np.concatenate([tight, _shortened(grid, vehicle, wide, margin)])))
+    poses = np.concatenate([a[None], nodes, b[None]])[len(tight):]
+    return Plan(frozen(np.concatenate([tight, _shortened(grid, vehicle, poses, margin)])))
 
 
 def between(a: ArrayLike, b: ArrayLike, step: float = 0.04, turn_step: float = 0.03) -> Array:
