@@ -60,7 +60,7 @@ GOOD: dict[str, dict[str, Any]] = {
     "quintic": {"start": CAROCA.pose, "end": CAROCA.pose, "duration": 1.0, "start_twist": None,
                 "end_acceleration": None},
     "resolve_twist": {"robot": CAROCA.robot, "pose": CAROCA.pose, "twist": np.zeros(6),
-                      "method": "quadratic_program", "weights": None, "pivot": "base"},
+                      "pivot": "base"},
     "run": {"world": CAROCA, "task": "default", "method": "quadratic_program", "cables": "force", "controller": None,
             "dt": 1e-3, "control_period": None, "infeasible": "relax", "external_wrench": None, "duration": 2e-3,
             "cut": None, "winch": "real", "real": CAROCA, "sensors": None, "progress": None, "simulator": None},
