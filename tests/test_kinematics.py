@@ -108,6 +108,9 @@ def test_the_fit_knows_its_own_slope(name):
     expected = differences(lambda dx: cl.cable_lengths(robot, kinematics.moved(robot, start, x + dx)), robot.n_dof,
                            STEP)
     np.testing.assert_allclose(kinematics.moved_slope(robot, start, x), expected, atol=CLOSE)
+    both = kinematics.moved(robot, start, np.stack([x, 0 * x]))
+    np.testing.assert_allclose(both.position, [kinematics.moved(robot, start, x).position, start.position], atol=1e-15)
+    np.testing.assert_allclose(both.rotation, [kinematics.moved(robot, start, x).rotation, start.rotation], atol=1e-15)
 
 
 def test_forward_kinematics_of_a_batch():

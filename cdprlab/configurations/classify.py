@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_number, checked
 from ..robot import Robot
 from .configuration import Configuration, as_position, counterclockwise, few_cables, triplets
-from .region import Region, region
+from .region import region
 from .sides import side_range
 
 INSIDE, UNCERTAIN, OUTSIDE = "inside", "uncertain", "outside"
@@ -90,7 +90,7 @@ def certainty(exits: Array, M: Array, position_uncertainty: float, exit_uncertai
     if form == "corners":
         low, high = exact.certainty(M)
         return float(low), float(high)
-    below = Region(exact.normals[3:], exact.offsets[3:], exact.spreads[3:]).certainty(M)
+    below = exact.last().certainty(M)
     a = counterclockwise(exits)[:, :2]
     sides = [side_range(a[i], a[j], M[:2], exit_uncertainty, position_uncertainty, form)
              for i, j in ((0, 1), (1, 2), (2, 0))]

@@ -96,14 +96,11 @@ def _joined(a: ConfigurationSequence, b: ConfigurationSequence) -> Configuration
 
 def _with_ends(core: ConfigurationSequence, S: Array, G: Array, robot: Robot) -> ConfigurationSequence:
     """The nominal S and G added where the core starts or ends beside them: the load hangs there on two cables."""
-    steps, places = list(core.steps), list(core.location_scores)
-    loose = 0
-    for position, at in ((S, 0), (G, len(steps))):
-        end = steps[min(at, len(steps) - 1)]
-        if not np.array_equal(position, end[0]):
-            at = at and len(steps)
-            steps.insert(at, (position, end[1]))
-            places.insert(at, location_score(robot.exit_points[end[1].indices], position))
-            loose += 1
-    changes = core.transition_scores + (UNSAFE_CHANGE,) * loose
-    return ConfigurationSequence(tuple(steps), tuple(places), changes, core.safe and not loose)
+    (first, old), (last, new) = core.steps[0], core.steps[-1]
+    before = () if np.array_equal(S, first) else ((S, old),)
+    after = () if np.array_equal(G, last) else ((G, new),)
+    begin, end = (tuple(location_score(robot.exit_points[chosen.indices], place) for place, chosen in added)
+                  for added in (before, after))
+    loose = len(before) + len(after)
+    return ConfigurationSequence(before + core.steps + after, begin + core.location_scores + end,
+                                 core.transition_scores + (UNSAFE_CHANGE,) * loose, core.safe and not loose)

@@ -4,6 +4,8 @@ All four conditions read n · (M − A) > 0, where n is made of exit points: exa
 every coordinate, so that the range over boxes is found at their corners.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
@@ -22,26 +24,30 @@ Triangle = Annotated[Array, "(3, 3) [m]"]
 class Region:
     """The positions where a triplet holds a load, its exit points and the position known up to ± errors.
 
-    normals : for each condition (K, 3), one row for each corner of the exit points' boxes
-    offsets : for each condition (K,), so that the value is ``normals @ M − offsets``
-    spreads : for each condition (K,), what the position's own error adds or takes
+    normals : (K, 3), one row for each condition and each corner of the exit points' boxes
+    offsets : (K,), so that the value is ``normals @ M − offsets``
+    spreads : (K,), what the position's own error adds or takes
+    firsts : the first row of each condition
     """
 
-    normals: tuple[Array, ...]
-    offsets: tuple[Array, ...]
-    spreads: tuple[Array, ...]
+    normals: Array
+    offsets: Array
+    spreads: Array
+    firsts: tuple[int, ...]
 
     def certainty(self, positions: Array) -> tuple[Array, Array]:
         """Smallest lower and smallest upper end of the conditions' ranges at positions (…, 3): two arrays (…).
 
         The first positive: certainly inside. The second negative: certainly outside.
         """
-        low, high = [], []
-        for n, c, r in zip(self.normals, self.offsets, self.spreads):
-            values = positions @ n.T - c
-            low.append((values - r).min(axis=-1))
-            high.append((values + r).max(axis=-1))
-        return np.min(low, axis=0), np.min(high, axis=0)
+        values = positions @ self.normals.T - self.offsets
+        highest = np.maximum.reduceat(values + self.spreads, self.firsts, axis=-1)
+        return (values - self.spreads).min(axis=-1), highest.min(axis=-1)
+
+    def last(self) -> Region:
+        """The last condition alone."""
+        k = self.firsts[-1]
+        return Region(self.normals[k:], self.offsets[k:], self.spreads[k:], (0,))
 
     def window(self, start: Array, end: Array, slack: float = 0.0) -> tuple[float, float] | None:
         """The share [λ₀, λ₁] of the way start + λ (end − start), 0 ≤ λ ≤ 1, that is certainly inside; None if none is.
@@ -51,8 +57,8 @@ class Region:
         slack : added to every condition, so that a way along an edge counts as inside both
             neighbors [m², m³]
         """
-        n, c, r = map(np.concatenate, (self.normals, self.offsets, self.spreads))
-        begin, slope = n @ start - c - r + slack, n @ (end - start)
+        begin = self.normals @ start - self.offsets - self.spreads + slack
+        slope = self.normals @ (end - start)
         with np.errstate(divide="ignore", invalid="ignore"):
             zeros = -begin / slope
         if (begin[slope == 0] <= 0).any():
@@ -67,8 +73,8 @@ class Region:
         triangle : (3, 2) of the exit points in plan, which holds it [m]
         height : z of the positions [m]
         """
-        n, c, r = map(np.concatenate, (self.normals, self.offsets, self.spreads))
-        corners, n, c = triangle, n[:, :2], c + r - n[:, 2] * height
+        corners, n = triangle, self.normals[:, :2]
+        c = self.offsets + self.spreads - self.normals[:, 2] * height
         while len(corners) and (short := (corners @ n.T - c).min(axis=0)).min() < -_ON_EDGE:
             corners = _cut(corners, n[short.argmin()], c[short.argmin()])
         return corners
@@ -106,19 +112,17 @@ def region(exits: Triangle, exit_uncertainty: float = 0.0, position_uncertainty:
     (0.0, 0.625)
     """
     a = counterclockwise(exits)
-    normals, offsets = [], []
-    for i, j in ((0, 1), (1, 2), (2, 0)):
-        # Only the plan view of two exit points enters a side.
-        shift = _corners(4).reshape(-1, 2, 2) * exit_uncertainty
-        start, edge = a[i, :2] + shift[:, 0], a[j, :2] + shift[:, 1] - a[i, :2] - shift[:, 0]
-        normals.append(np.stack([-edge[:, 1], edge[:, 0], np.zeros(len(edge))], axis=1))
-        offsets.append(np.einsum("ki,ki->k", normals[-1][:, :2], start))
+    # Only the plan view of two exit points enters a side.
+    shifts = _corners(4).reshape(-1, 2, 2) * exit_uncertainty
+    starts, ends = a[:, None, :2] + shifts[:, 0], np.roll(a, -1, axis=0)[:, None, :2] + shifts[:, 1]
+    x, y = np.moveaxis(ends - starts, -1, 0)
+    sides = np.stack([-y, x, 0 * x], axis=-1).reshape(-1, 3)
     corners = a + _corners(9).reshape(-1, 3, 3) * exit_uncertainty
     down = -np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals.append(down)
-    offsets.append(np.einsum("ki,ki->k", down, corners[:, 0]))
-    spreads = tuple(position_uncertainty * np.abs(n).sum(axis=1) for n in normals)
-    return Region(tuple(normals), tuple(offsets), spreads)
+    normals = np.concatenate([sides, down])
+    points = np.concatenate([np.pad(starts.reshape(-1, 2), ((0, 0), (0, 1))), corners[:, 0]])
+    return Region(normals, (normals * points).sum(axis=1), position_uncertainty * np.abs(normals).sum(axis=1),
+                  (0, *range(len(shifts), len(sides) + 1, len(shifts))))
 
 
 @cache

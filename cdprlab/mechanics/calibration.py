@@ -137,10 +137,7 @@ def length_slopes(robot: Robot, poses: Pose) -> Array:
     (1, 8, 64)
     """
     u, lengths = cables_at(robot, poses)[:2]
-    exits = u.copy()
-    for i, base in enumerate(robot.base_indices):
-        if base >= 0:
-            exits[:, i] = u[:, i] @ robot.bases[base].rotation
+    exits = (u[:, :, None] @ robot.exit_rotations)[:, :, 0]
     along = (u * (robot.exit_points - poses.position[:, None] - anchor_offsets(robot, poses))).sum(axis=-1)
     radii = np.array([cable.pulley.radius if cable.pulley else np.inf for cable in robot.cables])
     own = np.concatenate([exits, -u @ poses.rotation, np.ones((*lengths.shape, 1)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Literal, overload
 
 import numpy as np
@@ -148,9 +149,9 @@ def nearby_pose(robot: Robot, lengths: Array, last: Pose) -> Pose:
 
 
 def moved(robot: Robot, start: Pose, x: Array) -> Pose:
-    """p = p₀ + S_v x and R = exp([S_ω x]×) R₀: away from a pose by x (n,) in the motion pattern's rows there."""
-    step, d = robot.pattern.basis(start.rotation) @ x, robot.dimension
-    return Pose.of(start.position + step[:d], rotation_from_vector(step[d:]) @ start.rotation)
+    """p = p₀ + S_v x and R = exp([S_ω x]×) R₀: away from a pose by x (…, n) in the motion pattern's rows there."""
+    step, d = x @ robot.pattern.basis(start.rotation).T, robot.dimension
+    return Pose.of(start.position + step[..., :d], rotation_from_vector(step[..., d:]) @ start.rotation)
 
 
 def moved_slope(robot: Robot, start: Pose, x: Array) -> Array:
@@ -194,22 +195,20 @@ def _assemblies(robot: Robot, lengths: Array, guess: Pose, tolerance: float) -> 
 
 
 def _fit_pose(robot: Robot, lengths: Array, start: Pose, tolerance: float) -> Pose:
-    known: dict[bytes, Cables] = {}   # the slope is asked where the lengths were
-
-    def cables(x: Array) -> Cables:
-        key = x.tobytes()
-        if key not in known:
-            known[key] = cables_at(robot, moved(robot, start, x))
-        return known[key]
+    @cache   # the slope is asked where the lengths were
+    def cables(x: bytes) -> Cables:
+        return cables_at(robot, moved(robot, start, np.frombuffer(x)))
 
     def residuals(x: Array) -> Array:
-        return cables(x).lengths - lengths
+        return cables(x.tobytes()).lengths - lengths
+
+    def slopes(x: Array) -> Array:
+        return -cables(x.tobytes()).wrench_matrix.T @ moved_rates(robot, start, x)
 
     # Fewer cables than freedoms leave "lm" without a square problem.
     method = "lm" if robot.n_cables >= robot.n_dof else "trf"
     try:
-        x = least_squares(residuals, np.zeros(robot.n_dof),
-                          lambda x: -cables(x).wrench_matrix.T @ moved_rates(robot, start, x), method)
+        x = least_squares(residuals, np.zeros(robot.n_dof), slopes, method)
     except InvalidInput as error:
         if not robot.pulleys.size:
             raise

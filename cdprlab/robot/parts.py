@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, as_number, checked, frozen, lasting
 from ..errors import InvalidInput, Location
-from .pose import turned_to
+from .pose import cross, turned_to
 
 DECK_HEIGHT = 0.25
 """[m] Up to which a mobile base is drawn and, in the plane, solid."""
@@ -305,13 +305,11 @@ def _counter_clockwise(footprint: ArrayLike, d: int) -> Array:
             raise InvalidInput("a planar footprint is two contacts with different x",
                                ("footprint",))
         return points
-    edges = np.roll(points, -1, axis=0) - points
-    following = np.roll(edges, -1, axis=0)
-    turns = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
-    # All corners turn one way, and all the way round once: a star goes round twice.
-    around = np.arctan2(turns, (edges * following).sum(axis=-1)).sum()
-    if points.shape[0] < 3 or not ((turns > 0).all() or (turns < 0).all()) or abs(around) > 7:
+    # Along every edge all other corners lie on one side.
+    edges, on_it = np.roll(points, -1, axis=0) - points, np.eye(len(points), dtype=bool)
+    sides = cross(edges[:, None], points - points[:, None])[~(on_it | np.roll(on_it, 1, axis=1))]
+    if points.shape[0] < 3 or not ((sides > 0).all() or (sides < 0).all()):
         raise InvalidInput("footprint must be the corners of a convex polygon in order, at least 3 contacts "
                            "and none on an edge", ("footprint",))
-    return points if turns[0] > 0 else frozen(np.concatenate([points[:1], points[:0:-1]]))
+    return points if (sides > 0).all() else frozen(np.concatenate([points[:1], points[:0:-1]]))
 

@@ -88,12 +88,17 @@ class Robot:
         return frozen(np.array([cable.anchor_point for cable in self.cables]))
 
     @cached_property
+    def exit_rotations(self) -> Array:
+        """(m, d, d) from the frame of each exit point, that of its base or none, to the world."""
+        return frozen(np.array([np.eye(self.dimension) if cable.base is None else self.base(cable.base).rotation
+                                for cable in self.cables]))
+
+    @cached_property
     def pulleys(self) -> Array:
         """(m, 1 + d) radius [m] and axis in the world, zeros where a cable has none; (0, 1 + d) where none has."""
         rows = np.zeros((self.n_cables, 1 + self.dimension))
-        for row, cable in zip(rows, self.cables):
+        for row, turn, cable in zip(rows, self.exit_rotations, self.cables):
             if cable.pulley is not None:
-                turn = np.eye(self.dimension) if cable.base is None else self.base(cable.base).rotation
                 row[0], row[1:] = cable.pulley.radius, turn @ cable.pulley.axis
         return frozen(rows if rows.any() else rows[:0])
 

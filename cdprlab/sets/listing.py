@@ -83,21 +83,18 @@ def meet(on: Array, normals: Array) -> Flags:
 
 
 def asked_hull(support_point: Callable[[Array], Array], k: int) -> Planes:
-    """Hull of support points, new ones asked for beyond every facet until there are none."""
+    """Hull of support points, new ones asked for along every facet until none lies beyond."""
     signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * k)).reshape(k, -1).T
-    directions = np.concatenate([np.eye(k), -np.eye(k), signs])
-    points = asked = np.zeros((0, k))
+    points = support_point(np.concatenate([np.eye(k), -np.eye(k), signs]))
     while True:
-        found = support_point(directions)
-        asked, before = np.concatenate([asked, directions]), len(points)
-        points = np.concatenate([points, found])
         points = points[first_of_each(points, SAME)]
         around = hull(points)
-        flat = around.equations[first_of_each(around.equations, SAME)]
-        new = first_of_each(np.concatenate([asked, flat[:, :-1]]), SAME)
-        directions = flat[new[new >= len(asked)] - len(asked), :-1]
-        if not len(directions) or len(points) == before:
-            return Planes(flat[:, :-1], -flat[:, -1], points[np.sort(around.vertices)])
+        normals, levels = np.split(around.equations[first_of_each(around.equations, SAME)], [k], axis=1)
+        found = support_point(normals)
+        beyond = (found * normals).sum(axis=1) > SAME - levels[:, 0]
+        if not beyond.any():
+            return Planes(normals, -levels[:, 0], points[np.sort(around.vertices)])
+        points = np.concatenate([points, found[beyond]])
 
 
 def hull(points: Array) -> Any:

@@ -133,22 +133,15 @@ class _Walks:
         which = np.broadcast_to(np.arange(len(self._limits)).reshape(self.batch), batch).ravel()
         values, points = np.full(len(goals), -np.inf), np.full((len(goals), k), np.nan)
         some = self.is_feasible[which]
-        if some.any():
-            values[some], points[some] = self._walked(which[some], goals[some])
-        return Optima(values.reshape(batch), points.reshape(*batch, k))
-
-    def _walked(self, which: Indices, goals: Array) -> tuple[Array, Array]:
-        """(B,) optimal values and (B, k) points of feasible programs."""
-        scale = self._scale[which]
-        inner = goals @ self._span
+        which, goals = which[some], goals[some]
+        inner, scale = goals @ self._span, self._scale[which]
         size = np.maximum(np.linalg.norm(goals, axis=1), 1e-300)
         rows = np.broadcast_to(self._rows, (len(goals), *self._rows.shape))
-        bounded, _, y = _walk(rows, self._limits[which], inner / size[:, None],
-                              self._starts[which])
+        bounded, _, y = _walk(rows, self._limits[which], inner / size[:, None], self._starts[which])
         bounded &= np.abs(goals @ self._free).max(axis=1, initial=0.0) <= 1e-9 * size
-        points = (y * scale[:, None]) @ self._span.T
-        values = np.where(bounded, (inner * y).sum(axis=1) * scale, np.inf)
-        return values, np.where(bounded[:, None], points, np.nan)
+        values[some] = np.where(bounded, (inner * y).sum(axis=1) * scale, np.inf)
+        points[some] = np.where(bounded[:, None], (y * scale[:, None]) @ self._span.T, np.nan)
+        return Optima(values.reshape(batch), points.reshape(*batch, k))
 
     def _find_starts(self) -> None:
         """(B, k) active rows of one vertex each, and whether there is any point."""

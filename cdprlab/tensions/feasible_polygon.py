@@ -19,7 +19,7 @@ def polygon_points(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> 
     from ..compiled.polygon import polygons
 
     tensions, found, spare = polygons(*map(plain, (W, w_e, low, high)), pick)
-    return tensions, _texts(found, {EMPTY: INFEASIBLE, OUT_OF_RANGE: UNREACHABLE}), spare
+    return tensions, _texts(found), spare
 
 
 def least_norm_points(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, Texts, NDArray[np.int64]]:
@@ -27,7 +27,7 @@ def least_norm_points(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Ar
     from ..compiled.least_norm import least_norms
 
     tensions, found, spare = least_norms(*map(plain, (W, w_e, low, high)))
-    return tensions, _texts(found, {EMPTY: INFEASIBLE, OUT_OF_RANGE: UNREACHABLE}), spare
+    return tensions, _texts(found), spare
 
 
 def unanswered(spare: NDArray[np.int64], reasons: Texts) -> NDArray[np.int64]:
@@ -56,12 +56,12 @@ def closest_tensions(W: Array, w_e: Array, low: Array, high: Array, share: float
         missed = w_e[off] + (W[off] @ wish[..., None])[..., 0]
         free = np.where(fixed[:, None, :], 0.0, W[off])
         tensions[off] = wish - (np.linalg.pinv(free) @ missed[..., None])[..., 0]
-    return tensions, _texts(found, {SPENT: spent, OUT_OF_RANGE: UNREACHABLE})
+    return tensions, _texts(found, spent)
 
 
-def _texts(found: NDArray[np.int64], words: dict[int, str]) -> Texts:
+def _texts(found: NDArray[np.int64], spent: str = "") -> Texts:
     reasons = no_reasons(found.size)
     if (found != FOUND).any():
-        for code, text in words.items():
+        for code, text in ((EMPTY, INFEASIBLE), (OUT_OF_RANGE, UNREACHABLE), (SPENT, spent)):
             reasons[found == code] = text
     return reasons

@@ -45,7 +45,7 @@ def calibration_poses(world: World, count: int, seed: int = 0) -> Pose:
     found: list[Pose] = []
     tried = 0
     while len(found) < 5 * count and tried < _TRIED:
-        poses = _batch([moved(robot, start, x) for x in rng.uniform(reach[0], reach[1], (5 * count, robot.n_dof))])
+        poses = moved(robot, start, rng.uniform(reach[0], reach[1], (5 * count, robot.n_dof)))
         tried += len(poses)
         for criterion in criteria:   # one after the other: the second takes long
             poses = poses[workspace(robot, poses, criterion, margin=False).inside]
@@ -53,7 +53,7 @@ def calibration_poses(world: World, count: int, seed: int = 0) -> Pose:
     if len(found) < count:
         raise InvalidInput(f"{count} calibration poses were asked for, but of {tried} poses between the exit points "
                            f"only {len(found)} are held within the tension limits")
-    held = _batch(found)
+    held = Pose.of(np.array([pose.position for pose in found]), np.array([pose.rotation for pose in found]))
     m = robot.n_cables
     slopes = np.einsum("ciik->cik", length_slopes(robot, held).reshape(len(found), m, m, -1))
     # Of what no pose tells, a little must be known, or every determinant is zero.
@@ -68,7 +68,3 @@ def calibration_poses(world: World, count: int, seed: int = 0) -> Pose:
         new = np.einsum("ikl,il->ik", spread, slopes[best])
         spread -= new[:, :, None] * new[:, None] / (1 + told[best])[:, None, None]
     return held[chosen]
-
-
-def _batch(poses: list[Pose]) -> Pose:
-    return Pose.of(np.array([pose.position for pose in poses]), np.array([pose.rotation for pose in poses]))

@@ -23,12 +23,8 @@ class Checkpoint:
 
     def __init__(self, folder: str | Path, *question: Any) -> None:
         self.folder = made_folder(folder)
-        import hashlib  # here only: it takes a twentieth of the time of `import cdprlab`
-
-        self._question = hashlib.sha256()
-        for source in sorted(Path(__file__).parents[1].rglob("*.py")):
-            self._question.update(source.read_bytes())
-        _feed(self._question, question)
+        sources = sorted(Path(__file__).parents[1].rglob("*.py"))
+        self._question = _hashed([source.read_bytes() for source in sources], question)
 
     def load(self, *part: Any) -> dict[str, Any] | None:
         """The arrays of that part, if they are there and can be read."""
@@ -52,9 +48,16 @@ class Checkpoint:
                 left.unlink()
 
     def _path(self, part: tuple[Any, ...]) -> Path:
-        key = self._question.copy()
-        _feed(key, part)
-        return self.folder / f"{key.hexdigest()[:32]}.npz"
+        return self.folder / f"{_hashed(self._question, part)[:32]}.npz"
+
+
+def _hashed(*values: Any) -> str:
+    import hashlib  # here only: it takes a twentieth of the time of `import cdprlab`
+
+    key = hashlib.sha256()
+    for value in values:
+        _feed(key, value)
+    return key.hexdigest()
 
 
 def _feed(key: Any, value: Any) -> None:

@@ -59,11 +59,9 @@ class InterferenceFree(Criterion):
 
 def cable_pairs(robot: Robot) -> list[tuple[int, int]]:
     """Pairs of cables that share neither exit nor anchor point."""
-    def apart(points: Array, i: int, j: int) -> bool:
-        return float(np.abs(points[i] - points[j]).max()) > _SAME
-
-    return [(i, j) for i, j in combinations(range(robot.n_cables), 2)
-            if apart(robot.exit_points, i, j) and apart(robot.anchor_points, i, j)]
+    ends = np.stack([robot.exit_points, robot.anchor_points])
+    apart = (np.abs(ends[:, :, None] - ends[:, None]).max(axis=-1) > _SAME).all(axis=0)
+    return [(i, j) for i, j in combinations(range(robot.n_cables), 2) if apart[i, j]]
 
 
 def cable_distances(robot: Robot, poses: Pose) -> Array:

@@ -1,5 +1,7 @@
 """The border of a workspace in space: triangles where a field over a grid changes sign."""
 
+from itertools import permutations
+
 import numpy as np
 
 from ..arrays import Array
@@ -7,20 +9,24 @@ from ..errors import InvalidInput
 from .criterion import Judgement
 from .grids import PoseGrid
 
-_AROUND = np.array([[0, 0, 0], [0, 1, 0], [0, 1, 1], [0, 0, 1]])
-"""From an edge along x to the four cells around it, in order, backwards."""
+_PATHS = tuple(permutations(range(3)))
+"""Six tetrahedra of a cube, one for each way from its lowest corner to its highest along the edges."""
+
+_CUTS = ((1, ((0, 1), (0, 2), (0, 3))), (3, ((0, 3), (1, 3), (2, 3))),
+         (2, ((0, 2), (0, 3), (1, 3))), (2, ((0, 2), (1, 3), (1, 2))))
+"""Triangles by the number of corners inside, which come first: the edges that each triangle's corners lie on."""
 
 
 def border_triangles(grid: PoseGrid, judgement: Judgement) -> Array:
     """Triangles of the surface around the poses inside, closed at the grid's ends.
 
-    It crosses the grid's edges where margins vanish by linear interpolation, without them
-    half-way, and in each cell has a corner amid the crossings with its edges.
+    Where margins are known the surface lies where they vanish by linear interpolation, else
+    half-way.
 
     grid : with three axes; judgement : of its poses
     Returns (k, 3, 3) corners, counter-clockwise from outside [m].
     Raises InvalidInput for a grid that is no volume.
-    Source: Gibson 1998 (surface nets).
+    Source: marching tetrahedra, Doi and Koide 1991.
 
     >>> from cdprlab.workspace import position_grid
     >>> grid = position_grid([0, 0, 0], [1, 1, 1], 0.5)
@@ -36,23 +42,7 @@ def border_triangles(grid: PoseGrid, judgement: Judgement) -> Array:
     places = [np.concatenate([axis[:1] - 1e-6 * step, axis, axis[-1:] + 1e-6 * step])
               for axis, step in zip(grid.axes.values(), grid.step)]
     points = np.stack(np.meshgrid(*places, indexing="ij"), axis=-1)
-    crossed = np.zeros((*field.shape, 4))   # of each cell the sum of its crossings, and how many there are
-    tips, cells = [], []
-    for axis in range(3):
-        edges = np.argwhere(np.diff(field > 0, axis=axis))
-        low, high = tuple(edges.T), tuple((edges + np.eye(3, dtype=int)[axis]).T)
-        share = field[low] / (field[low] - field[high])
-        crossings = points[low] + share[:, None] * (points[high] - points[low])
-        around = edges[:, None] - np.roll(_AROUND, axis, axis=1)
-        np.add.at(crossed, tuple(around.T), np.pad(crossings, ((0, 0), (0, 1)), constant_values=1.0))
-        enters = field[low] < 0
-        around[enters] = around[enters, ::-1]
-        tips.append(crossings)
-        cells.append(around)
-    sums = crossed[tuple(np.concatenate(cells).T)].swapaxes(0, 1)
-    corners = sums[..., :3] / sums[..., 3:]
-    middles = np.broadcast_to(np.concatenate(tips)[:, None], corners.shape)
-    return np.stack([middles, corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 3, 3)
+    return np.concatenate([_tetrahedra(points, field, path) for path in _PATHS])
 
 
 def signed(judgement: Judgement) -> Array:
@@ -65,3 +55,29 @@ def signed(judgement: Judgement) -> Array:
     least = 1e-9 * size   # a margin that rounding took to the other side
     margins = np.where(finite, judgement.margin / size, plain)
     return np.where(judgement.inside, np.maximum(margins, least), np.minimum(margins, -least))
+
+
+def _tetrahedra(points: Array, field: Array, path: tuple[int, ...]) -> Array:
+    """Triangles in one of each cube's six tetrahedra."""
+    corners = np.cumsum([np.zeros(3, dtype=int), *np.eye(3, dtype=int)[list(path)]], axis=0)
+    n = np.array(field.shape) - 1
+    parts = [tuple(slice(c[a], n[a] + c[a]) for a in range(3)) for c in corners]
+    values = np.stack([field[part].ravel() for part in parts], axis=1)
+    places = np.stack([points[part].reshape(-1, 3) for part in parts], axis=1)
+    mixed = (values > 0).any(axis=1) & (values < 0).any(axis=1)
+    values, places = values[mixed], places[mixed]
+    order = np.argsort(-values, axis=1)
+    values = np.take_along_axis(values, order, axis=1)
+    places = np.take_along_axis(places, order[..., None], axis=1)
+    count = (values > 0).sum(axis=1)
+    found = []
+    for above, edges in _CUTS:
+        v, p = values[count == above], places[count == above]
+        a, b = np.transpose(edges)
+        share = v[:, a] / (v[:, a] - v[:, b])
+        triangles = p[:, a] + share[..., None] * (p[:, b] - p[:, a])
+        normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        inward = (normals * (p[:, 3] - p[:, 0])).sum(axis=1) < 0
+        triangles[inward] = triangles[inward][:, [0, 2, 1]]
+        found.append(triangles)
+    return np.concatenate(found)

@@ -56,9 +56,11 @@ def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool 
     count = len(flat)
     answer = Judgement(np.zeros(count, dtype=bool), np.full(count, np.nan))
     kept = Checkpoint(checkpoint, robot, criterion, margin, chunk) if checkpoint is not None else None
-    done = lost = 0
-    reason = ""
-    for start, part in _judged(robot, flat, criterion, margin, n_jobs, chunk, kept):
+    lost, reason = 0, ""
+    starts = range(0, count, chunk)
+    calls = ((robot, flat[start:start + chunk], criterion, margin, kept) for start in starts)
+    # The answers first: a generator of joblib's that is not asked to its end complains.
+    for part, start in zip(over_cores(_part, calls, n_jobs), starts):
         answer.inside[start:start + chunk], answer.margin[start:start + chunk] = part
         if robot.pulleys.size:
             asked = flat[start:start + chunk]
@@ -67,9 +69,8 @@ def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool 
                 first = asked[without[:1]]
                 reason = f"at {first.position[0].tolist()} m {why_no_direction(robot, first[0])}"
             lost += without.size
-        done += len(part.inside)
         if progress is not None:
-            progress(done, count)
+            progress(min(start + chunk, count), count)
     if lost:
         warnings.warn(f"{lost} of {count} poses are outside because a cable cannot lie on its pulley: {reason}",
                       CdprWarning, stacklevel=3)
@@ -84,24 +85,14 @@ def _flattened(poses: Poses) -> tuple[tuple[int, ...], Poses]:
     return poses.batch_shape, Pose.of(poses.position.reshape(-1, d), rotations)
 
 
-def _judged(robot: Robot, poses: Poses, criterion: Criterion, margin: bool, n_jobs: int | None,
-            chunk: int,
-            kept: Checkpoint | None) -> Iterator[tuple[int, Judgement]]:
-    """(start, judgement) chunk by chunk; at any time only a few chunks exist."""
-    waiting = []
-    for start in range(0, len(poses), chunk):
-        found = _kept(kept, poses[start:start + chunk]) if kept else None
-        if found is not None:
-            yield start, found
-        else:
-            waiting.append(start)
-    # The answers first: a generator of joblib's that is not asked to its end complains.
-    calls = ((robot, poses[start:start + chunk], criterion, margin) for start in waiting)
-    for part, start in zip(over_cores(judge_where_it_can_be, calls, n_jobs), waiting):
+def _part(robot: Robot, poses: Pose, criterion: Criterion, margin: bool, kept: Checkpoint | None) -> Judgement:
+    """A chunk's judgement: that kept on disk, else a new one, which is then kept."""
+    found = _kept(kept, poses) if kept else None
+    if found is None:
+        found = judge_where_it_can_be(robot, poses, criterion, margin)
         if kept:
-            chosen = poses[start:start + chunk]
-            kept.save(chosen.position, chosen.rotation, **part._asdict())
-        yield start, part
+            kept.save(poses.position, poses.rotation, **found._asdict())
+    return found
 
 
 def _kept(kept: Checkpoint, poses: Pose) -> Judgement | None:

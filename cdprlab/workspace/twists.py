@@ -49,6 +49,8 @@ class TwistFeasible(Criterion):
             wanted, half = as_array(self.twists, "twists", (n,), "m/s, rad/s", batch=True).reshape(-1, n), np.zeros(n)
         else:
             wanted, half = np.zeros((1, n)), box_half_widths(self.half_widths, n, "m/s, rad/s")
+        rates = np.abs(J @ wanted.T).max(axis=-1) + np.abs(J) @ half
+        spare = (robot.speed_max - rates).min(axis=-1)
         if bases.any():
             B = np.broadcast_to(base_jacobian(robot, poses, self.pivot)[..., columns],
                                 (*J.shape[:-1], len(columns)))
@@ -57,10 +59,7 @@ class TwistFeasible(Criterion):
             spare = np.array([min(speed_margin(each, b, robot.speed_max, bases)
                                   for each in wanted @ j.T)
                               for j, b in zip(J, B)])
-        else:
-            spare = (robot.speed_max - np.abs(J @ wanted.T).max(axis=-1) - np.abs(J) @ half).min(axis=-1)
-        asked = (np.abs(J @ wanted.T).max(axis=-1) + np.abs(J) @ half).max(axis=-1)
-        return Judgement(spare >= -_ROUNDING * (1 + asked), spare)
+        return Judgement(spare >= -_ROUNDING * (1 + rates.max(axis=-1)), spare)
 
 
 def speed_margin(rates: Array, B: Array, cables: Array, bases: Array) -> float:

@@ -6,7 +6,6 @@ import numpy as np
 
 from ..arrays import as_number, as_seed, checked, frozen
 from ..errors import InvalidInput
-from ..robot import turned_to
 from .world import World
 
 
@@ -33,28 +32,23 @@ def perturbed(world: World, exit_points: float = 0.0, anchor_points: float = 0.0
     """
     robot, body = world.robot, world.robot.platform
     m, d = robot.n_cables, robot.dimension
-    sizes = {"exit_points": exit_points, "anchor_points": anchor_points, "mass": mass,
-             "center_of_mass": center_of_mass, "lengths": lengths}
-    for name, size in sizes.items():
+    sizes = {"exit_points": (exit_points, (m, d)), "anchor_points": (anchor_points, (m, d)), "mass": (mass, ()),
+             "center_of_mass": (center_of_mass, (d,)), "lengths": (lengths, (m,))}
+    for name, (size, _) in sizes.items():
         as_number(size, name, "" if name == "mass" else "m", minimum=0.0)
     if mass >= 1:
         raise InvalidInput(f"mass must be a fraction below 1, got {mass:g}")
     if anchor_points and not robot.pattern.turns:
         raise InvalidInput(f"in {robot.motion_pattern} all cables meet at P: anchor_points must be 0")
     rng = np.random.default_rng(as_seed(seed))
-    shapes = {"exit_points": (m, d), "anchor_points": (m, d), "mass": (), "center_of_mass": (d,),
-              "lengths": (m,)}
-    errors = {name: np.asarray(rng.uniform(-1.0, 1.0, shape) * sizes[name])
-              for name, shape in shapes.items()}
+    errors = {name: np.asarray(rng.uniform(-1.0, 1.0, shape) * size) for name, (size, shape) in sizes.items()}
     if robot.motion_pattern == "2R3T":   # all anchor points lie on the platform's x′ axis
         errors["anchor_points"][:, 1:] = 0.0
-    turns = [np.eye(d) if cable.base is None else turned_to(robot.base(cable.base).heading, d)
-             for cable in robot.cables]
     cables = [replace(cable, exit_point=cable.exit_point + exit_error @ turn,
                       anchor_point=cable.anchor_point + anchor_error,
                       length_offset=cable.length_offset + float(offset))
               for cable, turn, exit_error, anchor_error, offset
-              in zip(robot.cables, turns, errors["exit_points"], errors["anchor_points"],
+              in zip(robot.cables, robot.exit_rotations, errors["exit_points"], errors["anchor_points"],
                      errors["lengths"])]
     heavier = 1 + float(errors["mass"])
     platform = replace(body, mass=body.mass * heavier, inertia=body.inertia * heavier,
