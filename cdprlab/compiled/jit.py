@@ -95,8 +95,8 @@ def machine_code(function: Callable[..., Any], signature: Any = None) -> Any:
         function.__qualname__ = name
 
 
-def compiled_for(*axes: int, writes: tuple[int, ...] = ()) -> Callable[[Callable[..., Any]], Any]:
-    """Compiled as it is made, once, for arrays of so many axes each whatever their layout; 0 is a number.
+def compiled_for(*axes: int | tuple[int], writes: tuple[int, ...] = ()) -> Callable[[Callable[..., Any]], Any]:
+    """Compiled as it is made, once, for arrays of so many axes each whatever their layout; 0 is a number, (k,) are k.
 
     What many call from many places is compiled so: it takes slices and read-only arrays as they
     are.
@@ -106,9 +106,10 @@ def compiled_for(*axes: int, writes: tuple[int, ...] = ()) -> Callable[[Callable
     """
     if not COMPILES:
         return quiet
-    kinds = [numba.types.Array(numba.float64, n, "A", readonly=True) if n else numba.float64
-             for n in axes]
-    kinds += [numba.types.Array(numba.float64, n, "C") for n in writes]
+    types, number = numba.types, numba.float64
+    kinds = [types.UniTuple(number, *n) if isinstance(n, tuple) else
+             types.Array(number, n, "A", readonly=True) if n else number for n in axes]
+    kinds += [types.Array(number, n, "C") for n in writes]
     return lambda function: machine_code(function, tuple(kinds))
 
 

@@ -1,7 +1,6 @@
 """PyBullet behind the `Simulator` interface: spatial worlds, their cables legs, forces or ropes."""
 
 from collections.abc import Iterable
-from struct import Struct
 from typing import Any
 from warnings import warn
 
@@ -23,7 +22,7 @@ from .ropes import RopeLaw
 from .simulator import Simulator
 from .spatial_bases import SpatialBases
 
-_NOTHING, _THIRTEEN = np.zeros(6), Struct("13d")
+_NOTHING = np.zeros(6)
 _FELT = 0.01   # of the platform's mass: what its cables' tips may weigh
 _AMPLE = 1.0  # m: a cut rope does not become taut in any one step
 
@@ -78,7 +77,7 @@ class SpatialSimulator(Simulator):
                   numSolverIterations=solver_iterations or (50 if bodies else 5),
                   solverResidualThreshold=0)
         self.bullet.setGravity(0, 0, -robot.gravity)
-        self._substeps, self._body = 1, np.zeros(13)
+        self._substeps = 1
         self.platform = self._add_platform()
         self._add_scene()
         self.boxes = Boxes(self.bullet, self.platform)
@@ -120,7 +119,7 @@ class SpatialSimulator(Simulator):
             self._apply(self.pushed)
         if self._bodies:
             self.bases.steer(self.dt * substeps)
-        legs, before, beside = self._legs, self.directions, np.zeros(1)
+        legs, before, beside = self._legs, self.directions, None
         if legs is None:
             self._apply(self.world.robot.pattern.basis(self.rotation) @ (self.wrench_matrix @ tensions))
         elif self._pulleys.size:
@@ -134,7 +133,9 @@ class SpatialSimulator(Simulator):
             self.tensions = frozen(np.array(tensions))
             return
         # A reaction belongs to the geometry its (sub)step began with.
-        self.tensions = legs.tensions(before if substeps == 1 else self.directions) + beside
+        self.tensions = legs.tensions(before if substeps == 1 else self.directions)
+        if beside is not None:
+            self.tensions += beside
         if self.is_wound:  # what a slack leg's tip weighs is no rope's tension
             self.tensions = np.maximum(self.tensions, 0.0)
         frozen(self.tensions)
@@ -166,7 +167,7 @@ class SpatialSimulator(Simulator):
         return self.boxes or ()
 
     def sample(self) -> list[float]:
-        return [*self._state.tolist(), *self.lengths.tolist(), *self.tensions.tolist()]
+        return [*self._row.tolist(), *self.tensions.tolist()]
 
     def close(self) -> None:
         if self.bullet.client >= 0:
@@ -269,16 +270,14 @@ class SpatialSimulator(Simulator):
             self._present = None
             self.bases.look()
             self._exits, self._pulleys = self.bases.exits, self.bases.pulleys
-        # One array for all that was read: each conversion costs more than cutting it up.
-        _THIRTEEN.pack_into(self._body, 0, *place, *quaternion, *linear, *angular)  # type: ignore[arg-type]
-        robot = self.world.robot
-        state, self.lengths, W = self._platform_and_cables(
-            self._body, self._frame.axes, self._frame.center, self._exits, robot.anchor_points, self._pulleys)
-        # Controllers and methods are handed these and views of them.
-        self._state = frozen(state)
-        frozen(self.lengths)
+        robot, frame = self.world.robot, self._frame
+        row, W = self._platform_and_cables(place, quaternion, linear, angular, frame.axes, frame.center,
+                                           self._exits, robot.anchor_points, self._pulleys)
+        # Controllers and methods are handed views of these.
+        self._row = frozen(row)
         frozen(W)
-        self.position, self.rotation, self.twist = state[:3], state[3:12].reshape(3, 3), state[12:]
+        self.position, self.rotation, self.twist = row[:3], row[3:12].reshape(3, 3), row[12:18]
+        self.lengths = row[18:]
         self.whole_wrenches, self.directions = W, W[:3].T
         self.wrench_matrix = W if robot.n_dof == 6 else robot.pattern.project(W, self.rotation)
         if self._pulleys.size:
