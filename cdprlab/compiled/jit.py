@@ -106,7 +106,8 @@ def compiled_for(*axes: int | tuple[int], writes: tuple[int, ...] = ()) -> Calla
     """
     if not COMPILES:
         return quiet
-    types, number = numba.types, numba.float64
+    types: Any = numba.types
+    number = numba.float64
     kinds = [types.UniTuple(number, *n) if isinstance(n, tuple) else
              types.Array(number, n, "A", readonly=True) if n else number for n in axes]
     kinds += [types.Array(number, n, "C") for n in writes]

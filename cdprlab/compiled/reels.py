@@ -9,27 +9,28 @@ from .jit import compiled_for
 
 @compiled_for(1, 0, 0, 1, 2, 2, 2, writes=(1, 2))
 def look(motion: Array, dt: float, reach: float, center: Array, exit_points: Array,
-         anchors: Array, pulleys: Array,
-         seen: Array, columns: Array) -> bool:
+         anchor_points: Array, pulleys: Array,
+         seen: Array, W: Array) -> bool:
     """Where the platform is about to be, and the cables there.
 
     Returns False where it is beyond reach of the origin [m], or turns by more than 2π in a
     step, or where a cable cannot lie on its pulley.
 
     motion : (6,) the center of mass's x, y, angle and their rates [m, rad, m/s, rad/s]
-    center, anchors : (2,) from P to the center of mass, (m, 2) from there to the anchor points,
-        both in the platform's axes [m]; exit_points : (m, 2) [m]
+    center, anchor_points : (2,) of mass and (m, 2), in the platform's frame [m]
+    exit_points : (m, 2) [m]
     pulleys : (m or 0, 3) radius and axis of each [m]
     seen : (9 + m,) becomes position, rotation (row by row), twist of P, lengths
-    columns : (3, m) become the columns of W, but moments are about the center of mass
+    W : (3, m) becomes the whole wrench matrix
     """
     x, y, angle, vx, vy, spin = motion
     x, y, angle = x + vx * dt, y + vy * dt, angle + spin * dt
     c, s = math.cos(angle), math.sin(angle)
     rx, ry = center[0] * c - center[1] * s, center[0] * s + center[1] * c
-    seen[:9] = x - rx, y - ry, c, -s, s, c, vx + spin * ry, vy - spin * rx, spin
+    x, y = x - rx, y - ry
+    seen[:9] = x, y, c, -s, s, c, vx + spin * ry, vy - spin * rx, spin
     sound = abs(x) < reach and abs(y) < reach and abs(spin * dt) < math.tau
-    for i, (bx, by) in enumerate(anchors):
+    for i, (bx, by) in enumerate(anchor_points):
         # v = A − p − R B, l = ‖v‖, u = v / l
         dx = exit_points[i, 0] - x - bx * c + by * s
         dy = exit_points[i, 1] - y - bx * s - by * c
@@ -40,17 +41,17 @@ def look(motion: Array, dt: float, reach: float, center: Array, exit_points: Arr
             length = math.hypot(dx, dy) or 1e-12
             ux, uy = dx / length, dy / length
         seen[9 + i] = length
-        columns[0, i], columns[1, i] = ux, uy
-        columns[2, i] = (bx * c - by * s) * uy - (bx * s + by * c) * ux
+        W[0, i], W[1, i] = ux, uy
+        W[2, i] = (bx * c - by * s) * uy - (bx * s + by * c) * ux
     return sound
 
 
 @compiled_for(1, 1, 0, 2, 2, writes=(1,))
-def reel(motion: Array, lengths: Array, dt: float, columns: Array, exit_velocities: Array,
+def reel(motion: Array, lengths: Array, dt: float, W: Array, exit_velocities: Array,
          velocities: Array) -> None:
     """How fast the reels must go to keep their ropes to these lengths by the end of a step [m/s].
 
-    motion, columns : as `look` has them; lengths : (m,) [m]
+    motion, W : as `look` has them; lengths : (m,) [m]
     exit_velocities : (m, 2) of what the reels stand on
     velocities : x and y of one body after the other: the first is the platform, which keeps its
         own, and the last m become the reels'
@@ -59,4 +60,4 @@ def reel(motion: Array, lengths: Array, dt: float, columns: Array, exit_velociti
     velocities[:2] = motion[3:5]
     for i, length in enumerate(lengths):
         for k in range(2):
-            velocities[first + 2 * i + k] = exit_velocities[i, k] + length * rate * columns[k, i]
+            velocities[first + 2 * i + k] = exit_velocities[i, k] + length * rate * W[k, i]

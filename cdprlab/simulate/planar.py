@@ -52,10 +52,8 @@ class PlanarSimulator(Simulator):
         self._order, rounds = solving_order(world)
         self._iterations = solver_iterations or rounds
         self._center = robot.platform.center_of_mass
-        self._anchors = robot.anchor_points - self._center
-        # What every step is written into: the platform and the cables as `sample` tells them,
-        # and what pulls of 1 N come to at the center of mass.
-        self._seen, self._columns = np.zeros(9 + robot.n_cables), np.zeros((3, robot.n_cables))
+        # What every step is written into: the platform and the cables as `sample` tells them, and W.
+        self._seen, self._W = np.zeros(9 + robot.n_cables), np.zeros((3, robot.n_cables))
         self._position, self._rotation, self._twist, self._lengths = np.split(self._seen, (2, 6, 9))
         # What ropes are to be wound to; of a few numbers `Struct` makes an array quicker than
         # numpy.
@@ -98,7 +96,7 @@ class PlanarSimulator(Simulator):
             for rope, most in zip(space.ropes, self.strongest.tolist()):
                 rope.max_force = most
         self._pack(self._wound, 0, *lengths)
-        self._compiled.reel(space.motion, self._wound, dt, self._columns,
+        self._compiled.reel(space.motion, self._wound, dt, self._W,
                             self.bases.reel_velocities() if self._over_pulleys else self.bases.exit_velocities,
                             space.velocities)
         space.write_velocities()
@@ -163,12 +161,7 @@ class PlanarSimulator(Simulator):
 
     @property
     def wrench_matrix(self) -> Array:  # type: ignore[override]
-        from ..compiled.columns import cables
-
-        robot = self.world.robot
-        _, W = cables(self.bases.exits, robot.anchor_points, self.position[None],
-                      self.rotation[None], self.bases.pulleys)
-        return W[0, :robot.n_dof]
+        return self._W[:self.world.robot.n_dof].copy()
 
     def sample(self) -> list[float]:
         return self._seen.tolist() + self._pulls
@@ -177,13 +170,12 @@ class PlanarSimulator(Simulator):
     # -------------------------------------------------------------------------------
     def _load(self, pulls: Array) -> None:
         """Sum of the pulls and the push, at the center of mass: held by the engine for one step."""
-        wrench = self._columns @ pulls
+        wrench = self._W @ pulls
         if self.pushed is not None:
-            x, y = self.rotation @ self._center
             wrench += self.pushed
-            wrench[2] += y * self.pushed[0] - x * self.pushed[1]
         fx, fy, moment = wrench.tolist()
-        self.space.body.force, self.space.body.torque = (fx, fy), moment
+        x, y = (self._rotation.reshape(2, 2) @ self._center).tolist()
+        self.space.body.force, self.space.body.torque = (fx, fy), moment + y * fx - x * fy
 
     def _advance(self) -> None:
         moving = self.bases.moving
@@ -198,17 +190,17 @@ class PlanarSimulator(Simulator):
     def _look(self) -> None:
         """Where the platform is about to be, and the cables there."""
         self.space.read_motion()
-        if not self._compiled.look(self.space.motion, self.dt, self._reach, self._center,
-                                   self.bases.exits,
-                                   self._anchors, self.bases.pulleys, self._seen, self._columns):
+        robot, bases = self.world.robot, self.bases
+        if not self._compiled.look(self.space.motion, self.dt, self._reach, self._center, bases.exits,
+                                   robot.anchor_points, bases.pulleys, self._seen, self._W):
             if not self._lengths.all() and np.isfinite(self._position).all():
                 self.jump_off()
             self.diverge()
         if self._over_pulleys:
             # A rope on a pulley pulls as a straight one as long would, from the end of which its reel stands.
-            anchors = self._position + self.world.robot.anchor_points @ self._rotation.reshape(2, 2).T
-            self.bases.reels = anchors + self._lengths[:, None] * self._columns[:2].T
-            self.space.place_reels(self.bases)
+            anchors = self._position + robot.anchor_points @ self._rotation.reshape(2, 2).T
+            bases.reels = anchors + self._lengths[:, None] * self._W[:2].T
+            self.space.place_reels(bases)
 
 
 @cache
