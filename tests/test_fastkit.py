@@ -90,6 +90,17 @@ def test_the_tilt_is_made_by_cables_alone(flown):
     np.testing.assert_allclose(flown.poses.rpy[flown.states == tilted[0]][-1], [-0.2, 0, 0], atol=2e-3)
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("control", ["torque", "velocity"])
+@pytest.mark.parametrize("name", ["fastkit_suspended_pulleys", "fastkit_constrained_pulleys"])
+def test_the_whole_job_is_done_over_pulleys(name, control):
+    job = pick_and_place(cl.load_world(name), control=control)
+    assert job.state == DONE and job.box_error <= 0.02 and job.position_errors.max() <= 5e-3
+    robot = job.world.robot
+    assert (job.measured_tensions[1:] >= robot.tension_min - 0.5).all() and job.feasible.all()
+    assert (job.measured_tensions <= robot.tension_max).all() and edge_loads(job).min() > 0
+
+
 def test_velocity_control_carries_seven_kilograms_too():
     job = pick_and_place(near("fastkit_suspended"), control="velocity")
     assert job.state == DONE and job.box_error <= 0.02 and job.carried.max() == 7.0

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import cdprlab as cl
 from cdprlab.arrays import seeds
-from cdprlab.errors import InvalidInput
+from cdprlab.errors import CdprWarning, InvalidInput
 from cdprlab.fastkit import pick_and_place
 from cdprlab.run.sensors import Observer
 
@@ -143,12 +143,12 @@ def test_a_real_robot_of_another_kind_is_refused():
 @pytest.mark.filterwarnings("ignore:the world's `winch")
 def test_winding_to_length_leaves_a_slack_cable_and_tension_control_does_not():
     """In 6 of 8 draws at ±5 mm; how many robots are slack already at rest is asked of statics, two are flown."""
-    world = cl.load_world("fastkit_suspended")
+    world, steps = cl.load_world("fastkit_suspended"), {"dt": 2e-3, "control_period": 4e-3}
     for seed in (1, 3):
         real = cl.perturbed(world, exit_points=0.005, seed=seed)
-        wound = cl.run(world, cables="elastic", real=real)
+        wound = cl.run(world, cables="elastic", real=real, **steps)
         assert (wound.measured_tensions <= 0).any()
-    pulled = cl.run(world, real=real)
+    pulled = cl.run(world, real=real, **steps)
     assert pulled.measured_tensions.min() > 8 and pulled.feasible.all()
 
 
@@ -170,6 +170,73 @@ def test_ropes_wound_with_the_stretch_of_the_wanted_tensions_carry_them():
     run = cl.run(world, cables="elastic", duration=0.5)
     off = np.abs(run.measured_tensions - run.commanded_tensions)
     assert off.max() < 0.2 and run.position_errors.max() < 1e-5 and run.feasible.all()
+
+
+@pytest.mark.parametrize("law", [cl.TorqueControl, cl.VelocityControl])
+@pytest.mark.parametrize("name", cl.world_names())
+@pytest.mark.filterwarnings("ignore:the world's `winch")
+def test_torque_and_velocity_control_are_for_every_robot(name, law):
+    """On its path; torque control keeps the limits, velocity control's ropes are as long as the reference asks."""
+    world = cl.load_world(name)
+    run = cl.run(world, controller=law(), duration=0.05)
+    assert run.feasible.all() and run.position_errors.max() < 2e-5 and run.method == law.name
+    if law is cl.TorqueControl:
+        tau, robot = run.commanded_tensions, world.robot
+        assert run.cables == "tension" and run.commanded_lengths is None
+        assert (tau >= robot.tension_min).all() and (tau <= robot.tension_max).all()
+        return
+    assert run.cables == ("length" if world.robot.elasticity is None else "elastic")
+    wound = cl.cable_lengths(world.robot, run.reference.pose)[1:]
+    if world.robot.elasticity is not None:
+        wound = world.robot.elasticity.unstrained(wound, run.commanded_tensions[1:])
+    # What the wanted tensions' change stretches is not fed forward: it is wound 1 / gain later.
+    np.testing.assert_allclose(run.commanded_lengths[:-1], wound, atol=1e-6 if run.cables == "length" else 1e-5)
+
+
+@pytest.mark.filterwarnings("ignore:the world's `winch")
+def test_velocity_control_winds_the_model_and_torque_control_pulls_it():
+    """Exits off by 5 mm: slack and tight ropes under the one, the wanted tensions under the other."""
+    world = cl.load_world("fastkit_suspended")
+    real = cl.perturbed(world, exit_points=0.005, seed=1)
+    wound, pulled = (cl.run(world, real=real, controller=law, duration=0.5, dt=2e-3, control_period=4e-3)
+                     for law in (cl.VelocityControl(), cl.TorqueControl()))
+    assert wound.measured_tensions.min() == 0 and pulled.measured_tensions.min() > 8
+    with pytest.raises(InvalidInput, match="torque control commands tension or force"):
+        cl.run(world, controller=cl.TorqueControl(), cables="length", duration=0.1)
+
+
+def test_a_cut_cable_is_asked_for_nothing():
+    run = cl.run(cl.load_world("caroca"), controller=cl.TorqueControl(), cut={0.02: [2]}, duration=0.05)
+    assert (run.commanded_tensions[20:, 2] == 0).all() and run.commanded_tensions[:20].min() > 50
+    assert run.feasible[:20].all() and run.position_errors.max() < 1e-4
+
+
+def test_a_wound_run_that_cannot_begin_at_rest_says_so():
+    world = cl.load_world("planar_point")
+    floating = dataclasses.replace(world, robot=dataclasses.replace(world.robot, gravity=0.0))
+    with pytest.warns(CdprWarning, match="begins where its task does, not at rest: without gravity nothing hangs"):
+        cl.run(floating, real=cl.perturbed(floating, exit_points=0.01), cables="length", duration=0.02)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("control", ["torque", "velocity"])
+def test_a_whole_job_is_done_by_a_robot_that_is_off(control):
+    """A robot measured to a millimeter does its job under both; off by 5 mm, torque control alone keeps its cables."""
+    world = cl.load_world("fastkit_suspended")
+    job = pick_and_place(world, control=control, real=cl.perturbed(world, exit_points=0.001, mass=0.01, seed=1))
+    assert job.state == "done" and job.box_error < 0.02, job.reason
+    job = pick_and_place(world, control=control, real=cl.perturbed(world, exit_points=0.005, mass=0.01, seed=1))
+    assert job.state == "done" if control == "torque" else "off their limits" in job.reason
+
+
+def test_a_job_is_done_by_the_winches_that_are_there():
+    """Weaker ones, and without friction: what they give is the real motors'."""
+    world = cl.load_world("fastkit_suspended")
+    weak = dataclasses.replace(world.robot.winch, torque=0.065, coulomb=0.0, static=0.0, viscous=0.0, inertia=0.0)
+    real = dataclasses.replace(world, robot=dataclasses.replace(world.robot, winch=weak))
+    job = pick_and_place(world, real=real, faults=(lambda sensors: "enough" if sensors.time > 0.1 else "",))
+    assert np.abs(job.motor_torques).max() <= 0.065 * (1 + 1e-9) and not job.feasible.all()
+    assert job.measured_tensions.max() < 0.065 * 5 / 0.04 + 0.1 < job.commanded_tensions.max()
 
 
 @pytest.mark.parametrize("control", ["torque", "velocity"])

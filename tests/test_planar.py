@@ -9,6 +9,7 @@ from PIL import Image
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput, MissingDependency, SimulationDiverged
+from cdprlab.robot import Elasticity
 from robots import robot_1r2t, robot_2t, spatial_twin
 
 try:
@@ -295,8 +296,12 @@ def test_planar_equals_spatial_in_the_plane(build):
     np.testing.assert_allclose(plane.tensions, space.tensions, atol=1e-9)
 
 
-def test_planar_flight_equals_spatial_flight():
-    """The same pulls for 0.3 s in both engines: same motion, though Bullet rounds some of it to single precision."""
+@pytest.mark.parametrize("cables", ["force", "elastic"])
+def test_planar_flight_equals_spatial_flight(cables):
+    """The same pulls, or elastic ropes wound alike, for 0.3 s in both engines: same motion.
+
+    But for what Bullet rounds to single precision, and its legs' tips.
+    """
     try:
         from cdprlab.simulate.bullet import import_pybullet
 
@@ -305,7 +310,7 @@ def test_planar_flight_equals_spatial_flight():
         pytest.skip(str(missing))
     world = cl.load_world("planar_suspended")
     body = replace(world.robot.platform, center_of_mass=np.array([0.05, -0.08]))
-    world = replace(world, robot=replace(world.robot, platform=body))
+    world = replace(world, robot=replace(world.robot, platform=body, elasticity=Elasticity(2e4, 0.05)))
     flat, twin = world.to_dict(), spatial_twin(world.robot)
     flat.update(engine="spatial", motion_pattern="3R3T", scene={}, tasks={})
     flat["platform"].update(inertia=[1.0, float(body.inertia), 1.0], size=[0.8, 0.3, 0.3], center=[0, 0, 0],
@@ -313,13 +318,38 @@ def test_planar_flight_equals_spatial_flight():
     for cable, exit_point, anchor_point in zip(flat["cables"], twin.exit_points, twin.anchor_points):
         cable.update(exit_point=exit_point.tolist(), anchor_point=anchor_point.tolist())
     pulls = np.array([80.0, 120.0, 90.0, 140.0])
-    with cl.open_simulator(world, "force") as plane, cl.open_simulator(cl.World.from_dict(flat), "force") as space:
-        for _ in range(300):
-            plane.step(pulls)
-            space.step(pulls)
+    with cl.open_simulator(world, cables) as plane, cl.open_simulator(cl.World.from_dict(flat), cables) as space:
+        begun = space.paid_out = plane.paid_out
+        for k in range(1, 301):
+            for engine in (plane, space):
+                if cables == "force":
+                    engine.step(pulls)
+                else:
+                    engine.wind(np.array(begun) + [k * 1e-3, 0, 0, -k * 1e-3])
+        if cables == "elastic":
+            np.testing.assert_allclose(plane.tensions, space.tensions, atol=0.05)
+            assert plane.tensions.min() == 0 and plane.tensions.max() > 20
         np.testing.assert_allclose(plane.position, space.position[[0, 2]], atol=1e-5)
         np.testing.assert_allclose(plane.rotation, space.rotation[np.ix_([0, 2], [0, 2])], atol=1e-5)
         assert abs(plane.twist[2]) > 0.1 and np.linalg.norm(plane.twist[:2]) > 0.1
+
+
+def test_elastic_ropes_in_the_plane_rest_where_statics_says():
+    """Wound apart by millimeters, one of them cut: the pose and the tensions of `equilibrium`."""
+    world = cl.load_world("planar_suspended")
+    robot = replace(world.robot, elasticity=Elasticity(2e4, 0.3))
+    with cl.open_simulator(replace(world, robot=robot), "elastic", 2e-3) as simulator:
+        for cut, cables in ((None, [0, 1, 2, 3]), (3, [0, 1, 2])):
+            if cut is not None:
+                simulator.cut(cut)
+            wound = np.array(simulator.paid_out) + [2e-3, 0, 0, 0]
+            for _ in range(3000):
+                simulator.wind(wound)
+            left = replace(robot, cables=tuple(robot.cables[i] for i in cables))
+            guess = cl.Pose(simulator.position, matrix=simulator.rotation)
+            rest = cl.equilibrium(left, wound[cables], guess, axial_stiffness=2e4)
+            np.testing.assert_allclose(simulator.position, rest.pose.position, atol=1e-5)
+            np.testing.assert_allclose(simulator.tensions[cables], rest.tensions, atol=0.05)
 
 
 def test_push_moves_a_free_body_by_newton():
@@ -412,7 +442,7 @@ def test_on_a_rail_only_x_moves():
 # --- errors -------------------------------------------------------------------------------------------------
 def test_wrong_requests_are_named():
     world = cl.load_world("planar_rigid")
-    with pytest.raises(InvalidInput, match=r"'springs' is not available in the planar engine; .* force, length$"):
+    with pytest.raises(InvalidInput, match=r"'springs' is not available; .* force, length, elastic$"):
         cl.open_simulator(world, "springs")
     with cl.open_simulator(world, "length") as simulator:
         with pytest.raises(InvalidInput, match=r"use wind\(lengths\)"):

@@ -71,6 +71,26 @@ def test_what_a_run_saved_is_read_back(name, cables, tmp_path):
     assert log.world.robot.n_cables == run.world.robot.n_cables and log.dt == pytest.approx(run.dt)
 
 
+@pytest.mark.filterwarnings("ignore::cdprlab.errors.CdprWarning")
+def test_a_log_says_all_that_a_run_did(tmp_path):
+    """What was sensed and estimated, of motors and driven bases, of the real robot, and how it was flown."""
+    world = cl.load_world("fastkit_suspended")
+    runs = [cl.run(world, duration=0.02, cables="elastic", real=cl.perturbed(world, exit_points=0.01, seed=1),
+                   sensors=cl.Sensors(position_noise=1e-3, length_noise=1e-3, tension_noise=0.5)),
+            cl.run(cl.load_world("planar_mcdpr"), duration=0.02, base_speeds=[0, 0.1, 0, 0, 0, 0])]
+    for number, run in enumerate(runs):
+        log = cl.read_log(run.save(tmp_path / str(number)) / "log.csv")
+        assert log.columns().keys() == run.columns().keys()
+        for name, (values, unit) in run.columns().items():
+            kept, own = log.columns()[name]
+            np.testing.assert_allclose(kept, values, rtol=1e-8, atol=1e-8, err_msg=name)
+            assert unit == own
+        assert (log.task, log.method, log.cables) == (run.task, run.method, run.cables)
+        assert (log.real is None) == (run.real is None) and log.settings["control_period"] == run.control_period
+    np.testing.assert_allclose(cl.read_log(tmp_path / "0" / "log.csv").real.robot.exit_points,
+                               runs[0].real.robot.exit_points)
+
+
 @pytest.mark.parametrize(("columns", "message"), [
     ({"length [inch]": LENGTHS}, "in m or cm or mm, got .* in 'inch'"),
     ({"length [mm]": LENGTHS[:7]}, "length of this robot must be 8 of the columns t, X"),

@@ -204,7 +204,7 @@ def crane(planar, lift=0.1, duration=0.5, mass=4.0, hold=0.1, **winch):
 
 
 FLIES = pytest.mark.skipif(find_spec("pybullet") is None, reason="PyBullet has no wheel here")
-MODELS = [(True, cables) for cables in ("tension", "force", "length")] + [
+MODELS = [(True, cables) for cables in ("tension", "force", "length", "elastic")] + [
     pytest.param(False, cables, marks=FLIES) for cables in ("tension", "force", "length", "elastic")]
 LOSSY = {"efficiency": 0.7, "friction": {"coulomb": 0.02, "viscous": 2e-4, "static": 0.03}}
 quiet = pytest.mark.filterwarnings("ignore::cdprlab.errors.CdprWarning")

@@ -75,29 +75,29 @@ def rope_tensions(mass: float, inertia: Array, center: Array, gravity: float, R:
                   last: Array) -> Array:
     """T (m,) of ropes that are wound from ``now`` to ``wound`` by the end of the step.
 
-    mass, inertia, center, gravity, R, t : as `mass_and_bias` takes them; push : (6,) at P; W :
-        whole, (6, m)
+    mass, inertia, center, gravity, R, t : as `mass_and_bias` takes them; push : (n,) at P; W :
+        whole, (n, m), n = 3 planar or 6 spatial
     stiffness : EA [N], 0 of ropes that do not stretch; damping : each rope's own, fraction of
         critical
     last : (m,) tensions of the step before
     """
-    m = W.shape[1]
+    n, m = W.shape
     M, h = mass_and_bias(mass, inertia, center, gravity, R, t)
     # [M⁻¹ W, M⁻¹ (push − h)]
-    light = np.empty((6, m + 1))
+    light = np.empty((n, m + 1))
     light[:, :m] = W
     light[:, m] = push - h
     solve(M, light)
     A, b, trace = np.zeros((m, m)), np.empty(m), 0.0
     for i in range(m):
         for j in range(m):
-            for k in range(6):
+            for k in range(n):
                 A[i, j] += W[k, i] * light[k, j]
         trace += A[i, i]
     for i in range(m):
         # J v and J v̇ without ropes, with J = −Wᵀ
         rate = gain = 0.0
-        for k in range(6):
+        for k in range(n):
             rate -= W[k, i] * t[k]
             gain -= W[k, i] * light[k, m]
         if stiffness > 0.0:

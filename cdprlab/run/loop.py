@@ -92,17 +92,17 @@ class StretchedLengths(Command):
         return {"commanded_tensions": ((robot.n_cables,), "N"), **LengthCommand().columns(robot)}
 
     def step(self, wish: Reference) -> Iterable[float]:
-        tensions, lengths = self.wound(self.engine.robot, wish, self.engine.time)
-        wound = lengths.tolist()
-        return *tensions.tolist(), *wound, self.engine.wind(wound, self.substeps)
+        wound = self.wound(wish).tolist()
+        return *self.wanted.tolist(), *wound, self.engine.wind(wound, self.substeps)
 
-    def wound(self, robot: Robot, wish: Reference, now: float) -> tuple[Array, Array]:
-        """(m,) wanted tensions [N], and the rope that the winches let out then [m]."""
+    def wound(self, wish: Reference) -> Array:
+        """(m,) rope that the winches let out where the ``wanted`` tensions stretch it [m]."""
+        robot = self.engine.robot
         assert robot.elasticity is not None
         _, lengths, W = cables_at(robot, wish.pose)
         wrench = inverse_dynamics(robot, wish.pose.rotation, wish.twist, wish.acceleration)
-        tensions = self.distributor.tensions(W, wrench, now)
-        return tensions, robot.elasticity.unstrained(lengths, tensions)
+        self.wanted = self.distributor.tensions(W, wrench, self.engine.time)
+        return robot.elasticity.unstrained(lengths, self.wanted)
 
     def cut(self, cables: list[int]) -> None:
         self.distributor.cut(cables)

@@ -52,27 +52,34 @@ class Motors:
         self._asked: tuple[Any, Array] | None = None
         return self.engine.reset(pose)
 
-    def pull(self, tensions: Array, substeps: int) -> None:
-        """What the motors make of these (m,) tensions [N]; friction at the present speed is made up for."""
+    def pull(self, tensions: Array, substeps: int, wanted: tuple[Array, Array] | None = None) -> None:
+        """What the motors make of these (m,) tensions [N].
+
+        wanted : (m,) l̇ and l̈ at which friction and inertia are made up for [m/s, m/s²]; default:
+            friction at the present speed
+        """
         rates, loose, yielding, W = motion(self.body)
         if self._matrix is not None:   # how the cables turn: −Ẇᵀ t
             loose = loose - self.body.twist @ (W - self._matrix) / self.period
         self._matrix = W
         speed, known = motor_speed(self.winch, rates), motor_speed(self.believed, rates)
         self._watch(speed)
-        wanted = gear_torque(self.believed, tensions, known) + friction_torque(self.believed, known)
-        damping: Any = 0.0   # of what it makes up for
-        if self.believed != self.winch:
+        lost = friction_torque(self.believed, known) if wanted is None else motor_torque(self.believed, 0.0, *wanted)
+        asked = gear_torque(self.believed, tensions, known) + lost
+        damping: Any = 0.0   # of what nobody makes up for
+        if wanted is not None:
+            damping = motor_damping(self.winch, 0.0, speed)
+        elif self.believed != self.winch:
             damping = np.maximum(motor_damping(self.winch, tensions, speed)
                                  - motor_damping(self.believed, tensions, known), 0.0)
-        pulled, torques = cable_tensions(self.winch, wanted, rates, loose, yielding, self.period, damping)
-        self._keep(pulled, torques, speed, wanted - torques)
+        pulled, torques = cable_tensions(self.winch, asked, rates, loose, yielding, self.period, damping)
+        self._keep(pulled, torques, speed, asked - torques)
         self.engine.pull(pulled, substeps)
 
     def wind(self, lengths: list[float], substeps: int = 1) -> bool:
         """Rope lengths as far as the motors can bring them: a rope that pulls harder slips."""
         winch, body = self.winch, self.body
-        self._watch(motor_speed(winch, motion(body)[0]))
+        self._watch(motor_speed(winch, cable_rates(body)[0]))
         before, turned = self._asked or (lengths, np.zeros(len(lengths)))   # it begins at rest
         rates = (np.asarray(lengths) - before) / self.period
         turning = (rates - turned) / self.period
@@ -135,16 +142,20 @@ def identify_friction(run: Run) -> tuple[Friction, float]:
     return Friction(static, coulomb, viscous), inertia
 
 
+def cable_rates(engine: Simulator) -> tuple[Array, Array]:
+    """l̇ (m,) now [m/s], and W in all rows."""
+    W = engine.carrying.pattern.basis(engine.rotation) @ engine.wrench_matrix
+    # B_b q̇_b, what driving bases pay of the cables: −u · Ȧ.
+    return (engine.directions * engine.exit_velocities).sum(axis=1) - engine.twist @ W, W
+
+
 def motion(engine: Simulator) -> tuple[Array, Array, Array, Array]:
     """How the cables of an engine move now: l̇ [m/s], and l̈ = l̈₀ − A τ as `cable_tensions` takes it.
 
     Returns l̇, l̈₀ (but for what comes of the cables' own turning), A, and W in all rows.
     """
-    robot = engine.carrying
-    W = robot.pattern.basis(engine.rotation) @ engine.wrench_matrix
-    # B_b q̇_b, what driving bases pay of the cables: −u · Ȧ.
-    paid = -(W[:robot.dimension].T * engine.exit_velocities).sum(axis=1)
-    mass, bias = mass_and_bias(robot, engine.rotation, engine.twist)
+    rates, W = cable_rates(engine)
+    mass, bias = mass_and_bias(engine.carrying, engine.rotation, engine.twist)
     lightness = np.linalg.inv(mass)
     push = 0.0 if engine.pushed is None else engine.pushed
-    return -engine.twist @ W - paid, lightness @ (bias - push) @ W, W.T @ lightness @ W, W
+    return rates, lightness @ (bias - push) @ W, W.T @ lightness @ W, W

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from csv import reader
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +22,12 @@ from .record import Run
 _SIZES = {"m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3}, "rad": {"rad": 1.0, "mrad": 1e-3, "deg": np.pi / 180},
           "s": {"s": 1.0, "ms": 1e-3}, "N": {"N": 1.0, "kN": 1e3}}
 """Unit of the library → units that a file may have, and their size."""
+
+
+_BESIDES = {"estimated_twists": "estimated_twist", "sensed_lengths": "sensed_length",
+            "sensed_tensions": "sensed_tension", "motor_torques": "motor_torque", "motor_speeds": "motor_speed",
+            "base_poses": "base_pose", "commanded_lengths": "commanded_length"}
+"""Field of a run that is not always there → its quantity."""
 
 
 @checked
@@ -54,7 +62,11 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
     known = {"time": (1, "s"), "position": (d, "m"), "rotation": (turn, "rad"), "twist": (full, "m/s, rad/s"),
              "reference_position": (d, "m"), "reference_rotation": (turn, "rad"),
              "reference_twist": (full, "m/s, rad/s"), "commanded_tension": (m, "N"),
-             "measured_tension": (m, "N"), "length": (m, "m"), "commanded_length": (m, "m"), "feasible": (1, "")}
+             "measured_tension": (m, "N"), "length": (m, "m"), "commanded_length": (m, "m"), "feasible": (1, ""),
+             "estimated_position": (d, "m"), "estimated_rotation": (turn, "rad"),
+             "estimated_twist": (full, "m/s, rad/s"), "sensed_length": (m, "m"), "sensed_tension": (m, "N"),
+             "motor_torque": (m, "N m"), "motor_speed": (m, "rad/s"),
+             "base_pose": (3 * len(robot.bases), "m, m, rad")}
     table = _table(file)
     given = _as_saved(table) if columns is None else columns
     count = len(next(iter(table.values())))
@@ -73,18 +85,36 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
                                f"in {' or '.join(sizes)}, got {quoted(headings)} in {quoted(unit)}")
         told[name] = sizes[unit] * np.column_stack([table[one] for one in headings])
     time = told["time"][:, 0] if np.isfinite(told["time"]).any() else np.arange(count, dtype=float)
-    poses, reference = (_poses(told[f"{whose}position"], told[f"{whose}rotation"], robot.pattern.turns)
-                        for whose in ("", "reference_"))
+    poses, reference, estimates = (_poses(told[f"{whose}position"], told[f"{whose}rotation"], robot.pattern.turns)
+                                   for whose in ("", "reference_", "estimated_"))
+    besides: dict[str, Any] = {field: frozen(told[name]) for field, name in _BESIDES.items()
+                               if np.isfinite(told[name]).any()}
+    if "estimated_twists" in besides:
+        besides["estimates"] = estimates
+    if "base_poses" in besides:
+        besides["base_poses"] = frozen(told["base_pose"].reshape(count, -1, 3))
+    about = dict.fromkeys(("task", "method", "cables"), "as logged")
+    settings: dict[str, Any] = {"log": str(file)}
+    kept = file.with_name("settings.json")
+    if columns is None and kept.is_file():
+        try:
+            settings |= json.loads(kept.read_text(encoding="utf-8"))
+        except (ValueError, TypeError) as error:
+            raise InvalidInput(f"cannot read {kept}: {shortened(str(error))}") from None
+        about = {name: settings.pop(name, words) for name, words in about.items()}
+    if columns is None and file.with_name("real.yaml").is_file():
+        besides["real"] = load_world(file.with_name("real.yaml"))
     error, basis = pose_error(poses, reference), robot.pattern.basis(poses.rotation)
     period = float(np.median(np.diff(time))) if count > 1 else 1.0
-    wound = np.isfinite(told["commanded_length"]).any() or not np.isfinite(told["commanded_tension"]).any()
-    return Run(world=world, task="as logged", method="as logged", cables="as logged", time=frozen(time),
+    if not np.isfinite(told["commanded_tension"]).any():
+        besides.setdefault("commanded_lengths", frozen(told["commanded_length"]))
+    return Run(world=world, **about, **besides, time=frozen(time),
                poses=poses, twists=frozen(told["twist"]),
                reference=Reference(reference, told["reference_twist"], np.full((count, full), np.nan)),
                commanded_tensions=frozen(told["commanded_tension"]), lengths=frozen(told["length"]),
                measured_tensions=frozen(told["measured_tension"]), errors=frozen((error[:, None] @ basis)[:, 0]),
                feasible=frozen(told["feasible"][:, 0] != 0), real_time_factor=1.0, dt=period, control_period=period,
-               settings={"log": str(file)}, commanded_lengths=frozen(told["commanded_length"]) if wound else None)
+               settings=settings)
 
 
 def _table(file: Path) -> dict[str, Array]:

@@ -106,14 +106,15 @@ class Run:
                       "sensed_tensions": log["sensed_tensions"][rows]}
         commanded = (log["commanded_tensions"][:steps] if "commanded_tensions" in log else
                      frozen(np.full((steps, world.robot.n_cables), np.nan)))
+        feasible: Any = log["feasible"][:steps] > 0 if "feasible" in log else np.ones(steps, dtype=bool)
         if "driven_torques" in log:
             about |= {"motor_torques": log["driven_torques"][1:], "motor_speeds": log["driven_speeds"][1:]}
+            feasible &= log["short"][1:] == 0
         error, basis = pose_error(poses, reference.pose), world.robot.pattern.basis(poses.rotation)
         return cls(world=world, poses=poses, twists=log["twist"][rows], reference=reference,
                    commanded_tensions=commanded, measured_tensions=log["measured_tensions"][1:],
                    lengths=log["lengths"][rows], errors=frozen((error[:, None] @ basis)[:, 0]),
-                   feasible=log["feasible"][:steps] > 0
-                   if "feasible" in log else np.ones(steps, dtype=bool),
+                   feasible=frozen(feasible),
                    commanded_lengths=log["commanded_lengths"][:steps]
                    if "commanded_lengths" in log else None,
                    cut_short=flight.cut_short, **about)

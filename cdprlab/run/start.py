@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
 from typing import Any
@@ -30,6 +29,7 @@ from .loop import Command, Flight, LengthCommand, StretchedLengths, TensionComma
 from .motors import Motors
 from .record import Run
 from .sensors import Belief, Sensors
+from .winches import VelocityControl, WinchControl
 
 Cuts = Mapping[float, ArrayLike]
 """Time [s] → the cables cut then, by index from 0."""
@@ -43,7 +43,7 @@ _MOST_STEPS = 10_000_000
 @checked
 def run(world: World, task: str = "default",
         method: str | Callable[..., Any] = "quadratic_program",
-        cables: str = "tension", controller: Controller | None = None, dt: float = 1e-3,
+        cables: str = "tension", controller: Controller | WinchControl | None = None, dt: float = 1e-3,
         control_period: float | None = None, infeasible: str = "relax",
         external_wrench: Any = None,
         duration: float | None = None, seed: int = 0, *, base_speeds: Any = None,
@@ -61,7 +61,9 @@ def run(world: World, task: str = "default",
         as commanded: see `Run`) or "elastic" (the same with ropes that stretch: wound shorter by
         what the method's tensions stretch them)
     controller : (t, state, reference) → wrench the cables shall exert; default
-        ComputedTorque(100, 100)
+        ComputedTorque(100, 100). A `TorqueControl` or `VelocityControl` commands the winches itself:
+        method and infeasible then have no say, and velocity control winds ropes, elastic ones
+        where the world says how they stretch
     dt, control_period : engine step and control step [s], the second a multiple of the first;
         default equal
     infeasible : what is commanded where the method's tensions break a limit or miss the wrench:
@@ -104,7 +106,10 @@ def run(world: World, task: str = "default",
         world, flown = (replace(one, robot=replace(one.robot, winch=None)) for one in (world, flown))
         if real is None:
             flown = world
-    job, robot, wound = world.task(task), world.robot, cables in WOUND
+    job, robot = world.task(task), world.robot
+    if isinstance(controller, WinchControl):
+        cables = controller.cables(world, cables)
+    wound = cables in WOUND
     distributor = Distributor(robot, method, infeasible)
     substeps, period = control_steps(dt, control_period)
     length = job.duration + job.hold if duration is None else as_number(duration, "duration",
@@ -115,21 +120,28 @@ def run(world: World, task: str = "default",
     if length < period * (1 - 1e-9):
         raise InvalidInput(f"duration must be at least one control step, {period:g} s, got {length:g} s")
     times: Array = np.arange(round(length / period), dtype=float) * period
-    if wound and controller is not None:
-        raise InvalidInput(f"cables={quoted(cables)} winds by inverse kinematics and takes no controller")
     law = ComputedTorque() if controller is None else controller
-    command: Command = TensionCommand(law, distributor)
-    if wound:
+    name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
+    ruler = described(law)
+    ahead = wound and controller is None   # a wish is of where the platform is by a step's end
+    command: Command
+    if isinstance(law, WinchControl):
+        command, name = law, law.name
+    elif not wound:
+        command = TensionCommand(law, distributor)
+    elif controller is not None:
+        raise InvalidInput(f"cables={quoted(cables)} winds by inverse kinematics and takes no controller but "
+                           "VelocityControl")
+    else:
         stretches = cables == "elastic" and robot.elasticity is not None
         command = StretchedLengths(distributor) if stretches else LengthCommand()
+        name, ruler = ("inverse_kinematics",) * 2
     cuts = _cut_steps(cut or {}, robot.n_cables, times.size, period)
     drive = None if base_speeds is None else Drive(base_speeds, period)
     path = job.trajectory()
     reference = path(times)
     frozen(reference.twist)   # a controller is handed its rows
     frozen(reference.acceleration)
-    name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
-    name, ruler = ("inverse_kinematics",) * 2 if wound else (name, described(law))
     if real is not None and simulator is not None and simulator.world is not real:
         raise InvalidInput("the simulator must be one of the real world: open_simulator(real)")
     settings = {"dt": dt, "control_period": period, "controller": ruler,
@@ -157,22 +169,23 @@ def run(world: World, task: str = "default",
     try:
         engine.reset(job.start)
         wishes: Iterable[Any] = map(Reference, *reference)
-        if wound:
+        if ahead:
             # By each step's end the lengths of where the platform should then be, from where
             # its bases then stand.
-            ahead = path(times + period)
+            ends = path(times + period)
             if isinstance(command, StretchedLengths):
-                wishes = map(Reference, *ahead)
+                wishes = map(Reference, *ends)
             elif drive is None:
-                wishes = cable_lengths(robot, ahead.pose).tolist()
+                wishes = cable_lengths(robot, ends.pose).tolist()
             else:
-                wishes = (cable_lengths(drive.step(engine), pose).tolist() for pose in ahead.pose)
+                wishes = (cable_lengths(drive.step(engine), pose).tolist() for pose in ends.pose)
+        if wound:
             wishes = chain(_at_rest(engine, body, command, path(0.0)), wishes)
         if external_wrench is not None and not callable(external_wrench):
             engine.push(external_wrench)
 
         def happen(k: int) -> None:
-            if drive is not None and not wound:
+            if drive is not None and not ahead:
                 drive.step(engine)
             if k in cuts:
                 engine.cut(cuts[k])
@@ -190,24 +203,25 @@ def run(world: World, task: str = "default",
                          settings=settings,
                          base_poses=None if drive is None else
                          frozen(np.reshape(drive.poses[:steps], (steps, len(robot.bases), 3))))
-            carried, gave = run.commanded_tensions, np.ones(steps, dtype=bool)
+            carried = run.commanded_tensions
             if run.motor_torques is not None:
-                carried, short = flight.log["driven_tensions"][1:], flight.log["short"][1:].astype(int)
-                gave = short == 0
-                _tell_short(run, short)
+                carried = flight.log["driven_tensions"][1:]
+                _tell_short(run, flight.log["short"][1:].astype(int))
             if wound:
                 let_out = flight.log["commanded_lengths"][:-1] - getattr(engine, "offsets", 0.0)
                 held = _held(run, flown.robot, flight.log["lengths"][1:], let_out)
-                return replace(run, feasible=run.feasible & held & gave)
+                return replace(run, feasible=run.feasible & held)
             if not flight.cut_short:
                 _mistrust(run, carried)
+            if "wanted_wrench" not in flight.log:
+                return run
             W = (wrench_matrix(robot, run.estimates) if drive is None else
                  np.reshape(drive.matrices[:steps], (steps, robot.n_dof, robot.n_cables)))
             wanted = flight.log["wanted_wrench"][:-1]
             balanced = distributor.feasible(W, -wanted, run.commanded_tensions, cuts)
-            return replace(run, feasible=frozen(balanced & gave))
+            return replace(run, feasible=frozen(balanced & run.feasible))
 
-        eventful = cuts or callable(external_wrench) or (drive is not None and not wound)
+        eventful = cuts or callable(external_wrench) or (drive is not None and not ahead)
         return fly(engine, command, counted(wishes, times.size, progress), record, substeps,
                    happen if eventful else None)
     except WinchOverrun as error:
@@ -220,14 +234,15 @@ def run(world: World, task: str = "default",
 
 def _at_rest(engine: Any, body: Simulator, command: Command, begin: Reference) -> Iterator[Any]:
     """No wishes, but asked for the first one it hangs the robot on the ropes that are let out as the run begins."""
-    robot, offsets = engine.robot, getattr(engine, "offsets", 0.0)
-    lengths = (command.wound(robot, begin, 0.0)[1] if isinstance(command, StretchedLengths) else
-               cable_lengths(robot, begin.pose)) - offsets
+    lengths = (command.wound(begin) if isinstance(command, StretchedLengths | VelocityControl) else
+               cable_lengths(engine.robot, begin.pose)) - getattr(engine, "offsets", 0.0)
     if np.abs(lengths - body.paid_out).max() > _WOUND:
         real, elastic = body.robot, body.world.robot.elasticity
         stiffness = elastic.axial_stiffness if elastic and body.cables == "elastic" else None
-        with suppress(NoConvergence, InvalidInput):   # no rest: it begins where the task does
+        try:
             engine.reset(equilibrium(real, lengths, begin.pose, axial_stiffness=stiffness).pose)
+        except (NoConvergence, InvalidInput) as error:
+            warn(f"the run begins where its task does, not at rest: {error}", CdprWarning, stacklevel=2)
         body.paid_out = lengths.tolist()
     yield from ()
 

@@ -1,5 +1,6 @@
 """Two commands of winches with motors: velocity control, and torque control behind their friction."""
 
+from abc import abstractmethod
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, ClassVar
@@ -8,107 +9,117 @@ import numpy as np
 
 from ..arrays import Array, checked
 from ..errors import InvalidInput, quoted
-from ..mechanics.dynamics import mass_and_bias
+from ..mechanics.dynamics import inverse_dynamics
+from ..mechanics.kinematics import moved
 from ..mechanics.statics import footings
 from ..mechanics.trajectory import Reference
-from ..mechanics.winch import (
-    Friction,
-    cable_tensions,
-    gear_torque,
-    motor_damping,
-    motor_speed,
-    motor_torque,
-)
+from ..mechanics.winch import Friction
 from ..robot import Robot, turned_to
-from ..simulate.spatial import SpatialSimulator
+from ..simulate import WOUND
 from ..simulate.state import State
 from ..tensions import solver_for
 from ..tensions.standing import standing_tensions
+from ..world import World
 from .controllers import ComputedTorque
 from .log import Columns
 from .loop import Command
-from .motors import motion
+from .motors import Motors
+
+_MARGIN = 1.5   # N: what friction leaves
 
 
 class WinchControl(Command):
     """A controller of the winches; a wish is where the platform should be as the control step begins.
 
-    ``cables`` is the engine's cable model it needs. It logs the tensions it wants and what the
-    motors do for them; ``feasible`` says whether the wanted wrench was balanced within the
-    limits, or the winches reached their lengths.
+    It logs the tensions it wants; ``feasible`` says whether the wanted wrench was balanced within
+    the limits, and the winches reached their lengths. What its commands come to is the motors'
+    affair: see `Motors`.
 
-    margin : kept from the cables' limits [N]; reserve : kept from tipping [N m]
+    margin : kept from the cables' limits, None: 1.5 N where there are winches [N]
+    reserve : kept from tipping [N m]
     standing : whether tipping rows are in the quadratic program
     toward : tension the distribution stays near, 0 for the least norm [N]
     """
 
     name: ClassVar[str]
-    cables: ClassVar[str]
-    engine: SpatialSimulator
     feasible: bool
 
-    def __init__(self, margin: float, reserve: float, standing: bool = True,
+    def __init__(self, margin: float | None, reserve: float, standing: bool = True,
                  toward: float = 0.0) -> None:
-        self.margin, self.reserve = float(margin), float(reserve)
+        self.margin, self.reserve = margin, float(reserve)
         self.standing, self.toward = standing, float(toward)
+
+    @abstractmethod
+    def cables(self, world: World, asked: str = "tension") -> str:
+        """The engine's cable model for it: the one asked for, if it can command that."""
 
     def start(self, engine: Any, substeps: int) -> Columns:   # a Simulator, or what is believed of one
         robot = engine.world.robot
-        if robot.winch is None:
-            raise InvalidInput("winches are to be controlled, but the world has no `winch:` block")
-        self.winch, self.period = robot.winch, engine.dt * substeps
-        self.low, self.high = robot.tension_min + self.margin, robot.tension_max - self.margin
+        self.period = engine.dt * substeps
+        margin = (_MARGIN if robot.winch else 0.0) if self.margin is None else self.margin
+        self.low, self.high = robot.tension_min + margin, robot.tension_max - margin
         self.footings = footings(robot) if self.standing else []
-        return super().start(engine, substeps)
+        self.motors = engine if isinstance(engine, Motors) else None
+        return super().start(engine if self.motors is None else engine.engine, substeps)
 
     def columns(self, robot: Robot) -> Columns:
-        m = robot.n_cables
-        return {"commanded_tensions": ((m,), "N"), "motor_torques": ((m,), "N m"),
-                "motor_speeds": ((m,), "rad/s"), "feasible": ((), "")}
-
-    def effort(self, tensions: Array, torques: Array, rates: Array) -> Iterable[float]:
-        """What `step` returns; rates : (m,) of the cables, positive paying out [m/s]."""
-        speeds = motor_speed(self.winch, rates)
-        return *tensions.tolist(), *torques.tolist(), *speeds.tolist(), self.feasible
+        return {"commanded_tensions": ((robot.n_cables,), "N"), "feasible": ((), "")}
 
     def distribute(self, W: Array, wrench: Array) -> Array | None:
         """(m,) tensions that exert a (n,) wrench and keep the bases standing where they are now; None without any."""
         engine = self.engine
-        rows, offsets = [np.zeros((0, engine.tensions.size))], [np.zeros(0)]
+        rows, offsets = [np.zeros((0, self.low.size))], [np.zeros(0)]
         for footing in self.footings:
-            edges = footing.rows(engine.directions,
-                                 turned_to(engine.base_poses[footing.base, 2], 3), engine.shifts)
+            turn = turned_to(engine.base_poses[footing.base, 2], engine.world.robot.dimension)
+            edges = footing.rows(engine.directions, turn, engine.shifts)
             rows.append(edges.matrix)
             offsets.append(edges.offset + self.reserve)
         tau, reason = standing_tensions(W, -wrench, self.low, self.high, np.concatenate(rows),
                                         np.concatenate(offsets), toward=self.toward)
         return None if reason else tau
 
+    def paid(self, directions: Array) -> Array:
+        """(m,) −B_b q̇_b, what driving bases draw of the cables [m/s]."""
+        return (directions * self.engine.exit_velocities).sum(axis=1)
+
+    def cut(self, cables: list[int]) -> None:
+        self.low[cables] = self.high[cables] = 0.0
+
 
 @checked
 class TorqueControl(WinchControl):
     """Computed torque, a distribution that keeps the bases standing, and motor torques that make up for friction.
 
+    Friction and inertia are those of the motion that is wanted, not of the one measured: their
+    sign must not chatter at rest. What the gear loses is known.
+
     kp, kd : gains, as those of `ComputedTorque` [1/s², 1/s]
     standing : whether tipping rows are in the quadratic program
     toward : tension the distribution stays near, 0 for the least norm [N]
-    margin : kept from the cables' limits, for what friction leaves [N]
+    margin : kept from the cables' limits for what friction leaves; default 1.5 where there are
+        winches [N]
     reserve : kept from tipping [N m]
     friction : believed, such as `identify_friction` finds; default: the winches' own
     """
 
-    name, cables = "torque", "tension"
+    name = "torque"
 
     def __init__(self, kp: float = 900.0, kd: float = 60.0, *, standing: bool = True,
-                 toward: float = 0.0, margin: float = 1.5, reserve: float = 5.0,
+                 toward: float = 0.0, margin: float | None = None, reserve: float = 5.0,
                  friction: Friction | None = None) -> None:
         super().__init__(margin, reserve, standing, toward)
         self.law, self.friction = ComputedTorque(kp, kd), friction
 
+    def cables(self, world: World, asked: str = "tension") -> str:
+        if asked in WOUND:
+            raise InvalidInput(f"torque control commands tension or force, not the cables' {quoted(asked)}")
+        return asked
+
     def start(self, engine: Any, substeps: int) -> Columns:   # a Simulator, or what is believed of one
         asked = super().start(engine, substeps)
         self.relaxed = solver_for("relaxed", engine.world.robot.n_dof, self.low, self.high)
-        self.believed = self.winch if self.friction is None else replace(self.winch, **self.friction._asdict())
+        if self.motors is not None and self.friction is not None:
+            self.motors.believed = replace(self.motors.believed, **self.friction._asdict())
         return asked
 
     def step(self, wish: Reference) -> Iterable[float]:
@@ -119,17 +130,17 @@ class TorqueControl(WinchControl):
         found = self.distribute(W, wrench)
         self.feasible = found is not None
         tau = self.relaxed(W, -wrench)[0] if found is None else found
-        rates, loose, yielding, _ = motion(engine)
-        speed, paid = motor_speed(self.winch, rates), rates + engine.twist @ W
-        # Friction of the speed that is wanted, not of the one measured: its sign must not
-        # chatter at rest. What the gear loses is known.
-        torques = (motor_torque(self.believed, 0.0, paid - wish.twist @ W, -wish.acceleration @ W)
-                   + gear_torque(self.winch, tau, speed))
-        # What the cables really carry: the winches' own friction and inertia stand between.
-        pulled, torques = cable_tensions(self.winch, torques, rates, loose, yielding, self.period,
-                                         motor_damping(self.winch, 0.0, speed))
-        engine.step(pulled, self.substeps)
-        return self.effort(tau, torques, rates)
+        if self.motors is None:
+            engine.pull(tau, self.substeps)
+        else:
+            W = engine.carrying.pattern.basis(engine.rotation) @ W
+            wanted = self.paid(engine.directions) - wish.twist @ W, -wish.acceleration @ W
+            self.motors.pull(tau, self.substeps, wanted)
+        return *tau.tolist(), self.feasible
+
+    def cut(self, cables: list[int]) -> None:
+        super().cut(cables)
+        self.relaxed = solver_for("relaxed", self.engine.world.robot.n_dof, self.low, self.high)
 
 
 @checked
@@ -140,46 +151,57 @@ class VelocityControl(WinchControl):
     them would hang slack.
 
     gain : of the length error [1/s]
-    margin : kept from the cables' limits [N]; reserve : kept from tipping [N m]
+    margin, reserve : as those of `TorqueControl` [N, N m]
     Source: Pedemonte et al. 2020, section 2.3; B_b q̇_b, which `base_jacobian` gives, is read
     off the exit points.
     """
 
-    name, cables = "velocity", "elastic"
+    name = "velocity"
 
-    def __init__(self, gain: float = 20.0, *, margin: float = 1.5,
+    def __init__(self, gain: float = 20.0, *, margin: float | None = None,
                  reserve: float = 5.0) -> None:
         if gain < 0:
             raise InvalidInput(f"gain must not be negative [1/s], got {gain:g}")
         super().__init__(margin, reserve)
         self.gain = float(gain)
 
+    def cables(self, world: World, asked: str = "tension") -> str:
+        return asked if asked in WOUND else "length" if world.robot.elasticity is None else "elastic"
+
     def start(self, engine: Any, substeps: int) -> Columns:   # a Simulator, or what is believed of one
-        asked, robot = super().start(engine, substeps), engine.world.robot
-        if robot.elasticity is None:
-            raise InvalidInput("velocity control winds ropes that stretch, but the world has no `cable:` block")
-        self.elasticity = robot.elasticity
-        self.lengths, self.wanted = np.array(engine.rope_lengths), engine.tensions
-        self.fastest = robot.speed_max
-        return asked
+        robot = engine.world.robot
+        self.elasticity = robot.elasticity if engine.cables == "elastic" else None
+        self.fastest, self.wanted = robot.speed_max, np.zeros(robot.n_cables)
+        return super().start(engine, substeps)
+
+    def columns(self, robot: Robot) -> Columns:
+        return {**super().columns(robot), "commanded_lengths": ((robot.n_cables,), "m")}
+
+    def wound(self, wish: Reference) -> Array:
+        """(m,) rope let out where what holds platform and load as they should be stretches it [m]."""
+        engine = self.engine
+        self.there = _, lengths, W = engine.cables_at(wish.pose)
+        found = self.distribute(W, inverse_dynamics(engine.carrying, wish.pose.rotation, wish.twist,
+                                                    wish.acceleration))
+        self.feasible = found is not None
+        self.wanted = self.wanted if found is None else found
+        return lengths if self.elasticity is None else self.elasticity.unstrained(lengths, self.wanted)
 
     def step(self, wish: Reference) -> Iterable[float]:
-        engine = self.engine
-        directions, lengths, W = engine.cables_at(wish.pose)
-        # J t − B_b q̇_b: −Wᵀ t, and what driving bases pay of the cables.
-        rates = -wish.twist @ W + (directions * engine.exit_velocities).sum(axis=1)
-        # What holds platform and load where they should be.
-        mass, bias = mass_and_bias(engine.carrying, wish.pose.rotation, wish.twist)
-        found = self.distribute(W, mass @ wish.acceleration + bias)
-        self.wanted = self.wanted if found is None else found
-        unstretched = self.elasticity.unstrained(lengths, self.wanted)
-        rates = rates + self.gain * (unstretched - self.lengths)
+        engine: Any = self.engine
+        ropes = engine.rope_lengths
+        missing = self.wound(wish) - ropes
+        directions, before, _ = self.there
+        # J t as it is on the mean over the step: lengths that no pose has would strain redundant ropes.
+        way = wish.twist * self.period + wish.acceleration * self.period**2 / 2
+        robot, turn = engine.world.robot, wish.pose.rotation
+        after = engine.cables_at(moved(robot, wish.pose, way @ robot.pattern.basis(turn))).lengths
+        rates = (after - before) / self.period + self.paid(directions) + self.gain * missing
         kept = np.clip(rates, -self.fastest, self.fastest)
-        self.lengths = self.lengths + kept * self.period
-        reached = engine.wind(self.lengths, self.substeps) and bool((kept == rates).all())
-        self.feasible = reached and found is not None
-        return self.effort(self.wanted,
-                           motor_torque(self.winch, engine.tensions, kept), kept)
+        wound = (ropes + kept * self.period).tolist()
+        reached = (self.motors or engine).wind(wound, self.substeps) and (kept == rates).all()
+        self.feasible = bool(reached) and self.feasible
+        return *self.wanted.tolist(), self.feasible, *wound
 
 
 def winch_control(control: str | WinchControl) -> WinchControl:

@@ -16,12 +16,9 @@ CABLE_MODELS = {
     "tension": "the tension is commanded; spatial: point-to-point constraint cables under torque, and measured",
     "force": "ideal massless cables as external forces: the baseline",
     "length": "winches pay ropes in and out, and ropes go slack by themselves: the length is commanded",
-    "elastic": "the same with ropes that stretch as the world's `cable:` block says (spatial)",
+    "elastic": "the same with ropes that stretch as the world's `cable:` block says",
 }
 """What ``cables=`` may be, and what it means."""
-
-_ENGINES = {"planar": ("tension", "force", "length"),
-            "spatial": ("tension", "force", "length", "elastic")}
 
 
 @checked
@@ -29,7 +26,7 @@ def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **op
     """The simulator a world's engine asks for, reset to the world's pose.
 
     world : World
-    cables : one of ``CABLE_MODELS``; "elastic" in spatial worlds only
+    cables : one of ``CABLE_MODELS``
     dt : engine time step [s]
     options : the engine's own (PyBullet: ``tip_mass`` [kg], ``solver_iterations``,
         ``bodies=True`` for mobile bases that stand on wheels, drive and tip; pymunk:
@@ -37,9 +34,8 @@ def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **op
     Raises InvalidInput for an unknown cable model, MissingDependency where the engine is not
     installed.
     """
-    if cables not in _ENGINES[world.engine]:
-        raise InvalidInput(f"cable model {quoted(cables)} is not available in the {world.engine} engine; "
-                           f"there are {', '.join(_ENGINES[world.engine])}")
+    if cables not in CABLE_MODELS:
+        raise InvalidInput(f"cable model {quoted(cables)} is not available; there are {', '.join(CABLE_MODELS)}")
     dt = as_number(dt, "dt", "s", positive=True)
     engine: Any = PlanarSimulator if world.engine == "planar" else SpatialSimulator
     known = [*signature(engine).parameters][3:]   # after world, cables and dt

@@ -27,6 +27,7 @@ from ..robot.pose import Pose
 from ..world import World
 from .planar_bases import PlanarBases
 from .planar_space import PlanarSpace, solving_order
+from .ropes import RopeLaw
 from .simulator import Simulator
 
 
@@ -34,8 +35,9 @@ class PlanarSimulator(Simulator):
     """A planar world in its own pymunk space.
 
     world : a planar World
-    cables : "length" (ropes paid in and out by winches), "tension" or "force" (both ideal: in
-        the plane every cable pulls its anchor point with the tension commanded)
+    cables : "length" (ropes paid in and out by winches), "elastic" (such ropes, that stretch),
+        "tension" or "force" (both ideal: in the plane every cable pulls its anchor point with the
+        tension commanded)
     dt : time step [s]
     solver_iterations : of Chipmunk's constraint solver; default as many as the ropes need, 10
         to 1000
@@ -47,7 +49,7 @@ class PlanarSimulator(Simulator):
         from ..compiled import reels
 
         self._pymunk, self._compiled, robot = import_pymunk(), reels, world.robot
-        self._over_pulleys = self.is_wound and robot.pulleys.size > 0
+        self._over_pulleys = cables == "length" and robot.pulleys.size > 0
         self.carrying = robot
         self._order, rounds = solving_order(world)
         self._iterations = solver_iterations or rounds
@@ -75,10 +77,12 @@ class PlanarSimulator(Simulator):
         # stays behind.
         self.space = self._space = PlanarSpace(self._pymunk, self.world, start,
                                                self._iterations,
-                                               self._order if self.is_wound else ())
+                                               self._order if self.cables == "length" else ())
         self.space.place_bases(self.bases, self.dt)
         self._look()
-        self.paid_out = self._lengths.tolist() if self.is_wound else []
+        self.paid_out = self.hanging_lengths() if self.is_wound else []
+        if self.cables == "elastic":
+            self.ropes = RopeLaw(robot, self.dt, robot.elasticity)
 
     def pull(self, tensions: Array, substeps: int) -> None:
         pulls = np.array(tensions, dtype=float)
@@ -89,6 +93,10 @@ class PlanarSimulator(Simulator):
         self._pulls = pulls.tolist()
 
     def reel(self, lengths: list[float]) -> None:
+        if self.cables == "elastic":
+            W = np.zeros((3, len(lengths)))
+            W[:self.world.robot.n_dof] = self.wrench_matrix   # a rail carries what the pattern leaves
+            return self.pull(self.rope_tensions(lengths, W), 1)
         if self.pushed is not None:
             self._load(np.zeros(len(lengths)))
         dt, space = self.dt, self.space
@@ -106,7 +114,7 @@ class PlanarSimulator(Simulator):
             self._pulls[cable] = 0.0
 
     def sever(self, cable: int) -> None:
-        if self.is_wound:
+        if self.space.ropes:
             self.space.space.remove(self.space.ropes[cable])
         self._pulls[cable] = 0.0
 
@@ -156,6 +164,14 @@ class PlanarSimulator(Simulator):
         return np.array(self._pulls)
 
     @property
+    def directions(self) -> Array:  # type: ignore[override]
+        return self._columns[:2].T.copy()
+
+    @property
+    def base_poses(self) -> Array:  # type: ignore[override]
+        return self.bases.poses
+
+    @property
     def lengths(self) -> Array:  # type: ignore[override]
         return self._lengths.copy()
 
@@ -167,7 +183,6 @@ class PlanarSimulator(Simulator):
         return self._seen.tolist() + self._pulls
 
     # --- every step
-    # -------------------------------------------------------------------------------
     def _load(self, pulls: Array) -> None:
         """Sum of the pulls and the push, at the center of mass: held by the engine for one step."""
         wrench = self._W @ pulls

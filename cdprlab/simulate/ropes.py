@@ -26,7 +26,7 @@ from ..robot import Elasticity, Robot
 class RopeLaw:
     """The tensions of ropes wound to given lengths, for one step at a time.
 
-    robot : a spatial Robot; dt : [s]; elasticity : how the ropes stretch, None: not at all
+    robot : Robot; dt : [s]; elasticity : how the ropes stretch, None: not at all
     """
 
     def __init__(self, robot: Robot, dt: float, elasticity: Elasticity | None = None) -> None:
@@ -34,7 +34,7 @@ class RopeLaw:
 
         body = robot.platform
         self._solve = rope_tensions
-        self._body = body.mass, body.inertia, body.center_of_mass, robot.gravity
+        self._body = body.mass, np.atleast_2d(body.inertia), body.center_of_mass, robot.gravity
         self._ropes = dt, *((0.0, 0.0) if elasticity is None else (elasticity.axial_stiffness,
                                                                    elasticity.damping))
         self._last = np.ones(robot.n_cables)
@@ -44,10 +44,9 @@ class RopeLaw:
                  push: Array) -> Array:
         """(m,) tensions [N].
 
-        W : (6, m) whole wrench matrix, whatever rows the pattern controls; rotation, twist,
-            lengths : at present
-        now, wound : (m,) let out now and by the step's end [m]; push : (6,) external wrench at
-            P
+        W : (3 planar or 6 spatial, m) whole wrench matrix, whatever rows the pattern controls;
+            rotation, twist, lengths : at present
+        now, wound : (m,) let out now and by the step's end [m]; push : external wrench at P
         """
         self._last = self._solve(*self._body, rotation, twist, push, W, lengths, now, wound,
                                  *self._ropes, self._last)

@@ -10,15 +10,21 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_answer, as_array, as_count, checked
 from ..errors import InvalidInput, SimulationDiverged, quoted
-from ..mechanics.cables import why_no_direction
+from ..mechanics.cables import Cables, cables_at, tangent_points, why_no_direction
+from ..mechanics.statics import gravity_wrench
 from ..robot import Robot
 from ..robot.pose import Pose
+from ..tensions import distribute_tensions
 from ..world import World
 from ..world.model import check_pose
+from .ropes import RopeLaw
 from .state import State
 
 WOUND = ("length", "elastic")
 """Cable models that take lengths, not tensions: winches wind by inverse kinematics of the reference."""
+
+
+_AMPLE = 1.0  # m: a cut rope does not become taut in any one step
 
 
 class Simulator(ABC):
@@ -31,7 +37,8 @@ class Simulator(ABC):
     paid_out : (m,) what the winches have let out of each rope [m], empty where tensions are
         commanded
     cut_cables : indices
-    exit_velocities : (m, d) of the exit points [m/s]
+    exit_velocities : (m, d) of the exit points [m/s]; directions : (m, d) of the cables
+    base_poses : (p, 3) x, y and heading of each base [m, rad]
     strongest : (m,) what the winches can pull with, None: anything. A rope that pulls harder slips:
         ``slipping`` (m,) says which did [N]
     """
@@ -45,8 +52,14 @@ class Simulator(ABC):
     tensions: Array
     wrench_matrix: Array
     lengths: Array
+    directions: Array
+    base_poses: Array
+    ropes: RopeLaw
 
     def __init__(self, world: World, cables: str, dt: float) -> None:
+        if cables == "elastic" and world.robot.elasticity is None:
+            raise InvalidInput(f"cables=\"elastic\" needs the ropes' stiffness: world {world.name!r} has no "
+                               "`cable: {axial_stiffness: …}` block")
         self.world, self.cables, self.dt = world, cables, float(dt)
         self.is_wound = cables in WOUND
         self.paid_out: list[float] = []
@@ -139,6 +152,18 @@ class Simulator(ABC):
                 self._slip(self.strongest)
         return after is wanted and (self.strongest is None or not self.slipping.any())
 
+    def rope_tensions(self, lengths: list[float], W: Array) -> Array:
+        """(m,) of ropes let out to these lengths by the step's end, as `ropes` has them; W : in all rows [N]."""
+        wound = np.array(lengths)
+        if self.cut_cables:
+            cut = list(self.cut_cables)
+            wound[cut] = self.lengths[cut] + _AMPLE
+        if self.world.robot.bases:   # one that drives away in the step needs that much more rope
+            wound -= self.dt * (self.directions * self.exit_velocities).sum(axis=1)
+        pulls = self.ropes(W, self.rotation, self.twist, self.lengths, np.array(self.paid_out), wound,
+                           np.zeros(len(W)) if self.pushed is None else self.pushed)
+        return pulls if self.strongest is None else np.minimum(pulls, self.strongest)
+
     def _slip(self, strongest: Array) -> None:
         """Let out what ropes drew that pull as hard as their winches can."""
         elastic = self.world.robot.elasticity if self.cables == "elastic" else None
@@ -184,6 +209,28 @@ class Simulator(ABC):
     def time(self) -> float:
         """Since the reset [s]."""
         return self.steps * self.dt
+
+    def cables_at(self, pose: Pose) -> Cables:
+        """Directions, lengths and wrench matrix if the platform were at a pose, the bases where they are."""
+        return cables_at(self.robot, pose)
+
+    @property
+    def shifts(self) -> Array | None:
+        """(m, d) from exit to tangent points, None where no cable has a pulley [m]."""
+        robot = self.robot
+        if not robot.pulleys.size:
+            return None
+        return tangent_points(robot, Pose.of(self.position, self.rotation)) - robot.exit_points
+
+    def hanging_lengths(self) -> list[float]:
+        """(m,) rope lengths at which the robot hangs where it is: stretching ropes are wound shorter."""
+        robot, lengths = self.robot, self.lengths
+        if self.cables == "elastic" and robot.elasticity is not None:
+            held = distribute_tensions(self.wrench_matrix, gravity_wrench(robot, Pose.of(self.position, self.rotation)),
+                                       robot.tension_min, robot.tension_max, "relaxed")
+            lengths = robot.elasticity.unstrained(lengths, held.tensions)
+        wound: list[float] = lengths.tolist()
+        return wound
 
     @property
     def rope_lengths(self) -> Array | None:

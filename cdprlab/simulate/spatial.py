@@ -10,10 +10,8 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, frozen
 from ..errors import CdprWarning, InvalidInput
 from ..mechanics.cables import Cables, straight_lengths
-from ..mechanics.statics import gravity_wrench
 from ..robot import Robot
 from ..robot.pose import Pose
-from ..tensions import distribute_tensions
 from ..world import World
 from .boxes import Boxes
 from .bullet import Bullet, quaternion_of
@@ -24,7 +22,6 @@ from .spatial_bases import SpatialBases
 
 _NOTHING = np.zeros(6)
 _FELT = 0.01   # of the platform's mass: what its cables' tips may weigh
-_AMPLE = 1.0  # m: a cut rope does not become taut in any one step
 
 
 def closed(*_: Any) -> Any:
@@ -62,14 +59,12 @@ class SpatialSimulator(Simulator):
         if bodies and (cables == "force" or not robot.bases):
             raise InvalidInput("bases that stand and tip need a world with bases and cables that are bodies too: "
                                "\"tension\", \"length\" or \"elastic\"")
-        if cables == "elastic" and robot.elasticity is None:
-            raise InvalidInput(f"cables=\"elastic\" needs the ropes' stiffness: world {world.name!r} has no "
-                               "`cable: {axial_stiffness: …}` block")
         tips = robot.n_cables * tip_mass
         if cables != "force" and tips > _FELT * robot.mass:
             warn(f"the platform of {robot.mass:g} kg feels its cables' tips of {tips:g} kg together; "
                  "use cables=\"force\" or a smaller tip_mass", CdprWarning, stacklevel=3)
         self._tip_mass, self._bodies = float(tip_mass), bodies
+        self._stand = np.array([base.pose for base in robot.bases]).reshape(-1, 3)
         self.bullet, self._frame = Bullet.connect(), _BodyFrame(robot)
         # Threshold 0: the default ends the iterations early, at a moment that depends on the
         # motion.
@@ -103,7 +98,7 @@ class SpatialSimulator(Simulator):
                                      + abs(self.world.scene.floor_height)))
         self._read()
         self.carry(0.0, _NOTHING[:3])
-        self.paid_out = self._wound_at_rest() if self.is_wound else []
+        self.paid_out = self.hanging_lengths() if self.is_wound else []
 
     def pull(self, tensions: Array, substeps: int) -> None:
         if substeps != self._substeps:
@@ -141,16 +136,7 @@ class SpatialSimulator(Simulator):
         frozen(self.tensions)
 
     def reel(self, lengths: list[float]) -> None:
-        wound = np.array(lengths)
-        if self.cut_cables:
-            cut = list(self.cut_cables)
-            wound[cut] = self.lengths[cut] + _AMPLE
-        if self._bodies:   # a base that drives away in the step needs that much more rope
-            wound = wound - (self.directions * self.bases.exit_steps).sum(axis=1)
-        pulls = self.ropes(self.whole_wrenches, self.rotation, self.twist, self.lengths,
-                           np.array(self.paid_out), wound,
-                           _NOTHING if self.pushed is None else self.pushed)
-        self.pull(pulls if self.strongest is None else np.minimum(pulls, self.strongest), 1)
+        self.pull(self.rope_tensions(lengths, self.whole_wrenches), 1)
 
     def sever(self, cable: int) -> None:
         self.tensions = np.array(self.tensions)
@@ -210,9 +196,9 @@ class SpatialSimulator(Simulator):
         return self._present
 
     @property
-    def base_poses(self) -> Array:
+    def base_poses(self) -> Array:  # type: ignore[override]
         """(p, 3) x, y and heading of each base [m, rad]."""
-        return self.bases.poses
+        return self.bases.poses if self._bodies else self._stand
 
     @property
     def exit_velocities(self) -> Array:  # type: ignore[override]
@@ -300,16 +286,6 @@ class SpatialSimulator(Simulator):
 
     # --- building
     # ---------------------------------------------------------------------------------
-    def _wound_at_rest(self) -> list[float]:
-        """(m,) rope lengths at which the robot hangs where it is: stretching ropes are wound shorter."""
-        robot, lengths = self.robot, self.lengths
-        if self.cables == "elastic" and robot.elasticity is not None:
-            held = distribute_tensions(self.wrench_matrix, gravity_wrench(robot, Pose.of(self.position, self.rotation)),
-                                       robot.tension_min, robot.tension_max, "relaxed")
-            lengths = robot.elasticity.unstrained(lengths, held.tensions)
-        wound: list[float] = lengths.tolist()
-        return wound
-
     def _add_platform(self) -> int:
         b, body = self.bullet, self.world.robot.platform
         offset, turn = self._frame.to_body(body.center), quaternion_of(self._frame.axes.T)

@@ -5,16 +5,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import count
 from typing import Any
+from warnings import warn
 
 import numpy as np
 
 from ...arrays import Array, Progress, checked, frozen
-from ...errors import InvalidInput
+from ...errors import CdprWarning, InvalidInput, WinchOverrun
 from ...mechanics.dynamics import pose_error
 from ...mechanics.trajectory import Reference, Trajectory, hold, quintic, rest_to_rest
 from ...robot.pose import Pose
 from ...run import Log
 from ...run.loop import Flight, fly
+from ...run.motors import Motors
 from ...run.sensors import Belief, Sensors
 from ...run.start import control_steps
 from ...run.winches import WinchControl, winch_control
@@ -68,21 +70,29 @@ def pick_and_place(world: World, task: str = "pick_and_place",
     begin, flown = (replace(one, robot=one.robot.with_bases(job.coupled), pose=job.start,
                             tasks={task: job}) for one in (world, real or world))
     machine = Machine(job_phases(world, job, speed, fold=fold), faults)
-    with SpatialSimulator(flown, law.cables, dt, bodies=True, solver_iterations=20) as body:
+    cables = law.cables(world)
+    if flown.robot.winch is None:
+        raise InvalidInput("winches are to do a job, but the world has no `winch:` block")
+    with SpatialSimulator(flown, cables, dt, bodies=True, solver_iterations=20) as body:
         engine: Any = body
         if sensors is not None or real not in (None, world):
             engine = Belief(body, begin, sensors, period)
-            engine.reset()
+        motors: Any = Motors(engine, body, begin.robot.winch, period)
+        motors.reset()
         engine.boxes.add(BOX, job.box_position, job.box_size, job.box_mass, friction=_ROLLERS)
         work = _Work(engine, job, machine, law, period)
         settings = {"dt": dt, "control_period": period, "speed": speed}
 
         def record(flight: Flight) -> Job:
             return work.record(flight, world=world, real=real, task=task, method=law.name,
-                               cables=law.cables, dt=dt, control_period=period,
+                               cables=cables, dt=dt, control_period=period,
                                settings=settings)
 
-        return fly(engine, law, work.wishes(progress), record, substeps)
+        try:
+            return fly(motors, law, work.wishes(progress), record, substeps)
+        except WinchOverrun as error:
+            warn(f"{error}: the job ends there", CdprWarning, stacklevel=2)
+            return error.run
 
 
 @dataclass(eq=False)
@@ -226,6 +236,4 @@ class _Work:
                       time=time, events=tuple(self.machine.history),
                       states=kept.pop("states").astype(int),
                       words={phase.name: phase.what for phase in self.machine.phases},
-                      box_poses=boxes, motor_torques=flight.log["motor_torques"][:-1],
-                      motor_speeds=flight.log["motor_speeds"][:-1],
-                      real_time_factor=steps * self.period / flight.elapsed, **kept, **about)
+                      box_poses=boxes, real_time_factor=steps * self.period / flight.elapsed, **kept, **about)
