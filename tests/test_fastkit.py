@@ -92,12 +92,13 @@ def test_the_tilt_is_made_by_cables_alone(flown):
 
 @pytest.mark.long
 @pytest.mark.parametrize("control", ["torque", "velocity"])
-@pytest.mark.parametrize("name", ["fastkit_suspended_pulleys", "fastkit_constrained_pulleys"])
+@pytest.mark.parametrize("name", ["fastkit_suspended", "fastkit_constrained"])
 def test_the_whole_job_is_done_over_pulleys(name, control):
-    job = pick_and_place(cl.load_world(name), control=control)
+    world = cl.load_world(name)
+    robot = cl.load_world(f"{name}_pulleys").robot
+    job = pick_and_place(replace(world, robot=robot), control=control)
     assert job.state == DONE and job.box_error <= 0.02 and job.position_errors.max() <= 5e-3
-    robot = job.world.robot
-    assert (job.measured_tensions[1:] >= robot.tension_min - 0.5).all() and job.feasible.all()
+    assert (job.measured_tensions[1:] >= robot.tension_min).all() and job.feasible.all()
     assert (job.measured_tensions <= robot.tension_max).all() and edge_loads(job).min() > 0
 
 

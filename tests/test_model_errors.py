@@ -218,15 +218,17 @@ def test_a_wound_run_that_cannot_begin_at_rest_says_so():
         cl.run(floating, real=cl.perturbed(floating, exit_points=0.01), cables="length", duration=0.02)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("control", ["torque", "velocity"])
-def test_a_whole_job_is_done_by_a_robot_that_is_off(control):
-    """A robot measured to a millimeter does its job under both; off by 5 mm, torque control alone keeps its cables."""
+@pytest.mark.parametrize(("control", "exits"), [
+    pytest.param("torque", 0.005, marks=pytest.mark.long), ("velocity", 0.001)])
+def test_a_robot_that_is_off_does_its_job_under_torque_control_alone(control, exits):
+    """All of it with exits 5 mm off; wound to length, a millimeter leaves a cable slack before the bases part."""
     world = cl.load_world("fastkit_suspended")
-    job = pick_and_place(world, control=control, real=cl.perturbed(world, exit_points=0.001, mass=0.01, seed=1))
-    assert job.state == "done" and job.box_error < 0.02, job.reason
-    job = pick_and_place(world, control=control, real=cl.perturbed(world, exit_points=0.005, mass=0.01, seed=1))
-    assert job.state == "done" if control == "torque" else "off their limits" in job.reason
+    job = pick_and_place(world, control=control, real=cl.perturbed(world, exit_points=exits, mass=0.02, seed=1))
+    if control == "torque":
+        assert job.state == "done" and job.box_error < 0.02 and job.feasible.all(), job.reason
+        assert job.measured_tensions[1:].min() > world.robot.tension_min.max()
+    else:
+        assert "in coupled: cables off their limits, 0.0" in job.reason
 
 
 def test_a_job_is_done_by_the_winches_that_are_there():

@@ -93,14 +93,14 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
         besides["estimates"] = estimates
     if "base_poses" in besides:
         besides["base_poses"] = frozen(told["base_pose"].reshape(count, -1, 3))
-    about = dict.fromkeys(("task", "method", "cables"), "as logged")
+    about: dict[str, Any] = dict.fromkeys(("task", "method", "cables"), "as logged")
     settings: dict[str, Any] = {"log": str(file)}
     kept = file.with_name("settings.json")
     if columns is None and kept.is_file():
         try:
             settings |= json.loads(kept.read_text(encoding="utf-8"))
-        except (ValueError, TypeError) as error:
-            raise InvalidInput(f"cannot read {kept}: {shortened(str(error))}") from None
+        except (ValueError, TypeError) as wrong:
+            raise InvalidInput(f"cannot read {kept}: {shortened(str(wrong))}") from None
         about = {name: settings.pop(name, words) for name, words in about.items()}
     if columns is None and file.with_name("real.yaml").is_file():
         besides["real"] = load_world(file.with_name("real.yaml"))
