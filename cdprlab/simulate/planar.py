@@ -165,7 +165,7 @@ class PlanarSimulator(Simulator):
 
     @property
     def directions(self) -> Array:  # type: ignore[override]
-        return self._columns[:2].T.copy()
+        return self._W[:2].T.copy()
 
     @property
     def base_poses(self) -> Array:  # type: ignore[override]
