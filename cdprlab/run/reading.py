@@ -24,10 +24,9 @@ _SIZES = {"m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3}, "rad": {"rad": 1.0, "mrad": 1
 """Unit of the library → units that a file may have, and their size."""
 
 
-_BESIDES = {"estimated_twists": "estimated_twist", "sensed_lengths": "sensed_length",
-            "sensed_tensions": "sensed_tension", "motor_torques": "motor_torque", "motor_speeds": "motor_speed",
-            "base_poses": "base_pose", "commanded_lengths": "commanded_length"}
-"""Field of a run that is not always there → its quantity."""
+_BESIDES = ("estimated_twist", "sensed_length", "sensed_tension", "motor_torque", "motor_speed", "base_pose",
+            "commanded_length")
+"""Quantities that a run does not always have; its fields are their plurals."""
 
 
 @checked
@@ -87,8 +86,7 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
     time = told["time"][:, 0] if np.isfinite(told["time"]).any() else np.arange(count, dtype=float)
     poses, reference, estimates = (_poses(told[f"{whose}position"], told[f"{whose}rotation"], robot.pattern.turns)
                                    for whose in ("", "reference_", "estimated_"))
-    besides: dict[str, Any] = {field: frozen(told[name]) for field, name in _BESIDES.items()
-                               if np.isfinite(told[name]).any()}
+    besides: dict[str, Any] = {f"{name}s": frozen(told[name]) for name in _BESIDES if np.isfinite(told[name]).any()}
     if "estimated_twists" in besides:
         besides["estimates"] = estimates
     if "base_poses" in besides:
