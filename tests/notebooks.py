@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 import ctypes
 import ctypes.util
 import importlib.util
+import io
 import os
 import re
 import runpy
+import tokenize
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -74,6 +77,26 @@ def answers(notebook: Any) -> dict[str, int]:
 def checks(notebook: Any) -> dict[str, int]:
     """grade_id → index of every graded cell."""
     return _graders(notebook, "grade")
+
+
+def read_by_all(markdown: str) -> str:
+    """Its words without formulas, and without hints and explanations that stay folded until one asks."""
+    unfolded = re.sub(r"<details>.*?</details>", " ", markdown, flags=re.DOTALL)
+    return re.sub(r"\$\$.*?\$\$|\$[^$]*\$", " ", unfolded, flags=re.DOTALL)
+
+
+def code_lines(source: str) -> int:
+    """Lines with code, an import as one; solutions, docstrings and comments are not counted."""
+    source = re.sub(r"### BEGIN SOLUTION.*?### END SOLUTION", "pass", source, flags=re.DOTALL)
+    spared: set[int] = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            spared |= set(range(node.lineno + 1, node.end_lineno + 1))
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and ast.get_docstring(node):
+            spared |= set(range(node.body[0].lineno, node.body[0].end_lineno + 1))
+    code = [token for token in tokenize.generate_tokens(io.StringIO(source).readline) if token.string.strip()
+            and token.type not in (tokenize.COMMENT, tokenize.ENDMARKER)]
+    return len({line for token in code for line in range(token.start[0], token.end[0] + 1)} - spared)
 
 
 def check_of(answer: str) -> str:

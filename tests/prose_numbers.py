@@ -22,6 +22,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import matplotlib.pyplot as plt
 import notebooks
 import yaml
 
@@ -164,6 +165,7 @@ def computed(name: str) -> dict[str, Any]:
     notebook, space = notebooks.read_source(name), {"__name__": "__main__", "display": lambda *shown: None}
     for index in needed(name):
         cells.run_cell(cells.visible(notebook.cells[index].source), f"<{name} {notebook.cells[index].id}>", space)
+        plt.close("all")
     cells.run_cell(account(name).get("SETUP", ""), f"<{name} setup>", space)
     return space
 

@@ -24,6 +24,7 @@ METADATA = {"kernelspec": {"display_name": "Python 3 (ipykernel)", "language": "
 KEBAB = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 LINK = re.compile(r"\]\(([\w/.-]+\.ipynb)\)")
 NO_VERDICT = ("NameError", "SyntaxError", "NotImplementedError")
+UNFINISHED = ("10_fastkit_at_work", "12_interval_analysis")  # their form is another's work yet
 MARKERS = ("BEGIN SOLUTION", "END SOLUTION", "BEGIN HIDDEN", "END HIDDEN")
 
 ANSI = re.compile(r"\x1b\[[0-9;]*m")
@@ -185,6 +186,32 @@ def test_copies_hold_no_solution(name: str):
     assert [marker for marker in MARKERS if marker in text] == []
     for index in notebooks.answers(copied).values():
         assert "raise NotImplementedError" in copied.cells[index].source
+
+
+@every_lesson
+def test_lessons_are_short_and_their_lines_narrow(name: str):
+    """As JupyterLab shows them beside its file browser; checks are folded."""
+    notebook, words, lines = notebooks.read_source(name), 0, 0
+    for cell in notebook.cells:
+        folded = cell.metadata.get("jupyter", {}).get("source_hidden", False)
+        if cell.cell_type == "markdown":
+            words += len(notebooks.read_by_all(cell.source).split())
+            continue
+        if name not in UNFINISHED:
+            assert [line for line in cell.source.splitlines() if len(line) > 96] == [], cell.id
+            assert folded or not notebooks.grader(cell).get("grade"), cell.id
+        lines += 0 if folded or notebooks.grader(cell).get("grade") else notebooks.code_lines(cell.source)
+    assert words <= 2600 and lines <= 200
+
+
+@flies
+@every_flight
+def test_printed_lines_are_narrow(flight: Flight, request: pytest.FixtureRequest):
+    if request.node.callspec.params["flight"] in UNFINISHED:
+        pytest.skip("its form is another's work yet")
+    printed = [line for cell in flight.notebook.cells for output in cell.get("outputs", [])
+               if output.output_type == "stream" for line in output.text.splitlines()]
+    assert [line for line in printed if len(line) > 95] == []
 
 
 @every_lesson
