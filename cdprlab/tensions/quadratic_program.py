@@ -1,5 +1,6 @@
 """Least-norm tensions inside the limits: min ‖τ‖² subject to W τ + w_e = 0, τ_min ≤ τ ≤ τ_max."""
 
+from collections.abc import Callable
 from functools import cached_property, partial
 
 import numpy as np
@@ -18,26 +19,28 @@ from .method import (
     Solution,
     Solver,
     around_fixed,
-    no_reasons,
     one_by_one,
     sharpened,
 )
+
+Program = Callable[..., Array | None]
+"""What `least_quadratic` is: a program's arguments → its answer, None where nothing keeps the rows."""
 
 
 class LeastNorm:
     """min ‖τ‖² with W τ + w_e = 0 and τ_min ≤ τ ≤ τ_max: made for its limits, called wrench by wrench."""
 
-    def __init__(self, n: int, low: Array, high: Array):
+    def __init__(self, n: int, low: Array, high: Array, least: Program = least_quadratic):
         from ..compiled.least_norm import no_limit_active
 
-        self.n, self.low, self.high = n, low, high
+        self.n, self.low, self.high, self.least = n, low, high, least
         self.no_limit_active = no_limit_active
 
     def __call__(self, W: Array, w_e: Array) -> Solution:
         """Tensions and '' or the reason why there are none."""
         tau, kept = self.no_limit_active(W, w_e, self.low, self.high)
         if not kept:
-            tau = least_quadratic(*self.program(W, w_e))
+            tau = self.least(*self.program(W, w_e))
         return self.by_independent_rows(W, w_e) if tau is None else (tau, "")
 
     def program(self, W: Array, w_e: Array) -> tuple[Array, Array, Array, Array, int, bool]:
@@ -67,11 +70,11 @@ class LeastNorm:
         if outside > TOLERANCE * (1 + np.abs(w_e).max()):
             return nothing, (f"the cables cannot exert this wrench at any tension: W has rank {len(rows)} of "
                              f"{len(W)}, and {outside:.3g} N or N m lies outside its range")
-        found = least_quadratic(*LeastNorm(len(rows), self.low, self.high).program(rows, -values))
+        found = self.least(*LeastNorm(len(rows), self.low, self.high).program(rows, -values))
         if found is None:   # one last tension on the very border is lost to rounding
             slack = forgiven(w_e, self.low)
             wider = LeastNorm(len(rows), self.low - slack, self.high + slack)
-            found = least_quadratic(*wider.program(rows, -values))
+            found = self.least(*wider.program(rows, -values))
             if found is None:
                 return nothing, INFEASIBLE
             found = sharpened(W, w_e, self.low, self.high, found)
@@ -96,39 +99,35 @@ def build(n: int, tension_min: Array, tension_max: Array, *, solver: str = "quad
     solver : "quadprog", called directly, or any other that qpsolvers has installed
     Source: Okoli 2016, eq. (6.25).
     """
-    one = partial(LeastNorm, n) if solver == "quadprog" else partial(_other_solver, solver)
-    return around_fixed(one, tension_min, tension_max)
+    return around_fixed(partial(LeastNorm, n, least=_program_of(solver)), tension_min, tension_max)
 
 
 def solve(W: Array, w_e: Array, low: Array, high: Array, *, solver: str = "quadprog") -> Answers:
     """The same for many wrenches: with up to two redundant cables the polygon's point nearest to 0, else one by one."""
-    if solver == "quadprog":
-        tensions, reasons, spare = least_norm_points(W, w_e, low, high)
-        left = (spare > 2) | (reasons == UNREACHABLE)   # of which the program says more
-    else:
-        tensions, reasons, left = np.empty((len(W), W.shape[2])), no_reasons(len(W)), np.full(len(W), True)
+    tensions, reasons, spare = least_norm_points(W, w_e, low, high)
+    left = (spare > 2) | (reasons == UNREACHABLE) | (solver != "quadprog")   # of which the program says more
     one_by_one(left, partial(build, W.shape[1], solver=solver), W, w_e, low, high, tensions, reasons)
     return tensions, reasons
 
 
-def _other_solver(solver: str, low: Array, high: Array) -> Solver:
+def _program_of(solver: str) -> Program:
+    """`least_quadratic`, or the same by another solver."""
+    if solver == "quadprog":
+        return least_quadratic
     with needed_by(f"the QP solver {solver!r}", "quadprog works without it"):
         import qpsolvers
 
     if solver not in qpsolvers.available_solvers:
         raise InvalidInput(f"QP solver {quoted(solver)} is not installed; there are "
                            f"{', '.join(qpsolvers.available_solvers)}")
-    m = low.shape[0]
 
-    def solve(W: Array, w_e: Array) -> Solution:
-        rows, values, outside = independent_rows(W, -w_e)
-        reachable = outside <= TOLERANCE * (1 + np.abs(w_e).max())
-        found = qpsolvers.solve_qp(np.eye(m), np.zeros(m), A=rows, b=values, lb=np.array(low),
-                                   ub=np.array(high),
-                                   solver=solver) if reachable else None
-        return (np.full(m, np.nan), INFEASIBLE) if found is None else (found, "")
+    def least(H: Array, a: Array, C: Array, b: Array, equal: int, factored: bool) -> Array | None:
+        # H is the identity, factored or not.
+        found: Array | None = qpsolvers.solve_qp(H, -a, -C[:, equal:].T, -b[equal:], C[:, :equal].T, b[:equal],
+                                                 solver=solver)
+        return found
 
-    return solve
+    return least
 
 
 METHOD = Method(solve, build, complete=True, summary="min ‖τ‖² inside the limits: smooth, low tensions")
