@@ -70,20 +70,17 @@ class WrenchFeasible(Criterion):
     unit = "N"
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
+        if self.by not in (None, "tensions", "facets"):
+            raise InvalidInput(f"by must be 'tensions' or 'facets', got {quoted(self.by)}")
         W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
         low, high = robot.tension_min, robot.tension_max
         loads = external_wrenches(self.wrenches, robot.n_dof)
         half = box_half_widths(self.half_widths, robot.n_dof, "N, N m")
-        if self._by_facets():
+        if self.by == "facets" or (self.by is None and self.half_widths is not None):
             s = capacity_margins(W, weight, loads, half, low, high, exact=margin)[0]
             inside = balanced(s, W, weight, box_loads(loads, half)[:, None], low, high)
             return Judgement(inside, s) if margin else unknown(inside)
         return _balanced(robot, W, weight, box_loads(loads, half)[:, None], margin)
-
-    def _by_facets(self) -> bool:
-        if self.by not in (None, "tensions", "facets"):
-            raise InvalidInput(f"by must be 'tensions' or 'facets', got {quoted(self.by)}")
-        return self.by == "facets" or (self.by is None and self.half_widths is not None)
 
 
 @checked
