@@ -163,8 +163,7 @@ def moved_rates(robot: Robot, start: Pose, x: Array) -> Array:
     """∂t/∂ẋ (n, n) of the twist t at `moved`, in the motion pattern's rows there."""
     S, d = robot.pattern.basis(start.rotation), robot.dimension
     rates, rows = np.eye(S.shape[0]), S
-    if d == 3:
-        rates[d:, d:] = rotation_vector_jacobian(S[d:] @ x)
+    rates[d:, d:] = rotation_vector_jacobian(S[d:] @ x)
     if robot.motion_pattern == "2R3T":   # no other pattern's rows turn along
         rows = robot.pattern.basis(moved(robot, start, x).rotation)
     return rows.T @ rates @ S

@@ -44,7 +44,7 @@ class Trajectory:
 
     start, end : Pose
     duration : [s]
-    coefficients : (6, n) c_k of [p − p₀; r] = Σ c_k t^k, the rotation R₀ exp([r]×)
+    coefficients : (6, n) c_k of [p − p₀; r] = Σ c_k t^k, the rotation exp([r]×) R₀
     """
 
     start: Pose
@@ -65,11 +65,13 @@ class Trajectory:
         x, rate, bend = (np.moveaxis(np.asarray(value, np.float64), 0, -1) for value in values)
         rate, bend = np.where(resting, 0.0, rate), np.where(resting, 0.0, bend)
         d = self.start.dimension
-        rotation, spin, spin_rate = _turning(self.start.rotation, x[..., d:], rate[..., d:],
-                                             bend[..., d:])
-        pose = Pose.of(np.asarray(self.start.position + x[..., :d]), rotation)
-        return Reference(pose, np.concatenate([rate[..., :d], spin], axis=-1),
-                         np.concatenate([bend[..., :d], spin_rate], axis=-1))
+        pose = Pose.of(self.start.position + x[..., :d],
+                       rotation_from_vector(x[..., d:]) @ self.start.rotation)
+        J, J_rate = rotation_vector_jacobian(x[..., d:]), rotation_vector_jacobian_rate(x[..., d:], rate[..., d:])
+        spin = J @ rate[..., d:, None]
+        spin_rate = J @ bend[..., d:, None] + J_rate @ rate[..., d:, None]
+        return Reference(pose, np.concatenate([rate[..., :d], spin[..., 0]], axis=-1),
+                         np.concatenate([bend[..., :d], spin_rate[..., 0]], axis=-1))
 
 
 @checked
@@ -78,7 +80,7 @@ def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike |
             end_acceleration: ArrayLike | None = None) -> Trajectory:
     """Fifth-degree polynomial between two poses; rest to rest x = x₀ + (x₁ − x₀)(10 s³ − 15 s⁴ + 6 s⁵), s = t/T.
 
-    Position is interpolated in world axes; orientation as R₀ exp([r(t)]×), r quintic, which
+    Position is interpolated in world axes; orientation as exp([r(t)]×) R₀, r quintic, which
     rest to rest turns about one fixed axis.
 
     start, end : single poses
@@ -104,10 +106,10 @@ def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike |
              "start_acceleration": start_acceleration, "end_acceleration": end_acceleration}
     ends = [np.zeros(3 * (d - 1)) if value is None else as_array(value, name, (3 * (d - 1),))
             for name, value in given.items()]
-    turn = rotation_vector(start.rotation.T @ end.rotation)
+    turn = rotation_vector(end.rotation @ start.rotation.T)
     step = np.concatenate([end.position - start.position, turn])
-    rate0, bend0 = _vector_rates(start.rotation, np.zeros_like(turn), ends[0], ends[2], d)
-    rate1, bend1 = _vector_rates(start.rotation, turn, ends[1], ends[3], d)
+    rate0, bend0 = _vector_rates(np.zeros_like(turn), ends[0], ends[2], d)
+    rate1, bend1 = _vector_rates(turn, ends[1], ends[3], d)
     # From 0 to the step with these rates and second derivatives at the ends: three powers are
     # known, three are not.
     powers = np.arange(3, 6)
@@ -145,22 +147,9 @@ def hold(pose: Pose, duration: float) -> Trajectory:
     return quintic(pose, pose, duration)
 
 
-def _turning(start: Array, vector: Array, rate: Array, bend: Array) -> tuple[Array, Array, Array]:
-    """R, ω and ω̇ in world axes of R = R₀ exp([r]×): ω = R₀ J ṙ, ω̇ = R₀ (J r̈ + J̇ ṙ)."""
-    rotation = start @ rotation_from_vector(vector)
-    if vector.shape[-1] == 1:
-        return rotation, rate, bend
-    j, j_rate = rotation_vector_jacobian(vector), rotation_vector_jacobian_rate(vector, rate)
-    spin = (j @ rate[..., None])[..., 0]
-    spin_rate = (j @ bend[..., None] + j_rate @ rate[..., None])[..., 0]
-    return rotation, spin @ start.T, spin_rate @ start.T
-
-
-def _vector_rates(start: Array, vector: Array, twist: Array, acceleration: Array, d: int) -> tuple[Array, Array]:
-    """Rates of [p; r] that give this twist and acceleration where the rotation vector is ``vector``."""
-    if d == 2:
-        return twist, acceleration
+def _vector_rates(vector: Array, twist: Array, acceleration: Array, d: int) -> tuple[Array, Array]:
+    """Rates of [p; r] where r is ``vector``, from ω = J ṙ and ω̇ = J r̈ + J̇ ṙ."""
     inverse = np.linalg.inv(rotation_vector_jacobian(vector))
-    rate = inverse @ (start.T @ twist[d:])
-    bend = inverse @ (start.T @ acceleration[d:] - rotation_vector_jacobian_rate(vector, rate) @ rate)
+    rate = inverse @ twist[d:]
+    bend = inverse @ (acceleration[d:] - rotation_vector_jacobian_rate(vector, rate) @ rate)
     return np.concatenate([twist[:d], rate]), np.concatenate([acceleration[:d], bend])

@@ -196,15 +196,17 @@ def rotation_from_vector(vector: Array) -> Array:
 
 
 def cross_matrix(vector: Array) -> Array:
-    """[v]× with [v]× w = v × w.
+    """[v]× with [v]× w = v × w; 0 in the plane, where all turns are about one axis.
 
-    vector : (…, 3)
-    Returns (…, 3, 3).
+    vector : (…, 3), or (…, 1) in the plane
+    Returns (…, 3, 3), or (…, 1, 1).
 
     >>> cross_matrix(np.array([0.0, 0.0, 1.0])) @ [1.0, 0.0, 0.0]
     array([0., 1., 0.])
     """
-    matrix = np.zeros((*vector.shape, 3))
+    matrix = np.zeros((*vector.shape, vector.shape[-1]))
+    if vector.shape[-1] == 1:
+        return matrix
     x, y, z = np.moveaxis(vector, -1, 0)
     matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -z, y, -x
     matrix[..., 1, 0], matrix[..., 2, 0], matrix[..., 2, 1] = z, -y, x
@@ -239,8 +241,8 @@ def rotation_vector_jacobian(vector: Array) -> Array:
 
     J_l = I + (1 − cos θ)/θ² [r]× + (θ − sin θ)/θ³ [r]×², θ = ‖r‖
 
-    vector : (…, 3) [rad]
-    Returns (…, 3, 3).
+    vector : (…, 3) [rad], or (…, 1) in the plane
+    Returns (…, 3, 3), or (…, 1, 1).
     Source: Chirikjian 2011, Stochastic Models, Information Theory, and Lie Groups 2, eq.
     (10.86).
 
@@ -249,14 +251,14 @@ def rotation_vector_jacobian(vector: Array) -> Array:
     """
     b, c = turn_coefficients(np.linalg.norm(vector, axis=-1))[:2]
     k = cross_matrix(vector)
-    return np.eye(3) + b[..., None, None] * k + c[..., None, None] * (k @ k)
+    return np.eye(k.shape[-1]) + b[..., None, None] * k + c[..., None, None] * (k @ k)
 
 
 def rotation_vector_jacobian_rate(vector: Array, rate: Array) -> Array:
     """dJ_l/dt of J_l = I + b [r]× + c [r]×², with b, c of the angle θ = ‖r‖ and θ̇ θ = r · ṙ.
 
-    vector, rate : r, ṙ (…, 3) [rad, rad/s]
-    Returns (…, 3, 3).
+    vector, rate : r, ṙ (…, 3) [rad, rad/s], or (…, 1) in the plane
+    Returns (…, 3, 3), or (…, 1, 1).
 
     >>> rotation_vector_jacobian_rate(np.zeros(3), np.array([0.0, 0.0, 2.0]))[1, 0]
     np.float64(1.0)
