@@ -211,7 +211,7 @@ def tables(page: str) -> dict[str, list[float]]:
 def page_differences(page: str) -> list[str]:
     """Results that the page's prose does not say as they are computed; ``tables`` are the page's."""
     space: dict[str, Any] = {"tables": tables(page)}
-    exec("import numpy as np\nimport cdprlab as cl", space)
+    exec("import numpy as np\nimport cdprlab as cl\n" + PAGES[page].get("SETUP", ""), space)
     return _different(" ".join(TABLE.sub(" ", page_text(page)).split()), _results(PAGES[page].get("RESULTS", [])),
                       space)
 

@@ -16,12 +16,28 @@ PAGES = {
         "OPEN": ["sags from 1.8 m", "ends at P = 1.75 m", "45 N and 92 % of"],
     },
     "marionet": {
+        "SETUP": """
+from cdprlab.course import region
+
+exits = cl.load_world("marionet").robot.exit_points
+S, G = np.array([0.60, 0.80, 0.80]), np.array([1.90, 1.10, 0.50])
+start, end = np.array([1.85, 0.70, 1.30]), np.array([1.85, 1.40, 1.60])
+
+def certain(ropes, a, b):
+    return region(exits[[rope - 1 for rope in ropes]], 0.02, 0.05).window(a, b)
+
+window = [0.60 + 1.30 * share for share in (certain((1, 2, 3), S, G)[0], certain((1, 2, 4), S, G)[1])]
+both = [0.70 + 0.70 * share for share in (certain((2, 3, 4), start, end)[0], certain((1, 2, 3), start, end)[1])]
+""",
+        "RESULTS": [("from {1.3549} to {1.4037} m", "tuple(window)"), ("from {0.904} to {1.384} m", "tuple(both)"),
+                    ("at its upper end, y = {1.384} m", "both[1]"),
+                    ("on that way z = {1.377} m", "1.30 + 0.30 * (0.88 - 0.70) / 0.70")],
         "GIVEN": ["(1.51, 1.01)", "x = 1.85 m",
                   "S = (0.86, 0.66, 1.80), G = (1.64, 0.84, 1.80), printed M = (1.40, 0.78, 1.80)",
                   "(1.85, 0.80, 1.30)", "(1.85, 0.88, 0.38)", "(1.85, 0.70, 1.30)", "(1.85, 0.88, 1.38)",
                   "at y = 0.88 m",
                   "printed 0.88 m", "70 kg, 0.4 m/s", "(0.4 to 0.6 m at S and G"],
-        "OPEN": ["from 1.3549 to 1.4037 m", "z = 1.377 m", "by about 0.35 %", "from 0.904 to 1.384 m", "y = 1.384 m",
+        "OPEN": ["by about 0.35 %",
                  "(1.22, 0.99) and (1.47, 1.06)"],
     },
     "mission": {"GIVEN": ["section 2.3", "270°"]},
