@@ -108,7 +108,7 @@ def cable_tensions(winch: Winch, torques: Array, rates: Array, loose: Array, yie
         step's end, or friction would shake what it should hold [N m s/rad]
     """
     speed, ratio = motor_speed(winch, rates), winch.gear_ratio / winch.drum_radius
-    inertia = ratio * (winch.inertia + period * np.broadcast_to(damping, speed.shape))
+    inertia = ratio * (winch.inertia + period * np.full(speed.shape, damping))
     inverse = np.linalg.inv(np.diag(gear_torque(winch, 1.0, speed)) + inertia[:, None] * yielding)
     known = inertia * loose - friction_torque(winch, speed)
     given = np.clip(torques, -winch.torque, winch.torque)
