@@ -31,18 +31,18 @@ def look(motion: Array, dt: float, reach: float, center: Array, exit_points: Arr
     seen[:9] = x, y, c, -s, s, c, vx + spin * ry, vy - spin * rx, spin
     sound = abs(x) < reach and abs(y) < reach and abs(spin * dt) < math.tau
     for i, (bx, by) in enumerate(anchor_points):
-        # v = A − p − R B, l = ‖v‖, u = v / l
-        dx = exit_points[i, 0] - x - bx * c + by * s
-        dy = exit_points[i, 1] - y - bx * s - by * c
+        # r = R B, v = A − p − r, l = ‖v‖, u = v / l, to the last bit as `cables` has them
+        rx, ry = c * bx - s * by, s * bx + c * by
+        dx, dy = exit_points[i, 0] - x - rx, exit_points[i, 1] - y - ry
         if pulleys.shape[0] and pulleys[i, 0] > 0:
             length, ux, uy, _ = over_pulley(dx, dy, 0.0, pulleys[i])
             sound = sound and length > 0
         else:
-            length = math.hypot(dx, dy) or 1e-12
+            length = math.sqrt(dx * dx + dy * dy) or 1e-12
             ux, uy = dx / length, dy / length
         seen[9 + i] = length
         W[0, i], W[1, i] = ux, uy
-        W[2, i] = (bx * c - by * s) * uy - (bx * s + by * c) * ux
+        W[2, i] = rx * uy - ry * ux
     return sound
 
 
