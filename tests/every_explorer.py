@@ -7,7 +7,7 @@ from cdprlab.fastkit import Vehicle
 
 def hung(explorer):
     """With its load hung in the engine."""
-    explorer.set(hang="yes, in pymunk")
+    explorer.set(hang="yes")
     return explorer
 
 
@@ -17,9 +17,9 @@ EVERY_EXPLORER = {
     "pose, IPAnema 3": lambda: course.pose_explorer(cl.load_world("ipanema3")),
     "force polygon, 2 cables": lambda: course.equilibrium_explorer(2, internal=False),
     "force polygon, load let go in pymunk": lambda: course.equilibrium_explorer(3),
-    "two circles, load hung in pymunk": lambda: hung(course.two_circles_explorer()),
+    "two circles, load hung": lambda: hung(course.two_circles_explorer()),
     "Gauss–Newton": lambda: course.forward_kinematics_explorer(3),
-    "Gauss–Newton, platform hung in pymunk": lambda: hung(course.forward_kinematics_explorer(6, error=100.0)),
+    "Gauss–Newton, platform hung": lambda: hung(course.forward_kinematics_explorer(6, error=100.0)),
     "tensions": lambda: course.tension_explorer(
         cl.load_world("caroca"), cl.Pose([-1.5, -0.6, 1.6], rpy=[0.02, 0.15, -0.15])),
     "gains": lambda: course.gain_explorer(kp=100, kd=20, dt=4.2, span=1.0),

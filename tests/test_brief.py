@@ -131,6 +131,6 @@ def test_the_designer_judges_the_brief_with_every_edit():
     assert "The brief is met" in designer.text
     designer.do(designer.session.edit, ("cables", 0, "exit_point", 0), 5.0)
     assert "The brief is not met" in designer.text and "✗" in designer.brief.value
-    designer.undo()
+    designer.do(designer.session.undo)
     assert "The brief is met" in designer.text
     designer.close()

@@ -401,12 +401,12 @@ def test_what_is_loaded_is_named_and_what_is_not_saved_is_marked(tmp_path, monke
     designer = course.robot_designer("caroca")
     world, begun = designer.world, designer.session
     assert f"<b>{world.title}</b> (caroca)" in designer.head.value and "not saved" not in designer.head.value
-    designer.edit(("platform", "mass"), 120.0)
+    designer.do(designer.session.edit, ("platform", "mass"), 120.0)
     assert f"<b>{world.title} (changed)</b>" in designer.head.value and "not saved" in designer.head.value
-    designer.undo()
+    designer.do(designer.session.undo)
     assert "not saved" not in designer.head.value
-    designer.redo()
-    assert designer.save("mine.yaml") and "not saved" not in designer.head.value
+    designer.do(designer.session.redo)
+    assert designer.do(designer.session.save, "mine.yaml") and "not saved" not in designer.head.value
     assert cl.load_world(tmp_path / "mine.yaml").robot.mass == 120.0 and str(tmp_path) not in designer.head.value
     assert designer.do(begun.new, "planar_rigid") and begun.world.name == "my_robot" and begun.unsaved
     assert designer.do(begun.new) and begun.world.robot.n_cables == 1 and "My robot" in designer.head.value
@@ -461,7 +461,7 @@ def test_the_window_of_the_slice_stays_where_it_is():
 
 def test_a_flight_that_fails_says_so():
     designer = course.robot_designer("planar_point")
-    designer.edit(("cable_limits", "tension", 1), 6.0)
+    designer.do(designer.session.edit, ("cable_limits", "tension", 1), 6.0)
     designer.simulate()
     assert 'role="alert"' in designer.message.value and "The flight failed: at " in designer.message.value
     designer.close()

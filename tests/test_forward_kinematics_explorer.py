@@ -101,17 +101,17 @@ def test_an_error_of_a_cable_that_is_not_measured_is_said_to_do_nothing(explorer
 
 @pytest.mark.parametrize(("cables", "slack"), [(3, "none"), (4, "cable 4 by 113 mm"), (6, "cable 2 by 100 mm")])
 def test_hung_on_ropes_one_too_long_another_gives(explorer, cables, slack):
-    reset(explorer, cables=cables, cable=2, error=100.0, hang="yes, in pymunk")
+    reset(explorer, cables=cables, cable=2, error=100.0, hang="yes")
     assert f"slack: {slack}" in explorer.text and slack in explorer.alt_text
 
 
 def test_exact_lengths_of_a_pose_that_would_need_a_push_hang_elsewhere(explorer):
-    reset(explorer, cables=3, x=-0.8, y=2.0, guess_angle=0.0, hang="yes, in pymunk")
+    reset(explorer, cables=3, x=-0.8, y=2.0, guess_angle=0.0, hang="yes")
     assert "exactly these lengths" in explorer.text and "slack: cable 3" in explorer.text
 
 
 def test_a_rope_too_short_hangs_nothing_and_says_so(explorer):
-    reset(explorer, cables=4, error=-50.0, hang="yes, in pymunk")
+    reset(explorer, cables=4, error=-50.0, hang="yes")
     assert "Something would tear" in explorer.text and not explorer.hung
 
 

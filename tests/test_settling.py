@@ -1,4 +1,4 @@
-"""What pymunk does with a load that is let go, or hung on ropes, is what statics and geometry say."""
+"""A load let go moves in pymunk as statics says; hung on ropes it rests where geometry says, as low as they allow."""
 
 import numpy as np
 import pytest
@@ -11,9 +11,7 @@ from cdprlab.course.props.pose_search import six_cables
 from cdprlab.course.props.settling import hang
 from cdprlab.errors import InvalidInput
 
-# The engine is called at rest below 1e-6 m/s, and a hanging load's slowest motion fades at 1/s or quicker: 1e-6 m are
-# left, some of it in each direction.
-AT_REST = 1e-5
+AT_REST = 1e-6     # m: `equilibrium` finds cables taut to this
 
 EXITS = np.array([[-2.0, 3.0], [2.0, 3.0]])
 
@@ -65,7 +63,7 @@ def test_a_load_hangs_at_the_lower_crossing_or_below_one_exit(lengths):
     settled = hang(point_load(2), lengths, cl.Pose([0.0, 1.0], angle=0.0))
     lower = circle_crossings(EXITS, lengths)[0]
     if -2 < lower[0] < 2:     # between the exits both ropes pull
-        assert not settled.slack.any() and settled.tensions.min() > 0
+        assert not settled.slack.any()
     else:
         short = int(lengths.argmin())
         assert settled.slack.tolist() == [short == 1, short == 0]
@@ -83,11 +81,11 @@ def test_it_does_not_matter_where_the_load_was_before(lengths):
 
 
 def test_ropes_that_do_not_reach_each_other_are_said_not_to_fit():
-    assert not hang(point_load(2), [1.0, 2.0], cl.Pose([0.0, 1.0], angle=0.0)).fits
+    assert hang(point_load(2), np.array([1.0, 2.0]), cl.Pose([0.0, 1.0], angle=0.0)) is None
     truth = cl.Pose([0.4, 1.3], angle=0.15)
     for count in (4, 5, 6):     # held from all around: nothing gives when one rope gets shorter
-        assert not hang(six_cables(count), cl.cable_lengths(six_cables(count), truth) - [0, 0.01, *[0] * (count - 2)],
-                        truth).fits
+        assert hang(six_cables(count), cl.cable_lengths(six_cables(count), truth) - [0, 0.01, *[0] * (count - 2)],
+                    truth) is None
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -97,8 +95,7 @@ def test_a_platform_hangs_at_rest_as_low_as_its_ropes_allow(seed):
                                                                  angle=rng.uniform(-0.3, 0.3))
     lengths = cl.cable_lengths(robot, truth) + 0.2 * rng.random(robot.n_cables) * (rng.random(robot.n_cables) < 0.5)
     settled = hang(robot, lengths, truth)
-    assert settled.fits
-    np.testing.assert_array_equal(settled.tensions[settled.slack], 0)
+    assert settled.spare.min() > -AT_REST
 
     def spare(x):
         return lengths - cl.cable_lengths(robot, cl.Pose(x[:2], angle=x[2]))
@@ -108,10 +105,6 @@ def test_a_platform_hangs_at_rest_as_low_as_its_ropes_allow(seed):
                       options={"ftol": 1e-12})
     # An independent search from there finds nothing lower; it may break its constraints by 1e-6 m and a little more.
     assert lowest.fun > settled.pose.position[1] - 2 * AT_REST
-    # At rest W τ + w_e = 0. Within AT_REST of rest a pendulum of 1 m pulls AT_REST of its weight of 98 N sideways; the
-    # solver leaves as little of what redundant ropes pull at each other.
-    held = cl.wrench_matrix(robot, settled.pose) @ settled.tensions + cl.gravity_wrench(robot, settled.pose)
-    assert np.abs(held).max() < AT_REST * (98.1 + settled.tensions.max())
 
 
 def test_an_error_of_one_length_is_slack_somewhere():
@@ -129,21 +122,10 @@ def test_an_error_of_one_length_is_slack_somewhere():
         np.testing.assert_allclose(slack[count].pose.position, found.position, atol=AT_REST)
 
 
-def test_slow_winches_do_not_matter():
-    world = cl.World.from_dict({
-        "name": "slow", "motion_pattern": "2T",
-        "platform": {"mass": 10.0, "inertia": 0.1, "size": [0.2, 0.2], "pose": {"position": [0.0, 1.0]}},
-        "cable_limits": {"tension": [0, 1000], "speed": 0.01},
-        "cables": [{"exit_point": exit_point.tolist(), "anchor_point": [0, 0]} for exit_point in EXITS]})
-    np.testing.assert_allclose(hang(world.robot, [2.5, 2.5], world.pose).pose.position, [0, 1.5], atol=AT_REST)
-
-
-def test_only_planar_robots_hang_here():
+def test_only_planar_robots_are_let_go_here():
     caroca = cl.load_world("caroca")
     with pytest.raises(InvalidInput, match="planar robots, got Robot"):
-        hang(caroca.robot, cl.cable_lengths(caroca.robot, caroca.pose), caroca.pose)
-    with pytest.raises(InvalidInput, match="lengths must be"):
-        hang(point_load(2), [1, 2, 3], cl.Pose([0, 1], angle=0))
+        let_go(caroca.robot, caroca.pose, np.full(8, 100.0))
     with pytest.raises(InvalidInput, match="tensions must be"):
         let_go(point_load(2), cl.Pose([0, 1], angle=0), [1, 2, 3])
 

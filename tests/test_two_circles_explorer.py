@@ -8,7 +8,7 @@ import pytest
 from cdprlab import course
 from cdprlab.errors import InvalidInput
 
-HUNG = "yes, in pymunk"
+HUNG = "yes"
 
 
 @pytest.fixture(scope="module")

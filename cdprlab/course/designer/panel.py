@@ -20,7 +20,6 @@ from ..explorers.player import run_player
 from ..shown import Shown, boxed, style
 from .assessment import PLANES
 from .design_picture import DesignPicture
-from .edits import Path
 from .fields import GROUPS, rows
 from .forms import Form
 from .report import as_html, report, warnings_html
@@ -73,26 +72,6 @@ class RobotDesigner(Shown):
             self._say(f"{self.session.mistake}\nThe robot is the one before this edit.", "alert")
         _show_only([] if worked else [self.take_back], [self.take_back])
         return worked
-
-    def edit(self, path: Path, value: Any) -> bool:
-        """As typing it: another value at a place of the world file."""
-        return self.do(self.session.edit, path, value)
-
-    def undo(self) -> bool:
-        """Before the last edit."""
-        return self.do(self.session.undo)
-
-    def redo(self) -> bool:
-        """The edit undone last, again."""
-        return self.do(self.session.redo)
-
-    def load(self, name_or_path: str) -> bool:
-        """Another world in place of this one; it can be undone."""
-        return self.do(self.session.load, name_or_path)
-
-    def save(self, path: str) -> bool:
-        """Write the world file."""
-        return self.do(self.session.save, path, said=f"Saved as {path}.")
 
     def simulate(self, **chosen: Any) -> Run | None:
         """The default task in the engine, played below; returns the Run, or None with the reason on the page.
@@ -327,7 +306,7 @@ def robot_designer(world: World | str = _START, brief: Brief | None = None) -> R
     >>> designer = robot_designer("planar_rigid")
     >>> designer.do(designer.session.edit, ("cables", 0, "exit_point", 1), 0.5)
     True
-    >>> designer.undo()
+    >>> designer.do(designer.session.undo)
     True
     >>> designer.session.history.redo_label
     'cable 1: exit_point[2]'

@@ -1,6 +1,6 @@
 """Forward kinematics at one's fingertips: lengths from a true pose, one of them wrong, and a guess to start from.
 
-Beside it the engine: where would a platform hang on ropes of exactly these lengths?
+Beside it: where would a platform hang on ropes of exactly these lengths?
 """
 
 from typing import Any
@@ -22,14 +22,12 @@ from ..pictures.panels import draw_exit_points
 from ..pictures.pose_estimates import outline
 from ..props.changed_cables import without_cable
 from ..props.pose_search import gauss_newton_path, six_cables
-from ..props.settling import Settled, hang
+from ..props.settling import hang
 from ..text_table import cable_table, fixed
 from .explorer import Choice, Explorer, Slider, Values
 
 _SHOWN = 6
 """Iterates drawn."""
-
-_HELD, _HUNG = "no", "yes, in pymunk"
 
 
 @checked
@@ -57,7 +55,7 @@ class ForwardKinematicsExplorer(Explorer):
             Slider("guess_x", "guess x", "m", -1.4, 1.4, -0.4, 0.02),
             Slider("guess_y", "guess y", "m", 0.6, 2.4, 1.8, 0.02),
             Slider("guess_angle", "guess φ", "°", -180.0, 180.0, -30.0, 1.0),
-            Choice("hang", "hang it on these ropes", (_HELD, _HUNG), _HELD)]
+            Choice("hang", "hang it on these ropes", ("no", "yes"), "no")]
         super().__init__(controls, title="Forward kinematics of a planar robot",
                          size=(6.2, 5.2))
 
@@ -69,7 +67,7 @@ class ForwardKinematicsExplorer(Explorer):
                         ylabel="y [m]")
         figure.legend(loc="outside lower center", ncols=2, fontsize=9, handles=[
             Line2D([], [], color=GREY, alpha=0.5, linewidth=7, label="true pose"),
-            Line2D([], [], color=SKY, linewidth=7, alpha=0.7, label="hung on ropes (pymunk)"),
+            Line2D([], [], color=SKY, linewidth=7, alpha=0.7, label="at rest on ropes"),
             Line2D([], [], color=INK, linewidth=1, linestyle=(0, (2, 2)),
                    label="guess 0, steps 1, 2, …"),
             Line2D([], [], color=VERMILION, linewidth=2.4, marker="^",
@@ -87,8 +85,8 @@ class ForwardKinematicsExplorer(Explorer):
                 "largest residual": f"{1e3 * np.abs(path.residuals).max():.1f} mm",
                 "verdict": self._verdict(),
                 "residuals, measured − fitted [mm]": self._residuals()}
-        if self._settled is not None:
-            text["hung on ropes of these lengths (pymunk)"] = self._hung_text(self._settled)
+        if self._asked:
+            text["at rest on ropes of these lengths"] = self._hung_text()
         if values["cable"] > values["cables"] and values["error"]:
             text["note"] = f"cable {values['cable']} is not measured: its error does nothing"
         return text
@@ -104,7 +102,7 @@ class ForwardKinematicsExplorer(Explorer):
         panel.fill(*outline(self._robot, self._truth).T, color=GREY, alpha=0.35, linewidth=0)
         self._draw_cables(poses[-1])
         self.hung: list[Any] = []
-        if self._settled is not None and self._settled.fits:
+        if self._settled is not None:
             self._draw_hung(self._settled.pose)
         self._draw_iterates()
         panel.plot(*np.array([pose.position for pose in poses]).T, color=INK, marker="o",
@@ -116,7 +114,7 @@ class ForwardKinematicsExplorer(Explorer):
 
     def describe(self, values: Values) -> str:
         """One sentence for those who do not see the picture."""
-        hung = "" if self._settled is None else "; hung on ropes: " + self._hung_text(self._settled).replace("\n", "; ")
+        hung = "; hung on ropes: " + self._hung_text().replace("\n", "; ") if self._asked else ""
         return (f"Planar robot, {values['cables']} cables measured: {_pose_text(self._path.poses[-1])} found, "
                 f"{_pose_text(self._truth)} true; {self._verdict()}{hung}")
 
@@ -130,7 +128,8 @@ class ForwardKinematicsExplorer(Explorer):
         guess = Pose([values["guess_x"], values["guess_y"]],
                      angle=np.deg2rad(values["guess_angle"]))
         self._path = gauss_newton_path(self._robot, self._lengths, guess)
-        self._settled = hang(self._robot, self._lengths, self._truth) if values["hang"] == _HUNG else None
+        self._asked = values["hang"] == "yes"
+        self._settled = hang(self._robot, self._lengths, self._truth) if self._asked else None
 
     def _draw_hung(self, pose: Pose) -> None:
         """The platform at rest on its ropes; what is slack hangs through."""
@@ -141,8 +140,9 @@ class ForwardKinematicsExplorer(Explorer):
         for rope in zip(anchors, self._robot.exit_points, self._lengths):
             self._panel.plot(*hanging(*rope).T, color=SKY, linewidth=2.2)
 
-    def _hung_text(self, settled: Settled) -> str:
-        if not settled.fits:
+    def _hung_text(self) -> str:
+        settled = self._settled
+        if settled is None:
             return "nowhere: no pose is within reach of all ropes.\nSomething would tear."
         loose = ", ".join(f"cable {i + 1} by {1e3 * settled.spare[i]:.0f} mm"
                           for i in np.flatnonzero(settled.slack))

@@ -1,4 +1,4 @@
-"""Two lengths, two circles, two places: where is a point on two cables, and where does the engine hang it?"""
+"""Two lengths, two circles, two places: where is a point on two cables, and where does a load hang on two ropes?"""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -16,7 +16,7 @@ from ...view.outlines import hanging
 from ...view.style import INK, SKY, cable_style
 from ..pictures.panels import draw_exit_points
 from ..props.point_load import circle_crossings, lower_crossing, point_load
-from ..props.settling import Settled, hang
+from ..props.settling import hang
 from ..text_table import in_brackets
 from .explorer import Choice, Explorer, Slider, Values
 
@@ -25,8 +25,6 @@ EXIT_POINTS = np.array([[0.0, 3.0], [5.0, 3.0]])
 
 _START = Pose([2.5, 1.0], angle=0.0)
 """Where the load is before the winches bring the ropes to length; it does not matter where."""
-
-_HELD, _HUNG = "no", "yes, in pymunk"
 
 _LOOKS: Any = tuple(zip((cable_style(0).color, cable_style(1).color), ("solid", (0, (5, 2)))))
 """Color and dashes of the two cables and their circles."""
@@ -37,13 +35,13 @@ Formula = Callable[[Array, Array, float, float], Any]
 
 @checked
 class TwoCirclesExplorer(Explorer):
-    """Sliders for two cable lengths: two circles, the point a formula finds, and where a load hangs in the engine.
+    """Sliders for two cable lengths: two circles, the point a formula finds, and where a load hangs still.
 
     formula : somebody's own, (A1, A2, l1, l2) → (2,) [m], raises ValueError where no point has
         these lengths; default the lower crossing
 
     >>> explorer = two_circles_explorer()
-    >>> explorer.set(l1=3.0, l2=6.5, hang="yes, in pymunk")
+    >>> explorer.set(l1=3.0, l2=6.5, hang="yes")
     >>> print(explorer.text.splitlines()[-2])
     rope 2 is slack, 0.67 m to spare
     """
@@ -56,7 +54,7 @@ class TwoCirclesExplorer(Explorer):
         self._formula = formula or lower_crossing
         controls: list[Slider | Choice] = [Slider("l1", "length l₁", "m", 1.0, 7.0, 3.0, 0.05),
                                            Slider("l2", "length l₂", "m", 1.0, 7.0, 4.0, 0.05),
-                                           Choice("hang", "hang a load", (_HELD, _HUNG), _HELD)]
+                                           Choice("hang", "hang a load", ("no", "yes"), "no")]
         super().__init__(controls, title="Two lengths, two circles, two places",
                          size=(5.6, 5.2))
 
@@ -71,7 +69,7 @@ class TwoCirclesExplorer(Explorer):
         handles += [Line2D([], [], color=INK, marker="o", markersize=8, linestyle="none",
                            label=self._whose),
                     Line2D([], [], color=SKY, marker="s", markersize=10, linewidth=4,
-                           label="a load on ropes (pymunk)")]
+                           label="a load at rest on ropes")]
         figure.legend(loc="outside lower center", ncols=2, fontsize=9, handles=handles)
 
     def numbers(self, values: Values) -> dict[str, Any]:
@@ -81,14 +79,12 @@ class TwoCirclesExplorer(Explorer):
                 else " and ".join(in_brackets(point, 3) for point in self._crossings),
                 f"{self._whose} [m]": "none"
                 if self._found is None else in_brackets(self._found, 3)}
-        if self._settled is None:
-            return text | {"load": "not hung yet: predict, then let it hang"}
-        return text | self._hung(self._settled)
+        return text | self._hung()
 
     def draw(self, values: Values) -> None:
         panel, settled = self._panel, self._settled
         self.load = []
-        if settled is not None and settled.fits:
+        if settled is not None:
             load = settled.pose.position
             for rope in zip(EXIT_POINTS, self._lengths):
                 panel.plot(*hanging(load, *rope).T, color=SKY, linewidth=6.0, alpha=0.8)
@@ -106,7 +102,7 @@ class TwoCirclesExplorer(Explorer):
 
     def describe(self, values: Values) -> str:
         place = "no point" if self._found is None else f"the point at {in_brackets(self._found, 3)} m"
-        load = "" if self._settled is None else "; load " + self._hung(self._settled)["load"].replace("\n", " ")
+        load = "; load " + self._hung()["load"].replace("\n", " ")
         return f"Circles of radius {values['l1']:g} and {values['l2']:g} m around exit points 5 m apart; {place}{load}"
 
     # --- inside ---------------------------------------------------------------------------------------
@@ -123,10 +119,14 @@ class TwoCirclesExplorer(Explorer):
                                         *self._lengths.tolist())
         if self._found is not None:
             self._found = as_array(self._found, "the point", (2,), "m")
-        self._settled = hang(self._robot, self._lengths, _START) if values["hang"] == _HUNG else None
+        self._asked = values["hang"] == "yes"
+        self._settled = hang(self._robot, self._lengths, _START) if self._asked else None
 
-    def _hung(self, settled: Settled) -> dict[str, str]:
-        if not settled.fits:
+    def _hung(self) -> dict[str, str]:
+        settled = self._settled
+        if not self._asked:
+            return {"load": "not hung yet: predict, then let it hang"}
+        if settled is None:
             return {"load": "nowhere: the ropes together are shorter\nthan the way from A₁ to A₂"}
         loose = [f"rope {i + 1} is slack, {settled.spare[i]:.2f} m to spare"
                  for i in np.flatnonzero(settled.slack)]

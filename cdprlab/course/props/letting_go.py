@@ -6,10 +6,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array, as_number
+from ...errors import InvalidInput, quoted
 from ...robot import Robot
 from ...robot.pose import Pose
 from ...simulate import open_simulator
-from .bare_world import bare_world
+from ...world import World
+from ...world.model import Scene
+
+_DEEP = -1e3
+"""Of the floor, which no experiment of seconds reaches [m]."""
 
 
 class Motion(NamedTuple):
@@ -41,17 +46,20 @@ def let_go(robot: Robot, pose: Pose, tensions: ArrayLike, push: ArrayLike | None
     push : (n,) external wrench beside the weight [N, N m]
     duration : [s]
     dt : time step [s]
-    Raises InvalidInput for numbers of another shape.
+    Raises InvalidInput for numbers of another shape, or a robot in space.
 
     >>> from cdprlab.course.props.point_load import point_load
     >>> let_go(point_load(2), Pose([0, 1], angle=0), [-50, 0]).acceleration
     array([ 0.  , -9.81])
     """
+    if robot.dimension != 2:
+        raise InvalidInput(f"this experiment is for planar robots, got {quoted(robot)}")
     wrench = np.zeros(robot.n_dof) if push is None else as_array(push, "push",
                                                                  (robot.n_dof,), "N, N m")
     pulls = np.maximum(as_array(tensions, "tensions", (robot.n_cables,), "N"), 0.0)
     steps = round(as_number(duration, "duration", "s") / dt)
-    with open_simulator(bare_world(robot, pose), cables="tension", dt=dt) as engine:
+    alone = World("alone", "", "", robot, pose, Scene(None, _DEEP, ()), {}, None)
+    with open_simulator(alone, cables="tension", dt=dt) as engine:
         engine.push(wrench)
         places, acceleration = [engine.position], np.zeros(robot.n_dof)
         for k in range(steps):
