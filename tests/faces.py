@@ -178,14 +178,14 @@ def of_fastkit() -> dict[str, tuple[Any, Words]]:
         "draw_hall": (fastkit.draw_hall, {"axes": axes, "hall": hall, "vehicle": vehicle}),
         "draw_way": (fastkit.draw_way, {"axes": axes, "journey": journey, "until": 1.0}),
         "frame_at": (fastkit.frame_at, {"job": job, "t": 0.1, "width": 64, "scene": None}),
-        "in_hall": (fastkit.in_hall, {**world, "pallets": [[3, -3, 0.8, 1.2, 0.3]], "height": 1.2}),
+        "in_hall": (fastkit.in_hall, {**world, "pallets": [[3, -3, 0.8, 1.2, 0.3]]}),
         "inflated_width": (fastkit.inflated_width, {"grid": grid, "vehicle": vehicle, "margin": 0.1}),
         "least_edge_loads": (fastkit.least_edge_loads, {"wheels": np.ones((5, 2, 4))}),
         "mission_states": (fastkit.mission_states, {"trip": trip, "work": None}),
         "navigate": (fastkit.navigate, {
             "pair": pair, "hall": hall, "start": [-3, -3, 0], "goal": [-2.9, -3, 0], "berth": None, "leaving": None,
             "uncertainty": (0.1, 0.1, 0.05), "period": 0.1, "progress": None}),
-        "pair_pose": (fastkit.pair_pose, {"world": FASTKIT, "active": "active"}),
+        "pair_pose": (fastkit.pair_pose, {"world": FASTKIT}),
         "pick_and_place": (fastkit.pick_and_place, {
             "world": FASTKIT, "task": "pick_and_place", "control": "torque", "speed": 0.5, "dt": 2e-3,
             "control_period": 4e-3, "faults": (lambda _: "enough",), "fold": False, "progress": None}),
@@ -194,7 +194,7 @@ def of_fastkit() -> dict[str, tuple[Any, Words]]:
         "plot_job": (fastkit.plot_job, {"job": job}), "plot_journey": (fastkit.plot_journey, {"journey": journey}),
         "run_mission": (fastkit.run_mission, {
             **world, "start": [5, -3.5, 1.8], "task": "pick_and_place", "station": (0.2, -0.4, 0), "walkers": (),
-            "seed": 0, "beams": 11, "work": None, "states": (), "progress": None}),
+            "seed": 0, "beams": 11, "work": None, "progress": None}),
         "save_job_film": (fastkit.save_job_film, {"job": job, "path": "j.gif", "seconds": 0.2, "fps": 8, "width": 64}),
         "walk_through": (lambda **words: list(fastkit.walk_through(**words)), {"mission": mission, "states": ()}),
         "Follower": (fastkit.Follower, {"vehicle": vehicle, "poses": [HERE, HERE]}),
@@ -202,7 +202,7 @@ def of_fastkit() -> dict[str, tuple[Any, Words]]:
         "Follower.command": (_follower().command, {"pose": HERE, "unexpected": seen, "period": 0.1}),
         "Hall": (fastkit.Hall, fields(hall)),
         "Hall.of": (fastkit.Hall.of, {"rectangles": [[2, 0, 1, 1, 0]], "bounds": BOUNDS, "seen": True}),
-        "Hall.of_world": (fastkit.Hall.of_world, {**world, "height": 0.2, "tallest": 2.4}),
+        "Hall.of_world": (fastkit.Hall.of_world, world),
         "Hall.distance": (hall.distance, {"points": seen}),
         "Hall.with_rectangles": (hall.with_rectangles, {"rectangles": [[2, 0, 1, 1, 0]]}),
         "KinematicPair": (fastkit.KinematicPair, {"vehicle": vehicle, "hall": hall, "pose": HERE, "walkers": (),
@@ -239,7 +239,7 @@ def of_fastkit() -> dict[str, tuple[Any, Words]]:
         "Trip": (fastkit.Trip, fields(trip)), "Trip.arrived": (trip.arrived, {"mission": mission}),
         "Trip.drive_home": (trip.drive_home, {"mission": mission}),
         "Trip.work_there": (trip.work_there, {"mission": mission, "work": None}),
-        "Vehicle.of": (fastkit.Vehicle.of, {"robot": FASTKIT.robot, "spacing": 2.0, "active": "active", "beams": 11}),
+        "Vehicle.of": (fastkit.Vehicle.of, {"robot": FASTKIT.robot, "spacing": 2.0, "beams": 11}),
         **{f"Vehicle.{name}": (getattr(vehicle, name), {"pose": HERE})
            for name in ("base_outlines", "bases", "outline")},
         "Vehicle.base_speeds": (vehicle.base_speeds, {"twist": HERE}),

@@ -27,15 +27,6 @@ def fixed(value: float, digits: int) -> str:
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
-def tension_text(tension: float) -> str:
-    """A tension [N] as a number, or that there is none.
-
-    >>> tension_text(12.345), tension_text(0.0)
-    ('12.3', 'slack')
-    """
-    return fixed(tension, 1) if tension > 0 else "slack"
-
-
 def in_brackets(values: Iterable[float], digits: int) -> str:
     """A point or a vector as text.
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.sparse.csgraph import connected_components
 
 from ...arrays import Array
 from ...errors import InvalidInput
@@ -64,23 +65,15 @@ def submatrix_twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
 def _why_not_exact(J: Array, B: Array) -> str:
     if null_space(J).shape[1]:
         return "J has no full column rank"
-    for rows, columns in _blocks(B):
-        part, moves = J[rows], B[np.ix_(rows, columns)]
-        left = moves - part @ np.linalg.lstsq(part, moves, rcond=None)[0]
-        if np.abs(left).max() > 1e-9 * np.abs(moves).max():
+    m, a = B.shape
+    shared = np.zeros((m + a, m + a))
+    shared[:m, m:] = B != 0
+    count, part = connected_components(shared, directed=False)   # cables and actuators that have to do with each other
+    for k in range(count):
+        rows, columns = np.flatnonzero(part[:m] == k), np.flatnonzero(part[m:] == k)
+        moves = B[np.ix_(rows, columns)]
+        left = moves - J[rows] @ np.linalg.lstsq(J[rows], moves, rcond=None)[0]
+        if np.abs(left).max(initial=0.0) > 1e-9 * np.abs(moves).max(initial=0.0):
             return (f"cables {', '.join(str(i + 1) for i in rows)} share actuators that do not move their exits like "
                     "one base")
     return ""
-
-
-def _blocks(B: Array) -> list[tuple[list[int], list[int]]]:
-    """Cables and columns of B that have to do with each other."""
-    blocks: list[tuple[set[int], set[int]]] = []
-    for column in range(B.shape[1]):
-        rows = set(np.flatnonzero(B[:, column]).tolist())
-        if rows:
-            merged = [block for block in blocks if block[0] & rows]
-            blocks = [block for block in blocks if not block[0] & rows]
-            blocks.append((rows.union(*(block[0] for block in merged)),
-                           {column}.union(*(block[1] for block in merged))))
-    return [(sorted(rows), sorted(columns)) for rows, columns in blocks]

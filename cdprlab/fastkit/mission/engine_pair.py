@@ -17,7 +17,7 @@ from ...world import World
 from ..navigation.driving import Pair, Walker
 from ..navigation.hall import Hall
 from ..navigation.laser import Scanner
-from ..navigation.vehicle import Vehicle
+from ..navigation.vehicle import ACTIVE, Vehicle
 from ..plane import Motion, placed, relative
 
 _STEP = 4e-3      # s of the engine
@@ -93,14 +93,14 @@ class EnginePair(Pair):
 
 
 @checked
-def pair_pose(world: World, active: str = "active") -> tuple[Array, float]:
+def pair_pose(world: World) -> tuple[Array, float]:
     """(3,) pose of the pair as a world's bases stand, the active one behind, and how far apart they are.
 
     Raises InvalidInput unless there are two bases that look the same way, one behind the other.
     """
     bases = world.robot.bases
-    if len(bases) != 2 or bases[0].name != active:
-        raise InvalidInput(f"a pair is a base {active!r} and one it tows, in this order; there are "
+    if len(bases) != 2 or bases[0].name != ACTIVE:
+        raise InvalidInput(f"a pair is a base {ACTIVE!r} and one it tows, in this order; there are "
                            f"{', '.join(base.name for base in bases) or 'none'}")
     off = bases[1].position - bases[0].position
     spacing, heading = float(np.linalg.norm(off)), float(np.arctan2(off[1], off[0]))

@@ -11,16 +11,15 @@ from ...world import World
 from ..navigation.hall import walls
 
 _WALLS, _PALLET = ("north wall", "south wall", "west wall", "east wall"), "pallet"
+_HEIGHT = 1.2      # m: of both
 
 
 @checked
-def in_hall(world: World, bounds: ArrayLike, pallets: Annotated[ArrayLike, "(k, 5) [m, rad]"] = (),
-            height: float = 1.2) -> World:
+def in_hall(world: World, bounds: ArrayLike, pallets: Annotated[ArrayLike, "(k, 5) [m, rad]"] = ()) -> World:
     """A world with walls around the floor and pallets on it.
 
     bounds : (2, 2) of the floor, the walls just outside [m]
     pallets : (k, 5) center, edges [m], heading [rad]
-    height : of walls and pallets [m]
 
     >>> import cdprlab as cl
     >>> fastkit = cl.load_world("fastkit_suspended")
@@ -32,7 +31,7 @@ def in_hall(world: World, bounds: ArrayLike, pallets: Annotated[ArrayLike, "(k, 
     document = world.to_dict()
     scene = document.setdefault("scene", {})
     scene.setdefault("boxes", []).extend(
-        {"name": name, "position": [x, y, height / 2], "size": [along, across, height],
+        {"name": name, "position": [x, y, _HEIGHT / 2], "size": [along, across, _HEIGHT],
          "yaw": yaw}
         for name, (x, y, along, across, yaw) in zip(names, np.array(rows).tolist()))
     return World.from_dict(document)

@@ -47,7 +47,6 @@ class Stage(NamedTuple):
 def run_mission(world: World, bounds: ArrayLike, start: ArrayLike, task: str = "pick_and_place",
                 *, station: ArrayLike = (0.2, -0.4, 0.0), walkers: tuple[Walker, ...] = (),
                 seed: int = 0, beams: int = 271, work: Work | None = None,
-                states: tuple[Stage, ...] | None = None,
                 progress: Progress | None = None) -> Mission:
     """From somewhere in a hall to the shelf, the task there, and back to where it began.
 
@@ -60,7 +59,6 @@ def run_mission(world: World, bounds: ArrayLike, start: ArrayLike, task: str = "
     walkers : people; seed : of all noise, that of the true start included
     beams : of each scanner
     work : what is done at the shelf, by default `pick_and_place`, bases folded in the end
-    states : other than `mission_states`
     progress : called with the state and the simulated time
     Returns Mission; a failure ends it in "stopped" with the reason.
     Raises InvalidInput for a task of another kind, or one that begins deployed.
@@ -82,8 +80,7 @@ def run_mission(world: World, bounds: ArrayLike, start: ArrayLike, task: str = "
                 as_array(start, "start", (3,), "m, m, rad"),
                 as_array(station, "station", (3,), "m, m, rad"), walkers, beams, progress)
     mission, began = Mission(world, task, seed), time.perf_counter()
-    for event in walk_through(mission,
-                              mission_states(trip, work) if states is None else states):
+    for event in walk_through(mission, mission_states(trip, work)):
         mission.events.append(event)
     mission.real_time_factor = mission.now / (time.perf_counter() - began)
     return mission

@@ -11,6 +11,9 @@ from numpy.typing import ArrayLike
 from ...arrays import Array, Flags, as_array, checked, frozen, lasting
 from ...world import World
 from ..plane import Spots, edges, point_distance, rectangle
+from .laser import Scanner
+
+_TALLEST = 2.4     # m: of the bases
 
 
 @lasting
@@ -45,18 +48,17 @@ class Hall:
                    np.broadcast_to(np.asarray(seen), len(rows)))
 
     @classmethod
-    def of_world(cls, world: World, bounds: ArrayLike, height: float = 0.2,
-                 tallest: float = 2.4) -> Hall:
+    def of_world(cls, world: World, bounds: ArrayLike) -> Hall:
         """The plan of a world's scene: all that stands between the floor and the tops of the bases.
 
-        bounds : (2, 2) [m]; height : of the scanners' plane [m]; tallest : of the bases [m]
+        bounds : (2, 2) [m]
         """
         rows, seen = [], []
         for box in world.scene.boxes:
             middle, half = box.position[2] - world.scene.floor_height, box.size[2] / 2
-            if middle + half > 0.01 and middle - half < tallest:
+            if middle + half > 0.01 and middle - half < _TALLEST:
                 rows.append([*box.position[:2], *box.size[:2], box.yaw])
-                seen.append(abs(height - middle) < half)
+                seen.append(abs(Scanner.height - middle) < half)
         return cls.of(np.reshape(rows, (-1, 5)), bounds, np.array(seen, dtype=bool))
 
     def with_rectangles(self, rectangles: ArrayLike) -> Hall:

@@ -12,6 +12,9 @@ from ...robot import Robot
 from ..plane import Motion, Place, Places, Scan, difference, placed, point_distance, rectangle
 from .laser import Scanner
 
+ACTIVE = "active"
+"""Name of the base that drives the pair."""
+
 
 @lasting
 @checked
@@ -35,12 +38,10 @@ class Vehicle:
     radius: float
 
     @classmethod
-    def of(cls, robot: Robot, spacing: float = 2.0, active: str = "active",
-           beams: int = 271) -> Vehicle:
+    def of(cls, robot: Robot, spacing: float = 2.0, beams: int = 271) -> Vehicle:
         """The pair of a robot with two bases of one footprint.
 
-        spacing : between the bases' centers when coupled [m]; active : the base that drives
-        beams : of each scanner
+        spacing : between the bases' centers when coupled [m]; beams : of each scanner
 
         >>> import cdprlab as cl
         >>> pair = Vehicle.of(cl.load_world("fastkit_suspended").robot)
@@ -51,9 +52,9 @@ class Vehicle:
             raise InvalidInput(f"the link couples two bases, this robot has {len(robot.bases)}")
         if robot.dimension == 2:
             raise InvalidInput("a planar world is seen from the side: its bases have no way around anything")
-        base = robot.base(active)
+        base = robot.base(ACTIVE)
         if not (base.speed_max > 0).all():
-            raise InvalidInput(f"base {active!r} is to drive the pair, but a zero speed limit holds it")
+            raise InvalidInput(f"base {ACTIVE!r} is to drive the pair, but a zero speed limit holds it")
         half = np.abs(np.concatenate([b.footprint for b in robot.bases])).max(axis=0)
         if spacing < 2 * half[0]:
             raise InvalidInput(f"coupled bases are at least {2 * half[0]:g} m apart, got {spacing:g} m")
