@@ -15,6 +15,8 @@ from .laser import Scanner
 ACTIVE = "active"
 """Name of the base that drives the pair."""
 
+_LONGEST = 100.0     # m: no link is longer
+
 
 @lasting
 @checked
@@ -56,8 +58,8 @@ class Vehicle:
         if not (base.speed_max > 0).all():
             raise InvalidInput(f"base {ACTIVE!r} is to drive the pair, but a zero speed limit holds it")
         half = np.abs(np.concatenate([b.footprint for b in robot.bases])).max(axis=0)
-        if spacing < 2 * half[0]:
-            raise InvalidInput(f"coupled bases are at least {2 * half[0]:g} m apart, got {spacing:g} m")
+        if not 2 * half[0] <= spacing <= _LONGEST:
+            raise InvalidInput(f"coupled bases are {2 * half[0]:g} to {_LONGEST:g} m apart, got {spacing:g} m")
         length, width = spacing + 2 * float(half[0]), 2 * float(half[1])
         # On opposite corners two scanners of 270 degrees look all around, and see nothing of
         # the bases.
