@@ -120,8 +120,6 @@ class ConfigurationExplorer(Explorer):
         for panel in self._small:
             draw_room(panel, self.robot, WIDE_MARGIN)
             panel.set(xlabel="", ylabel="", xticks=[], yticks=[])
-        for panel in figure.axes:
-            panel.title.set_animated(True)
 
     def draw(self, values: Values) -> None:
         sequence, place = self.chosen(values), self.place(values)

@@ -10,12 +10,12 @@ from ...errors import InvalidInput
 from ...mechanics.statics import gravity_wrench, wrench_matrix
 from ...robot.pose import Pose
 from ...tensions import TensionDistribution, distribute_tensions
-from ...view.drawing import RobotDrawing
 from ...view.style import INK, cable_style
 from ...world import World
 from ..text_table import in_brackets
 from .cable_bars import CableBars
-from .explorer import Explorer, Slider, Values, once_a_move, rounded_up
+from .explorer import Explorer, Values, once_a_move, rounded_up
+from .posing import Posing
 
 
 @checked
@@ -35,12 +35,12 @@ class HangingExplorer(Explorer):
     def __init__(self, world: World) -> None:
         if not isinstance(world, World) or world.robot.dimension != 3:
             raise InvalidInput(f"a hanging explorer takes a spatial World, got {world!r}")
-        self.world, self.robot = world, world.robot
-        super().__init__(_sliders(world), f"{world.title}, at rest", size=(6.2, 5.0))
+        self.robot, self._posing = world.robot, Posing(world)
+        super().__init__(self._posing.places, f"{world.title}, at rest", size=(6.2, 5.0))
 
     def pose(self, values: Values) -> Pose:
-        """Level, where the sliders say."""
-        return Pose([values[axis] for axis in "xyz"])
+        """Where the sliders say."""
+        return self._posing.pose(values)
 
     @once_a_move
     def tensions(self, values: Values) -> TensionDistribution:
@@ -52,9 +52,7 @@ class HangingExplorer(Explorer):
 
     def build(self, figure: Figure) -> None:
         left, right = figure.subplots(2, 1, height_ratios=(1.6, 1))
-        ends = [[getattr(slider, end) for slider in _sliders(self.world)]
-                for end in ("low", "start", "high")]
-        self._drawing = RobotDrawing(left, self.robot, self.world.scene, Pose(np.array(ends)))
+        self._drawing = self._posing.drawing(left)
         # Three times what the start needs: a pull that grows is seen to grow, and beyond it the
         # number tells.
         start = self.tensions(self.values).tensions
@@ -97,15 +95,3 @@ class HangingExplorer(Explorer):
 
 
 hanging_explorer = HangingExplorer
-
-
-def _sliders(world: World) -> list[Slider]:
-    """Inside the frame by half the platform and 0.1 m, above the floor and below the lowest exit point."""
-    robot, start = world.robot, world.pose.position
-    low, high = robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)
-    low[2], high[2] = world.scene.floor_height, robot.exit_points[:, 2].min()
-    inset = robot.platform.size / 2 + 0.1
-    return [Slider(axis, axis, "m", min(round(bottom, 1), place), max(round(top, 1), place),
-                   place, 0.05)
-            for axis, bottom, top, place in zip("xyz", (low + inset).tolist(),
-                                                (high - inset).tolist(), start.tolist())]

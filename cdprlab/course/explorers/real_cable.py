@@ -11,7 +11,7 @@ from ...compiled.columns import over_pulley
 from ...mechanics.cables import straight_lengths
 from ...mechanics.catenary import SaggingCable, sagging_cable
 from ...view.style import BLUE, GREY, INK, ORANGE
-from .explorer import Explorer, Slider, Values, once_a_move
+from .explorer import Explorer, Slider, Values, movable, once_a_move
 
 _SPAN = np.array([6.0, -2.0])
 
@@ -59,10 +59,10 @@ class RealCableExplorer(Explorer):
 
     def build(self, figure: Figure) -> None:
         axes = figure.subplots()
-        self._wheel, = axes.plot([], [], color=GREY, lw=3)
-        self._straight, = axes.plot([], [], "--", color=INK, lw=1, label="straight, A to B")
-        self._over, = axes.plot([], [], ":", color=ORANGE, lw=2.5, label="over the wheel")
-        self._sagging, = axes.plot([], [], color=BLUE, lw=2, label="with its weight")
+        self._wheel = movable(axes, color=GREY, lw=3)
+        self._straight = movable(axes, "--", color=INK, lw=1, label="straight, A to B")
+        self._over = movable(axes, ":", color=ORANGE, lw=2.5, label="over the wheel")
+        self._sagging = movable(axes, color=BLUE, lw=2, label="with its weight")
         axes.plot(*_SPAN, "s", color=INK, ms=12)
         axes.annotate("B", (6.0, -2.0), (10, 0), textcoords="offset points")
         axes.annotate("A", (0, 0), (-14, -4), textcoords="offset points")

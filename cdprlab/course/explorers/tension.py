@@ -91,6 +91,7 @@ class TensionExplorer(Explorer):
         return TensionState(free, found, np.asarray(shown))
 
     def build(self, figure: Figure) -> None:
+        figure.set_layout_engine("constrained", h_pad=0.08)   # a wide title needs it
         grid = figure.add_gridspec(2, 2, width_ratios=[1.5, 1.0], height_ratios=[1.0, 1.15])
         self._set, robot, self._bars = (figure.add_subplot(part)
                                         for part in (grid[:, 0], grid[0, 1], grid[1, 1]))

@@ -17,8 +17,8 @@ from ...errors import InvalidInput
 from ...robot import Robot
 from ...view.plots import Figure
 from ...view.screen import check_like
-from ...view.style import BLUE, GREY, INK, ORANGE, VERMILION, cable_style, house_style
-from .panels import draw_exit_points, label
+from ...view.style import BLUE, GREY, INK, ORANGE, VERMILION, cable_style
+from .panels import draw_exit_points, drawn, label
 
 CLASS_COLORS = {INSIDE: BLUE, UNCERTAIN: ORANGE, OUTSIDE: GREY}
 """Always beside the word itself."""
@@ -41,8 +41,7 @@ def plot_triplets(robot: Robot, position: ArrayLike, classes: Mapping[Any, str] 
         classes = classify_configurations(robot, M, position_uncertainty, exit_uncertainty)
     columns = min(len(names), 5)
     rows = -(-len(names) // columns)
-    with house_style():
-        figure = Figure(figsize=(2.6 * columns, 2.7 * rows), layout="constrained")
+    with drawn(2.6 * columns, 2.7 * rows) as figure:
         panels = np.ravel(figure.subplots(rows, columns, sharex=True, sharey=True,
                                           squeeze=False))
         for panel, chosen in zip(panels, names):
@@ -63,8 +62,7 @@ def plot_sequences(robot: Robot, sequences: Sequence[ConfigurationSequence], tit
     sequences : from `plan_configurations`
     titles : one a panel; default the sequence with its score
     """
-    with house_style():
-        figure = Figure(figsize=(4.2 * max(len(sequences), 1), 4.0), layout="constrained")
+    with drawn(4.2 * max(len(sequences), 1), 4.0) as figure:
         panels = np.ravel(figure.subplots(1, max(len(sequences), 1), sharey=True,
                                           squeeze=False))
         for panel, sequence, title in zip(panels, sequences,
@@ -89,8 +87,7 @@ def plot_flight(run: Any, planned: Sequence[Sequence[bool]], taut: Sequence[Sequ
         raise InvalidInput(f"planned and taut must have a row a step, {len(run.time)}, and a column a cable, "
                            f"got shapes {plan.shape} and {did.shape}")
     off, time = 1e3 * run.position_errors, run.time
-    with house_style():
-        figure = Figure(figsize=(8.0, 4.4), layout="constrained")
+    with drawn(8.0, 4.4) as figure:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1.0))
         above.plot(time, off, color=INK)
         above.set(ylabel="off the plan [mm]",

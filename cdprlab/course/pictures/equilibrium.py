@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 from ...arrays import Array, checked
 from ...robot import Robot
 from ...view.plots import Figure
-from ...view.style import GREY, INK, ORANGE, SKY, cable_style, house_style
+from ...view.style import GREY, INK, ORANGE, SKY, cable_style
 from ..props.letting_go import Motion
 from ..props.point_load import MASS, Equilibrium, decimal, equilibrium
-from .panels import arrow, draw_exit_points, label
+from .panels import arrow, draw_exit_points, drawn, label, round_up, show_square
 
 SLACK = "#A50F15"
 """A cable that would have to push; always dashed and said in words as well."""
@@ -47,8 +47,7 @@ def draw_equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 
     state = equilibrium(robot, position, push, internal)
     if tensions is not None:
         state = state.held(tensions)
-    with house_style():
-        figure = Figure(figsize=(11.5, 4.3), layout="constrained")
+    with drawn(11.5, 4.3) as figure:
         draw_panels(panels(figure), robot, position, push, state)
         figure.alt_text = ("A point load on cables, the polygon of the forces on it, and its cable tensions. "
                            + state.words())
@@ -150,13 +149,8 @@ def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
         label(panel, "open!", (corners[0] + corners[-1]) / 2,
               _outwards(corners[0] - corners[-1]), color=SLACK)
     low, high = corners.min(axis=0), corners.max(axis=0)
-    reach, middle = 0.85 * max((high - low).max(), 1.0), (low + high) / 2
-    # In coarse steps, a third for the middle: limits that stay need not be drawn again.
-    reach = _round_up(1.15 * reach)
-    middle = np.round(3 * middle / reach) * reach / 3
-    panel.set(xlim=middle[0] + reach * np.array([-1, 1]),
-              ylim=middle[1] + reach * np.array([-1, 1]),
-              aspect="equal", xlabel="f_x [N]", ylabel="f_y [N]")
+    show_square(panel, (low + high) / 2, 0.85 * max((high - low).max(), 1.0))
+    panel.set(xlabel="f_x [N]", ylabel="f_y [N]")
     closed = "slack!" if state.slack.any() else "closed"
     panel.set_title(f"Force polygon: {closed if state.closed else 'OPEN'}", y=1.02)
 
@@ -178,16 +172,9 @@ def _draw_bars(panel: Axes, state: Equilibrium) -> None:
     panel.axhline(0, color=INK, linewidth=1)
     low, high = min(0.0, state.tensions.min()), max(0.3 * top, state.tensions.max())
     room = high - low  # for two lines of text below a bar, for one above
-    low, high = -_round_up((0.4 if state.slack.any() else 0.1) * room - low), _round_up(high + 0.2 * room)
+    low, high = -round_up((0.4 if state.slack.any() else 0.1) * room - low), round_up(high + 0.2 * room)
     panel.set(xlim=(0.4, m + 0.6), ylim=(low, high), xlabel="cable", ylabel="tension [N]")
     panel.set_title("Tensions", y=1.02)
-
-
-def _round_up(size: float) -> float:
-    """The next of a few round numbers."""
-    unit = 10.0 ** np.floor(np.log10(size))
-    return float(unit * min(digit for digit in (1, 1.5, 2, 3, 5, 7, 10)
-                            if digit * unit >= size))
 
 
 def _outwards(side: Array) -> Array:

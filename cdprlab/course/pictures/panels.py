@@ -1,16 +1,26 @@
 """What several pictures draw alike: labels beside a point, arrows, exit points."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from ...view.style import INK
+from ...arrays import Array
+from ...view.plots import Figure
+from ...view.style import INK, house_style
 
 HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
 """Behind text that lies on lines."""
+
+
+@contextmanager
+def drawn(width: float, height: float) -> Iterator[Figure]:
+    """A figure of so many inches, filled in the house's style."""
+    with house_style():
+        yield Figure(figsize=(width, height), layout="constrained")
 
 
 def label(panel: Axes, text: str, place: Any, side: Any, gap: float = 7.0, **look: Any) -> None:
@@ -39,3 +49,18 @@ def draw_exit_points(panel: Axes, points: ArrayLike, names: Sequence[str] = (), 
         side = np.sign(np.round(place - middle, 9))
         panel.annotate(names[i] if names else str(i + 1), place, (11 * side[0], 11 * side[1]),
                        textcoords="offset points", ha="center", va="center", color=INK, **look)
+
+
+def round_up(size: float) -> float:
+    """The next of a few round numbers: limits of axes that stay need not be drawn again."""
+    unit = 10.0 ** np.floor(np.log10(size))
+    return float(unit * min(digit for digit in (1, 1.5, 2, 3, 5, 7, 10)
+                            if digit * unit >= size))
+
+
+def show_square(panel: Axes, middle: Array, reach: float) -> None:
+    """Limits that hold so much on all sides of a middle, in coarse steps, a third for the middle."""
+    reach = round_up(1.15 * reach)
+    middle = np.round(3 * middle / reach) * reach / 3
+    panel.set(xlim=middle[0] + reach * np.array([-1, 1]),
+              ylim=middle[1] + reach * np.array([-1, 1]), aspect="equal")

@@ -12,8 +12,8 @@ from ...mechanics.cables import anchor_offsets
 from ...robot import Robot
 from ...robot.pose import Pose, rotation_vector
 from ...view.plots import Figure
-from ...view.style import AXIS_COLORS, BLUE, GREY, INK, ORANGE, VERMILION, cable_style, house_style
-from .panels import draw_exit_points
+from ...view.style import AXIS_COLORS, BLUE, GREY, INK, ORANGE, VERMILION, cable_style
+from .panels import draw_exit_points, drawn
 
 ELLIPSE_95 = np.sqrt(5.991464547107979)
 """Of two normal variables 95 % lie within this many standard deviations: the root of χ²'s 95 % point, 2 freedoms."""
@@ -62,8 +62,7 @@ def convergence(robot: Robot, poses: Sequence[Pose], truth: Pose) -> Figure:
     errors = [float(np.linalg.norm([*(pose.position - truth.position),
                                     *rotation_vector(truth.rotation.T @ pose.rotation)]))
               for pose in poses]
-    with house_style():
-        figure = Figure(figsize=(10.5, 4.3), layout="constrained")
+    with drawn(10.5, 4.3) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.3, 1.0))
         left.fill(*outline(robot, truth).T, color=GREY, alpha=0.35, linewidth=0,
                   label="true pose")
@@ -96,8 +95,7 @@ def assembly_modes(robot: Robot, poses: Sequence[Pose], titles: Sequence[str]) -
     robot : planar
     poses, titles : one a panel
     """
-    with house_style():
-        figure = Figure(figsize=(4.2 * len(poses), 3.9), layout="constrained")
+    with drawn(4.2 * len(poses), 3.9) as figure:
         panels = np.ravel(figure.subplots(1, len(poses), sharey=True))
         for panel, pose, title in zip(panels, poses, titles):
             draw_robot(panel, robot, pose)
@@ -121,8 +119,7 @@ def cloud(errors: ArrayLike, covariance: ArrayLike) -> Figure:
     ellipse = ELLIPSE_95 * np.linalg.cholesky(C[:2, :2]) @ np.array([np.cos(turn),
                                                                      np.sin(turn)])
     inside = np.einsum("ki,ij,kj->k", sample[:, :2], np.linalg.inv(C[:2, :2]), sample[:, :2]) <= ELLIPSE_95**2
-    with house_style():
-        figure = Figure(figsize=(10.0, 4.2), layout="constrained")
+    with drawn(10.0, 4.2) as figure:
         left, right = figure.subplots(1, 2)
         left.plot(*sample[:, :2].T, linestyle="none", marker=".", markersize=4, color=BLUE,
                   alpha=0.6,
@@ -154,8 +151,7 @@ def residual_bars(all_cables: ArrayLike, left_out: ArrayLike) -> Figure:
     together, without = 1e3 * np.asarray(all_cables, dtype=float), 1e3 * np.asarray(left_out,
                                                                                     dtype=float)
     cables = np.arange(1, len(together) + 1)
-    with house_style():
-        figure = Figure(figsize=(10.0, 3.6), layout="constrained")
+    with drawn(10.0, 3.6) as figure:
         left, right = figure.subplots(1, 2)
         for panel, values in ((left, together), (right, without)):
             bars = panel.bar(cables, values, width=0.6,
@@ -182,8 +178,7 @@ def flight(time: ArrayLike, errors: ArrayLike, sigmas: ArrayLike, residuals: Arr
     sigma : standard deviation of a length [m]
     """
     t, left_over = np.asarray(time, dtype=float), 1e3 * np.asarray(residuals, dtype=float)
-    with house_style():
-        figure = Figure(figsize=(10.5, 7.4), layout="constrained")
+    with drawn(10.5, 7.4) as figure:
         panels = figure.subplot_mosaic([["0", "1", "2"], ["3", "4", "5"], ["r", "r", "r"]])
         off, band = 1e3 * np.asarray(errors, dtype=float), 2e3 * np.asarray(sigmas, dtype=float)
         for i, name in enumerate(_POSE_ERRORS):

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from ...arrays import Array, checked
 from ...tensions import distribute_tensions
 from ...view.plots import Figure
-from ...view.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, cable_style, house_style
-from .panels import HALO, arrow, label
+from ...view.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, cable_style
+from .panels import HALO, arrow, drawn, label, round_up, show_square
 from .tension_polygon import MET, TensionSet, set_in_words, tension_set
 
 
@@ -57,8 +57,7 @@ def plot_tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike,
     feasible = {name: bool(answer.feasible) for name, answer in found.items()}
     points |= {name: np.asarray(values, float) for name, values in (own or {}).items()}
     free = tension_set(W, w_e, tension_min, tension_max)
-    with house_style():
-        figure = Figure(figsize=(7.6, 4.8), layout="constrained")
+    with drawn(7.6, 4.8) as figure:
         panel = figure.subplots()
         draw_set(panel, free, points, feasible)
         if title:
@@ -177,9 +176,8 @@ def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
         panel.set_title(f"Feasible tensions: {len(free.corners)} corners")
     else:
         panel.set_title("Empty: no tensions keep all limits")
-    panel.set(xlim=middle[0] + reach * np.array([-1, 1]),
-              ylim=middle[1] + reach * np.array([-1, 1]), aspect="equal",
-              xlabel="λ₁ [N], to the right Σ τ grows", ylabel="λ₂ [N], Σ τ stays")
+    show_square(panel, middle, reach / 1.15)
+    panel.set(xlabel="λ₁ [N], to the right Σ τ grows", ylabel="λ₂ [N], Σ τ stays")
     panel.locator_params(axis="x", nbins=6)
 
 
@@ -244,7 +242,8 @@ def draw_bars(panel: Axes, tensions: Array, low: Array, high: Array, title: str)
     right = high[near].max(initial=top)
     ends = f"{_span(low)} and {_span(high)} N" + ("" if near.all() else " (off scale)")
     room = 1.0 if (tensions > high).any() else 0.5
-    panel.set(xlim=(1.15 * bottom, right + room * (right - bottom)), ylim=(m + 0.6, 0.4),
+    left = -round_up(-1.15 * bottom) if bottom < 0 else 0.0
+    panel.set(xlim=(left, round_up(right + room * (right - bottom))), ylim=(m + 0.6, 0.4),
               yticks=range(1, m + 1),
               ylabel="cable", xlabel=f"tension [N]; black: limits\n{ends}")
     panel.grid(axis="y", visible=False)

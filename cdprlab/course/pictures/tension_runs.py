@@ -10,7 +10,8 @@ from ...arrays import checked
 from ...errors import InvalidInput
 from ...run import Run
 from ...view.plots import Figure
-from ...view.style import CABLE_DASHES, INK, cable_style, house_style
+from ...view.style import CABLE_DASHES, INK, cable_style
+from .panels import drawn
 
 _MARKERS = 12
 """Measured values shown per cable."""
@@ -27,8 +28,7 @@ def plot_tension_runs(runs: Sequence[Run]) -> Figure:
                        for run in runs):
         raise InvalidInput("plot_tension_runs takes runs of one duration with commanded tensions, got "
                            + (", ".join(f"{run.method} {run.time.size} steps" for run in runs) or "none"))
-    with house_style():
-        figure = Figure(figsize=(3.6 * max(len(runs), 2), 6.6), layout="constrained")
+    with drawn(3.6 * max(len(runs), 2), 6.6) as figure:
         parts: Any = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
         panels = np.atleast_1d(parts[0].subplots(1, len(runs), sharex=True, sharey=True))
         m = runs[0].commanded_tensions.shape[1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -146,9 +147,9 @@ class _Lattice:
         d = np.abs(difference(self._poses(nodes), pose))
         nodes = nodes[(d[:, :2].max(axis=1) <= _JOIN) & (d[:, 2] <= 2.2 * np.pi / _HEADINGS)]
         nodes = nodes[np.argsort(self._joining_times(nodes, pose), kind="stable")]
-        kept = [node for node, there in zip(nodes, self._poses(nodes))
-                if (self.grid.room(self.vehicle, between(pose, there)) >= least - 1e-9).all()]
-        return np.array(kept[:40], dtype=int)
+        kept = (node for node, there in zip(nodes, self._poses(nodes))
+                if (self.grid.room(self.vehicle, between(pose, there)) >= least - 1e-9).all())
+        return np.array([*islice(kept, 40)], dtype=int)
 
     def _graph(self) -> csr_array:
         """Seconds between neighbors, (nodes, nodes)."""
