@@ -480,9 +480,18 @@ def test_pictures_and_slice_have_words(designer):
     assert designer._repr_mimebundle_()
 
 
+def test_a_pulley_leans_where_its_axis_is_typed():
+    world = cl.load_world("caroca_pulleys")
+    (field,) = next(row for row in rows(world, "cables", Place()) if row.label == "pulley axis").fields
+    leaning = typed(world, field, "0, 3, 4")
+    np.testing.assert_allclose(leaning.robot.cables[0].pulley.axis, [0.0, 0.6, 0.8])
+    assert shown(field, leaning) == "0, 0.6, 0.8"
+
+
 def test_a_design_is_simulated_and_played():
     designer = course.robot_designer("planar_point")
-    run = designer.simulate(method="barycenter", kp=50.0, kd=20.0)
+    run = designer.simulate(method="barycenter", kp=50.0, kd=20.0, ki=10.0)
+    assert "kp=50.0, kd=20.0, ki=10.0" in str(run.settings)
     assert run.method == "barycenter" and run.world is designer.world
     assert designer.player.run is run and len(designer.below.children) == 2
     designer.do(designer.session.edit, ("motion_pattern",), "1R2T")

@@ -52,7 +52,7 @@ class Place(NamedTuple):
 GROUPS = {
     "cables": ("cables.{cable}.exit_point", "cables.{cable}.anchor_point",
                "cables.{cable}.tension",
-               "cables.{cable}.speed", "cables.{cable}.base", "cables.{cable}.pulley.radius"),
+               "cables.{cable}.speed", "cables.{cable}.base", "cables.{cable}.pulley"),
     "all cables": ("cable_limits", "cable.axial_stiffness"),
     "platform": ("platform.mass", "platform.inertia", "platform.center_of_mass",
                  "platform.size", "platform.center"),
@@ -70,7 +70,8 @@ LEFT_OUT = {"inertia": "of a uniform box", "speed": "unlimited",
 
 _LABELS = {"exit_point": "exit point A", "anchor_point": "anchor point B",
            "tension": "tension limits",
-           "speed": "speed limit", "base": "on base", "radius": "pulley radius", "axial_stiffness": "stiffness EA",
+           "speed": "speed limit", "base": "on base", "radius": "pulley radius", "axis": "pulley axis",
+           "axial_stiffness": "stiffness EA",
            "center": "box center",
            "rpy": "orientation", "lower": "frame, lower", "upper": "frame, upper",
            "rotation": "turn speed",
@@ -127,6 +128,8 @@ def typed(world: World, field: Field, entry: Any, mirrored: str = "") -> World:
     value = entry if field.kind == "choice" else _value(field, str(entry))
     if field.kind == "number":
         _check_number(value, entry)
+    if field.path[-1] == "axis" and isinstance(value, list) and np.linalg.norm(value) > 0:   # any length says a way
+        value = (np.array(value) / np.linalg.norm(value)).tolist()
     if value is None and field.path == ("cable", "axial_stiffness"):   # what does not stretch does not ring
         world = edited(world, ("cable", "damping"), 0.0)
     return edited(world, field.path, value, mirrored)
@@ -170,7 +173,7 @@ def _rows(world: World, path: Path) -> Iterator[Row]:
     options = _options(world, key)
     if options:
         fields = [Field(path, "", "", "choice", options)]
-    elif key in LEFT_OUT:
+    elif key in LEFT_OUT or key == "axis":
         fields = [Field(path, "", unit, "text")]
     elif schema.get("items", {}).get("type") == "array":
         fields = [Field(path, "", unit, "points")]

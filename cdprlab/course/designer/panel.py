@@ -264,13 +264,14 @@ class RobotDesigner(Shown):
                                               for name in tension_methods()],
                                      value="quadratic_program",
                                      description="tensions by", **wide)
-        kp, kd = (ipywidgets.BoundedFloatText(value=100.0, min=0.0, max=1e6, step=10.0,
-                                              description=name, **wide)
-                  for name in ("K_p [1/s²]", "K_d [1/s]"))
+        gains = {name: ipywidgets.BoundedFloatText(value=value, min=0.0, max=1e6, step=10.0, description=label, **wide)
+                 for name, value, label in (("kp", 100.0, "K_p [1/s²]"), ("kd", 100.0, "K_d [1/s]"),
+                                            ("ki", 0.0, "K_i [1/s³]"))}
         words = ipywidgets.HTML("Computed torque flies the default task of the group “task”.")
         go = self._button("Simulate", "auto",
-                          lambda: self.simulate(method=method.value, kp=kp.value, kd=kd.value))
-        return ipywidgets.VBox([words, method, kp, kd, go])
+                          lambda: self.simulate(method=method.value,
+                                                **{name: gain.value for name, gain in gains.items()}))
+        return ipywidgets.VBox([words, method, *gains.values(), go])
 
     # --- moves ------------------------------------------------------------------------------------------------
     def _turn(self, **where: Any) -> None:

@@ -208,14 +208,15 @@ class DesignSession:
         self.kept = self.world
 
     @verb
-    def simulate(self, method: str = "quadratic_program", kp: float = 100.0, kd: float = 100.0) -> None:
+    def simulate(self, method: str = "quadratic_program", kp: float = 100.0, kd: float = 100.0,
+                 ki: float = 0.0) -> None:
         """The default task in the engine by computed torque; what was flown is ``flown``.
 
         method : tension distribution
-        kp, kd : gains [1/s²], [1/s]
+        kp, kd, ki : gains [1/s²], [1/s], [1/s³]
         """
         self.flown = None
-        self.flown = run(self.world, method=method, controller=ComputedTorque(kp, kd))
+        self.flown = run(self.world, method=method, controller=ComputedTorque(kp, kd, ki))
 
     # --- the way back -----------------------------------------------------------------------------------------
     @verb
