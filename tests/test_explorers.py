@@ -481,8 +481,10 @@ def test_states_of_an_engine_play_too():
         for _ in range(5):
             engine.step(np.full(4, 200.0))
             states.append(engine.state())
-    player = play(states, title="By hand", notes=["", "", "now", "", ""])
-    assert "By hand" in player.alt_text and '"now"' in player.scene.plot.additional_js_code
+    player = play({"before": states[:2], "now": states[2:]}, title="By hand")
+    assert "By hand" in player.alt_text and player.alt_text.endswith(" before. now.")
+    assert '"notes": ["before", "before", "now", "now", "now"]' in player.scene.plot.additional_js_code
+    assert (np.diff(player.scene.times) > 0).all() and player.scene.states[2].position is states[2].position
     player.close()
 
 

@@ -1,5 +1,6 @@
 """Laws of the mission: engine and geometry see the same, the pair gets there, every failure has a name."""
 
+from copy import copy
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -10,6 +11,8 @@ import cdprlab as cl
 from cdprlab.errors import InvalidInput
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel here")
+
+from test_explorers import kinematic_run
 
 from cdprlab.fastkit import (
     ARRIVED,
@@ -23,6 +26,7 @@ from cdprlab.fastkit import (
     Walker,
     cast,
     in_hall,
+    mission_scene,
     pair_pose,
     pick_and_place,
     run_mission,
@@ -31,6 +35,8 @@ from cdprlab.fastkit import (
 from cdprlab.fastkit.job.phases import job_phases
 from cdprlab.fastkit.mission.engine_pair import moved_pair
 from cdprlab.fastkit.mission.guards import at_the_shelf
+from cdprlab.fastkit.plane import turn
+from cdprlab.view import save_scene
 
 BOUNDS = [[-5, -6], [7, 2]]
 PALLETS = [[2.6, -3.0, 0.8, 1.2, 0.3], [-1.5, -2.2, 1.2, 0.8, 0.0]]
@@ -275,6 +281,29 @@ def test_the_drives_are_drawn(mission):
     assert [panel.get_title(loc="left") or panel.get_title() for panel in figure.axes[:2]] == ["way there", "way home"]
     np.testing.assert_array_equal(figure.axes[0].lines[0].get_ydata(), mission.journey.clearance)
     assert f"{mission.way_home.clearance.min():.2f} m of room" in figure.alt_text
+
+
+def test_a_mission_is_a_scene_from_its_start_to_its_end(mission, tmp_path):
+    """The pair carries bases and platform as one body, people stand where they stood, the page is small."""
+    worked, stopped, job = copy(mission), copy(mission), kinematic_run(mission.world)
+    worked.job, stopped.job = job, None
+    shown = mission_scene(worked)
+    assert [*shown] == ["way there", "work", "way home"]
+    for part, journey in (("way there", mission.journey), ("way home", mission.way_home)):
+        k = [int(np.argmin(np.abs(journey.time - state.time))) for state in shown[part]]
+        beside = [turn(journey.poses[row, 2]).T @ (state.position[:2] - journey.poses[row, :2])
+                  for row, state in zip(k, shown[part])]
+        apart = [np.linalg.norm(state.robot.exit_points - state.position, axis=1) for state in shown[part]]
+        for carried in (beside, apart):
+            np.testing.assert_allclose(carried, np.broadcast_to(carried[0], np.shape(carried)), atol=1e-9)
+        people = [[box.position[:2] for box in state.scene.boxes if box.name == "person"] for state in shown[part]]
+        np.testing.assert_allclose(people, journey.people[k][..., :2])
+    np.testing.assert_allclose(shown["way there"][-1].position, job.poses.position[0], atol=1e-9)
+    np.testing.assert_allclose(shown["way home"][0].position, job.poses.position[-1], atol=1e-9)
+    page = save_scene(shown, tmp_path / "scene.html", "mission")
+    assert page.stat().st_size < 3_000_000
+    with pytest.raises(InvalidInput, match="never came to it"):
+        mission_scene(stopped)
 
 
 @pytest.mark.long

@@ -11,7 +11,7 @@ import cdprlab as cl
 from cdprlab.errors import InvalidInput
 from cdprlab.view import save_scene
 from cdprlab.view.scene import MotionScene, states_of
-from cdprlab.view.style import OBSTACLE
+from cdprlab.view.style import DECK, OBSTACLE
 
 LARGEST_PAGE = 3_000_000
 
@@ -59,10 +59,11 @@ def test_slack_cables_hang_are_grey_and_say_so():
 
 def test_the_player_is_told_the_log():
     run = flown()
-    told = played(MotionScene(states_of(run), notes=[f"row {k}" for k in range(len(run.time))]))
+    told = played(MotionScene({"there": states_of(run)}))
     np.testing.assert_allclose(told["times"], run.time, atol=5e-4)
     np.testing.assert_allclose(told["tensions"], run.measured_tensions, atol=0.051)
-    assert told["notes"][3] == "row 3" and told["largest"] == pytest.approx(run.measured_tensions.max(), rel=0.01)
+    assert told["notes"] == ["there"] * len(run.time)
+    assert told["largest"] == pytest.approx(run.measured_tensions.max(), rel=0.01)
 
 
 def test_long_runs_are_thinned_and_end_where_they_end():
@@ -106,3 +107,20 @@ def test_the_page_needs_nothing_else_and_stays_small(tmp_path):
 def test_no_states_are_refused():
     with pytest.raises(InvalidInput, match="one state at least"):
         MotionScene([])
+
+
+def test_a_base_that_tips_is_drawn_leaning():
+    """Cables run from where the engine has the exit points of bodies that tip, and decks lean as their bases do."""
+    world = cl.load_world("fastkit_suspended")
+    with cl.open_simulator(world, bodies=True) as engine:
+        pulls = np.where(np.array(world.robot.base_indices) == 0, 95.0, 5.0)
+        while engine.tilts.max() < np.radians(3):
+            engine.step(pulls)
+        scene = MotionScene([engine.state(), engine.state()._replace(time=engine.time + 1)])
+        exits, leans = engine.bases.exits, engine.tilts.max()
+    assert np.abs(exits - world.robot.exit_points).max() > 0.05
+    np.testing.assert_allclose(scene.cables.vertices.reshape(8, -1, 3)[:, 0], exits, atol=1e-5)   # float32
+    decks = next(part for part in scene.plot.objects if getattr(part, "color", None) == int(DECK[1:], 16))
+    up = [np.cross(deck[1] - deck[0], deck[2] - deck[0]) for deck in decks.vertices.reshape(-1, 8, 3)]
+    tilts = [np.arccos(abs(normal / np.linalg.norm(normal)).max()) for normal in up]
+    assert max(tilts) == pytest.approx(leans, abs=1e-4)

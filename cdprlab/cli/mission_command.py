@@ -34,7 +34,7 @@ def fly_mission(world: World, folder: Path, pictures: bool, work: Any = None) ->
 
 
 def _pictures(mission: Mission) -> dict[str, Callable[[Path], Any]]:
-    from ..fastkit import plot_job, plot_journey
+    from ..fastkit import mission_scene, plot_job, plot_journey
     from ..fastkit.pictures.mission_figure import plot_drives
     from ..fastkit.pictures.mission_film import save_mission_film
 
@@ -52,4 +52,6 @@ def _pictures(mission: Mission) -> dict[str, Callable[[Path], Any]]:
         found["way_home.png"] = lambda path: view.save_figure(plot_journey(back), path)
     if job is not None:
         found["job.png"] = lambda path: view.save_figure(plot_job(job), path)
+        found["scene.html"] = lambda path: view.save_scene(mission_scene(mission), path,
+                                                           f"{mission.world.title}: the mission")
     return found

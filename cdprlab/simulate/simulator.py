@@ -245,6 +245,11 @@ class Simulator(ABC):
                 "twist": ((3 * (d - 1),), "m/s, rad/s"),
                 "lengths": ((m,), "m"), "measured_tensions": ((m,), "N")}
 
+    @property
+    def base_frames(self) -> Array | None:
+        """(p, 3, 4) rotation and center of mass of each base that may lean; None where none can."""
+        return None
+
     def loose_boxes(self) -> Iterable[tuple[Pose, Array]]:
         """Pose and (3,) size of each [m]."""
         return ()
@@ -254,7 +259,7 @@ class Simulator(ABC):
         return State(self.time, self.robot, self.position, self.rotation, self.twist,
                      self.tensions,
                      self.world.scene, self.rope_lengths, tuple(self.loose_boxes()),
-                     self.lengths)
+                     self.lengths, self.base_frames)
 
     def diverge(self) -> None:
         """Raise SimulationDiverged, which names the cable that pulls hardest."""

@@ -210,6 +210,10 @@ class SpatialSimulator(Simulator):
         """(p,) angle of each base's mast from the vertical [rad]."""
         return self.bases.tilts
 
+    @property
+    def base_frames(self) -> Array | None:
+        return self.bases.frames if self._bodies else None
+
     def wheel_loads(self) -> dict[str, Array]:
         """Base name → (k,) normal force on each footprint contact, in file order [N]."""
         return self.bases.wheel_loads(self._substeps)

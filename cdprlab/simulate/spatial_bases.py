@@ -64,7 +64,7 @@ class SpatialBases:
             self.bodies.append(body)
             legs.update({i: (body, _BODY + 3 * (place + 1)) for place, i in enumerate(cables)})
         self.exits, self.pulleys, self.shifts = robot.exit_points, robot.pulleys, np.zeros((robot.n_cables, 3))
-        self._frames = np.zeros((len(robot.bases), 3, 4))
+        self.frames = np.zeros((len(robot.bases), 3, 4))
         self.look()
         return legs
 
@@ -98,8 +98,8 @@ class SpatialBases:
             rows.append(b.getMatrixFromQuaternion(quaternion) + place)
         values = np.array(rows)
         # Per base, rotation and center of mass side by side.
-        before = self._frames
-        self._frames = frames = np.concatenate([values[:, :9].reshape(-1, 3, 3), values[:, 9:, None]], axis=2)
+        before = self.frames
+        self.frames = frames = np.concatenate([values[:, :9].reshape(-1, 3, 3), values[:, 9:, None]], axis=2)
         stacked = frames.transpose(0, 2, 1).reshape(-1, 3)
         exits = self._mounted.dot(stacked) + self._still
         self.exit_steps = exits - self.exits
@@ -132,7 +132,7 @@ class SpatialBases:
     @property
     def tilts(self) -> Array:
         """(p,) angle of each base's mast from the vertical [rad]."""
-        return np.arccos(np.minimum(self._frames[:, 2, 2], 1.0))
+        return np.arccos(np.minimum(self.frames[:, 2, 2], 1.0))
 
     def wheel_loads(self, substeps: int) -> dict[str, Array]:
         """Base name → (k,) normal force on each footprint contact, in file order [N].
@@ -141,7 +141,7 @@ class SpatialBases:
         """
         loads = {}
         for base, body, feet, frame in zip(self._robot.bases, self.bodies, self._feet,
-                                           self._frames):
+                                           self.frames):
             force = np.zeros(len(feet))
             contacts = self._bullet.getContactPoints(bodyA=body, linkIndexA=_BODY)
             if contacts:

@@ -24,6 +24,7 @@ class State(NamedTuple):
     rope_lengths : (m,) let out by winches, None where tensions are commanded [m]
     boxes : pose and (3,) size [m] of each loose box
     lengths : (m,) of the cables [m]
+    base_frames : (p, 3, 4) rotation and center of mass of each base that may lean, None where none can
 
     To a controller position, rotation, tensions and lengths are what its sensors measured, the
     twist is what an observer makes of that, and the robot is the one it believes in.
@@ -39,6 +40,7 @@ class State(NamedTuple):
     rope_lengths: Array | None = None
     boxes: tuple[tuple[Pose, Array], ...] = ()
     lengths: Array = frozen(np.zeros(0))
+    base_frames: Array | None = None
 
     @property
     def pose(self) -> Pose:

@@ -141,12 +141,19 @@ def frame_segments(robot: Robot, scene: Scene) -> Array:
     return np.reshape(segments, (-1, 2, d))
 
 
-def surroundings(robot: Robot, scene: Scene) -> list[Solid]:
-    """Frame or masts, the decks of mobile bases, and the scene's boxes."""
+def surroundings(robot: Robot, scene: Scene, frames: Array | None = None) -> list[Solid]:
+    """Frame or masts, the decks of mobile bases, and the scene's boxes.
+
+    frames : of bases that lean, see `leaned`
+    """
     thickness = 0.005 * float(np.linalg.norm(np.ptp(landmarks(robot, scene), axis=0)))
-    found = [Solid(_beam(start, end, thickness), STEEL)
-             for start, end in frame_segments(robot, scene)]
-    found += [Solid(_deck(base), DECK) for base in robot.bases if len(base.footprint)]
+    segments = frame_segments(robot, scene)
+    masts = [k for k in robot.base_indices if k >= 0 or scene.frame is None]
+    owners = [-1] * (len(segments) - len(masts)) + masts
+    found = [Solid(leaned(robot, k, _beam(start, end, thickness), frames), STEEL)
+             for k, (start, end) in zip(owners, segments)]
+    found += [Solid(leaned(robot, k, _deck(base), frames), DECK)
+              for k, base in enumerate(robot.bases) if len(base.footprint)]
     return found + [Solid(box_corners(box.size, box.pose),
                           OBSTACLE if box.kind == "obstacle" else BOX)
                     for box in scene.boxes]
@@ -169,6 +176,19 @@ def _deck(base: Base) -> Array:
     low, high = (np.array([*ends[:1 if planar else 2], z])
                  for ends, z in ((low, 0.0), (high, DECK_HEIGHT)))
     return box_corners(high - low, Pose.of(base.origin, base.rotation), (low + high) / 2)
+
+
+def leaned(robot: Robot, k: int, points: Array, frames: Array | None) -> Array:
+    """Points of base k as it stands upright, where they are as it leans.
+
+    points : (…, 3) [m]; k : −1 for what no base carries
+    frames : (p, 3, 4) rotation and center of mass of each base; None where all stand upright
+    """
+    if k < 0 or frames is None:
+        return points
+    base = robot.bases[k]
+    upright = base.origin + base.rotation @ base.center_of_mass
+    return frames[k, :, 3] + (points - upright) @ base.rotation @ frames[k, :, :3].T
 
 
 def landmarks(robot: Robot, scene: Scene, poses: Pose | None = None) -> Array:

@@ -3,7 +3,7 @@
 import html
 import json
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ from .outlines import (
     floor_tiles,
     hanging,
     landmarks,
+    leaned,
     platform_solids,
     strung,
     surroundings,
@@ -42,6 +43,9 @@ _PIECES = 8
 _LOOSE = 1.02
 """A slack cable whose let-out length nobody knows is drawn so much longer than straight."""
 
+_BETWEEN = 0.02
+"""From one motion to the next [s]: the scene jumps."""
+
 _GREY = 0.04
 """Share of the color scale, below 0 N, that is slack."""
 
@@ -49,9 +53,9 @@ _GREY = 0.04
 class MotionScene:
     """States of an engine, one after the other, as ``plot``, a k3d.Plot that plays them.
 
-    states : State, in the order of time; of many some are kept
+    states : State, in the order of time, of many some are kept; or several such lists, shown one after the other:
+        what is said meanwhile → states
     title : of the page
-    notes : what is said at each of the states
     Planar robots stand in the plane y = 0. Cables are colored by tension, slack ones hang.
     Raises InvalidInput without states.
 
@@ -61,13 +65,17 @@ class MotionScene:
     0.0
     """
 
-    def __init__(self, states: Sequence[State], title: str = "", notes: Sequence[str] = ()) -> None:
+    def __init__(self, states: Sequence[State] | Mapping[str, Sequence[State]], title: str = "") -> None:
+        notes: list[str] = []
+        if isinstance(states, Mapping):
+            states, notes = _joined(states)
         if not states:
             raise InvalidInput("a scene needs one state at least, got none")
         with needed_by("the scene one turns", "stills and films work without it"):
             import k3d
         chosen = _some(len(states))
         self.states, self.title = [states[k] for k in chosen], title
+        self.notes = [notes[k] for k in chosen] if notes else []
         self.times = [state.time - states[0].time for state in self.states]
         tensions = np.nan_to_num([state.tensions for state in self.states])
         self.largest = max(float(tensions.max()), 1.0)
@@ -83,7 +91,7 @@ class MotionScene:
         way = np.array([0.0, -1.0, 0.12] if first.robot.dimension == 2 else [0.45, -0.85, 0.35])
         center[2] -= 0.08 * reach   # the player's bar covers what is below
         self.plot.camera = [*(center + 0.92 * reach * way).tolist(), *center.tolist(), 0, 0, 1]
-        self.plot.additional_js_code = self._player(tensions, [notes[k] for k in chosen] if notes else [])
+        self.plot.additional_js_code = self._player(tensions)
 
     def page(self) -> str:
         """HTML that opens anywhere, without a server or a network, with a still where there is no WebGL."""
@@ -118,7 +126,7 @@ class MotionScene:
 
     def _add_solids(self) -> None:
         """One mesh for all boxes of one color."""
-        kinds = [_by_color([*surroundings(state.robot, state.scene or EMPTY),
+        kinds = [_by_color([*surroundings(state.robot, state.scene or EMPTY, state.base_frames),
                             *platform_solids(state.robot, state.pose, state.boxes)]) for state in self.states]
         for color in kinds[0]:
             self.plot += self._mesh([kind[color] for kind in kinds], box_faces(3), color,
@@ -139,12 +147,12 @@ class MotionScene:
             attribute=self._series([np.repeat(row, pieces + 1) for row in shades]),
             color_map=_scale(), color_range=[-_GREY * self.largest, self.largest], name="tension [N]")
         self.plot += self.cables
-        wheels = [_raised(strung(state.robot, state.pose)[2]) for state in self.states]
+        wheels = [_raised(_leaned(state, strung(state.robot, state.pose)[2])) for state in self.states]
         if wheels[0].size:
             around = np.arange(24)[:, None] + [0, 1] + 25 * np.arange(len(wheels[0]))[:, None, None]
             self.plot += k3d.lines(self._flat(wheels), around.reshape(-1, 2).astype(np.uint32), indices_type="segment",
                                    shader="thick", width=self.unit, color=_rgb(INK))
-        exits = self._series([_raised(state.robot.exit_points) for state in self.states])
+        exits = self._series([_raised(_leaned(state, state.robot.exit_points)) for state in self.states])
         anchors = self._flat([line[:, -1:] for line in lines])
         for marks, size in ((exits, 5), (anchors, 3)):
             self.plot += k3d.points(marks, point_size=size * self.unit, color=_rgb(INK), shader="flat")
@@ -170,13 +178,13 @@ class MotionScene:
         return k3d.mesh(self._flat(bodies), triangles, color=_rgb(color), opacity=opacity, flat_shading=True,
                         side="double")
 
-    def _player(self, tensions: Array, notes: list[str]) -> str:
+    def _player(self, tensions: Array) -> str:
         script = Path(__file__).with_name("player.js").read_text(encoding="utf-8")
         colors = ["#{:02X}{:02X}{:02X}".format(*color) for color in (SLACK_COLOR, *TENSION_COLORS)]
         motion = {"end": max(self.times[-1], 1e-3), "times": np.round(self.times, 3).tolist(),
                   "tensions": tensions.round(1 if self.largest < 1000 else 0).tolist(),
                   "largest": float(f"{self.largest:.3g}"), "colors": colors,
-                  "notes": [html.escape(note) for note in notes]}
+                  "notes": [html.escape(note) for note in self.notes]}
         return script.replace("MOTION;", json.dumps(motion) + ";", 1)
 
 
@@ -192,17 +200,30 @@ def states_of(run: Any) -> list[State]:
 
 
 @checked
-def save_scene(run: Any, path: str | Path) -> Path:
+def save_scene(run: Any, path: str | Path, title: str = "") -> Path:
     """A run as one HTML file of at most 3 MB that plays, and turns, wherever there is a browser.
 
-    path : ends in .html
+    run : Run; or what is said meanwhile → states, see `MotionScene`
+    path : ends in .html; title : default the run's world and task
     """
-    check_like(run, "Run", "commanded_tensions")
-    target = checked_path(path, ".html")
-    page = MotionScene(states_of(run), f"{run.world.title}, task {run.task}").page()
+    target, shown = checked_path(path, ".html"), run
+    if not isinstance(run, Mapping):
+        check_like(run, "Run", "commanded_tensions")
+        shown, title = states_of(run), title or f"{run.world.title}, task {run.task}"
     with replaced(target) as file:
-        file.write(page.encode())
+        file.write(MotionScene(shown, title).page().encode())
     return target
+
+
+def _joined(motions: Mapping[str, Sequence[State]]) -> tuple[list[State], list[str]]:
+    """States on one clock, and what is said at each."""
+    states: list[State] = []
+    notes: list[str] = []
+    for said, motion in motions.items():
+        began = states[-1].time + _BETWEEN if states else 0.0
+        states += [state._replace(time=began + state.time - motion[0].time) for state in motion]
+        notes += [said] * len(motion)
+    return states, notes
 
 
 def _some(count: int) -> list[int]:
@@ -216,7 +237,7 @@ def _lines(state: State) -> Array:
     anchors = state.position + anchor_offsets(robot, state.pose)
     sagging = drawn_lengths(robot, state.pose, state.tensions)
     starts, arcs, _ = strung(robot, state.pose)
-    for i, (start, end) in enumerate(zip(starts, anchors)):
+    for i, (start, end) in enumerate(zip(_leaned(state, starts), anchors)):
         length = float(sagging[i])
         if not state.tensions[i] > 0 and robot.gravity > 0:   # NaN: a cut cable
             length = _LOOSE * float(np.linalg.norm(end - start))
@@ -224,6 +245,16 @@ def _lines(state: State) -> Array:
                 length = float(state.rope_lengths[i] - arcs[i])
         lines.append(_raised(hanging(start, end, length, _PIECES)))
     return np.stack(lines)
+
+
+def _leaned(state: State, points: Array) -> Array:
+    """What rides on bases, a row a cable or a cable with a pulley, where it is as they lean."""
+    robot = state.robot
+    owners = np.array(robot.base_indices)
+    if len(points) < robot.n_cables:
+        owners = owners[robot.pulleys[:, 0] > 0]
+    rows = [leaned(robot, k, row, state.base_frames) for k, row in zip(owners, points)]
+    return np.reshape(rows, points.shape)
 
 
 def _raised(points: Array) -> Array:

@@ -1,10 +1,10 @@
 """Play a motion: a robot to be turned with the mouse, its cables' tensions beside it. The kernel only hands it over."""
 
 import html
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import ipywidgets
-import numpy as np
 
 from ...errors import InvalidInput
 from ...run import Run
@@ -17,9 +17,9 @@ from ..shown import Shown, boxed, style
 class MotionPlayer(Shown):
     """A scene that plays, with speed, time and tensions; a still in its place where there is no WebGL.
 
-    motion : Run, or states that an engine told, ``[engine.state(), …]``
+    motion : Run, or states that an engine told, ``[engine.state(), …]``, or several such lists, shown one after the
+        other: what is said meanwhile → states
     title : above the picture; default that of the run's world
-    notes : what is said at each of the states, such as "wheel 2 lifts"
     ``picture`` is the still [PNG]. Raises InvalidInput for anything else.
 
     >>> play(42)
@@ -28,19 +28,19 @@ class MotionPlayer(Shown):
     cdprlab.errors.InvalidInput: play takes a Run or a list of engine states, got int
     """
 
-    def __init__(self, motion: Run | Sequence[State], title: str = "", notes: Sequence[str] = ()) -> None:
+    def __init__(self, motion: Run | Sequence[State] | Mapping[str, Sequence[State]], title: str = "") -> None:
         self.run = motion if isinstance(motion, Run) else None
+        states: Any = motion
+        parts = [*motion.values()] if isinstance(motion, Mapping) else [motion]
         if isinstance(motion, Run):
             states, title = states_of(motion), title or motion.world.title
             self.text = "\n".join(f"{name:<32} {value}" for name, value in motion.table().items())
-        elif isinstance(motion, Sequence) and all(isinstance(state, State) for state in motion):
-            states = list(motion)
-        else:
+        elif not all(isinstance(part, Sequence) and all(isinstance(state, State) for state in part) for part in parts):
             raise InvalidInput(f"play takes a Run or a list of engine states, got {type(motion).__name__}")
-        self.scene = MotionScene(states, title, notes)
-        tensions = np.nan_to_num([state.tensions for state in states])
-        self.alt_text = (f"{title}: {states[0].robot.n_cables} cables colored by tension, 0 to {tensions.max():.0f} N, "
-                         f"over {self.scene.times[-1]:.2f} s.")
+        self.scene = scene = MotionScene(states, title)
+        said = "".join(f" {note}." for note in dict.fromkeys(scene.notes))
+        self.alt_text = (f"{title}: {scene.states[0].robot.n_cables} cables colored by tension, "
+                         f"0 to {scene.largest:.0f} N, over {scene.times[-1]:.2f} s.{said}")
         head = ipywidgets.HTML(f"{style()}<b>{html.escape(title)}</b>")
         self.picture = self.scene.still()
         still = ipywidgets.HTML(picture_tag(self.picture, self.alt_text))

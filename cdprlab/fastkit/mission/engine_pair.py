@@ -116,10 +116,15 @@ def moved_pair(world: World, pose: ArrayLike) -> World:
     """
     here = pair_pose(world)[0]
     bases = {base.name: shifted(base.pose, here, pose) for base in world.robot.bases}
-    x, y, spin = shifted((*world.pose.position[:2], 0.0), here, pose)
-    turned = Pose([x, y, world.pose.position[2]], rpy=[0, 0, spin])
-    platform = Pose.of(turned.position, turned.rotation @ world.pose.rotation)
+    platform = shifted_pose(world.pose, here, pose)
     return replace(world, robot=world.robot.with_bases(bases), pose=platform, tasks={})
+
+
+def shifted_pose(pose: Pose, here: ArrayLike, there: ArrayLike) -> Pose:
+    """A body's pose in space as it is when all that belongs to the pose ``here`` is where ``there`` is."""
+    x, y, spin = shifted((*pose.position[:2], 0.0), here, there)
+    turned = Pose([x, y, pose.position[2]], rpy=[0, 0, spin])
+    return Pose.of(turned.position, turned.rotation @ pose.rotation)
 
 
 def shifted(place: ArrayLike, here: ArrayLike, there: ArrayLike) -> tuple[float, float, float]:
