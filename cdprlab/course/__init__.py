@@ -34,6 +34,7 @@ _EXPORTS = {
     "explorers.model_errors": ("model_error_explorer",),
     "designer.panel": ("robot_designer",),
     "brief": ("workshop_brief",),
+    "predictions": ("Question", "predict"),
     "seeds": ("seed",),
     "pictures.brief_map": ("plot_design",),
     "pictures.comparison": ("plot_comparison",),

@@ -116,6 +116,8 @@ def lesson(request: pytest.FixtureRequest, browser: Any, lab: str) -> Iterator[A
     page.on("websocket", lambda socket: socket.on("framesent", lambda frame: page.sent.append(frame)))
     try:
         _run_all(page, f"{lab}/lab/tree/{name}.ipynb?token={TOKEN}&reset")
+        for asked in page.locator(".cdprlab-predicted").all():
+            _predict(page, asked)
         yield page
     finally:
         _picture_of_all(page, name)
@@ -138,6 +140,25 @@ def _run_all(page: Any, address: str) -> None:
         if rests == 2:
             return
     pytest.fail(f"the lesson did not come to its end: {prompts}")
+
+
+def _predict(page: Any, asked: Any) -> None:
+    """By keyboard alone: answer what is asked, and the explorer opens."""
+    explorer, opens = asked.locator(".cdprlab"), asked.get_by_role("button", name="Open")
+    asked.scroll_into_view_if_needed()
+    assert not explorer.is_visible() and opens.is_disabled()
+    assert asked.bounding_box()["height"] <= ROOM["height"]
+    for number in asked.locator(".cdprlab-form input").all():
+        number.focus()
+        page.keyboard.type("1.5")
+    for choice in asked.locator(".cdprlab-form select").all():
+        choice.focus()
+        page.keyboard.press("ArrowDown")
+    asked.locator("button:not([disabled])").get_by_text("Open").press("Enter")
+    explorer.wait_for()
+    truth = asked.locator(".cdprlab-truth").first
+    truth.get_by_role("button", name="See").press("Enter")
+    truth.get_by_text(", it is").wait_for()
 
 
 def _picture_of_all(page: Any, name: str) -> None:
@@ -199,7 +220,7 @@ CUT = """widget => [...widget.querySelectorAll('*')].filter(part => {
 @every_lesson
 def test_every_explorer_is_seen_at_once_and_whole(lesson: Any):
     """Picture, controls and numbers together; in 600 pixels stacked, and still nothing is cut."""
-    for widget in lesson.locator(".cdprlab").all():
+    for widget in lesson.locator(".cdprlab-predicted, :not(.cdprlab-predicted) > .cdprlab").all():
         widget.scroll_into_view_if_needed()
         box = widget.bounding_box()
         assert box["width"] <= ROOM["width"] and box["height"] <= ROOM["height"], box

@@ -263,9 +263,9 @@ class Explorer(Shown):
         self._put(checked)
         self._answer()
 
-    def reset(self) -> None:
-        """Back to the start."""
-        self.set(**self._start_values)
+    def reset(self, **values: Any) -> None:
+        """Back to the start, or to some values and else the start."""
+        self.set(**self._start_values | values)
 
     def on_move(self, callback: Callable[[Values], Any]) -> Callable[[], None]:
         """Call ``callback(values)`` after every answer; returns what ends that."""

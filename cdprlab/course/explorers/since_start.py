@@ -3,7 +3,7 @@
 import html
 import re
 
-_NUMBER = re.compile(r"(?<![\w.])[-−+]?\d+(?:\.\d+)?(?:e[-+]\d+)?(?![\w])")
+NUMBER = re.compile(r"(?<![\w.])[-−+]?\d+(?:\.\d+)?(?:e[-+]\d+)?(?![\w])")
 
 
 def with_changes(text: str, start: str) -> str:
@@ -24,10 +24,10 @@ def with_changes(text: str, start: str) -> str:
     for line in text.splitlines():
         told.append(html.escape(line))
         alike = before.get(_words(line))
-        old, numbers = alike.pop(0) if alike else line, list(_NUMBER.finditer(line))
+        old, numbers = alike.pop(0) if alike else line, list(NUMBER.finditer(line))
         if line == old or line.endswith("."):
             continue
-        changes = [_change(number.group(), was) for number, was in zip(numbers, _NUMBER.findall(old))]
+        changes = [_change(number.group(), was) for number, was in zip(numbers, NUMBER.findall(old))]
         if len(numbers) == 1:
             told[-1] += f"<i>  ({changes[0]})</i>"
             continue
@@ -41,7 +41,7 @@ def with_changes(text: str, start: str) -> str:
 
 def _words(line: str) -> str:
     """All of a line but its numbers."""
-    return " ".join(_NUMBER.sub("#", line).split())
+    return " ".join(NUMBER.sub("#", line).split())
 
 
 def _change(now: str, was: str) -> str:
