@@ -87,7 +87,8 @@ class PlanScreen(Screen):
             axes.plot(*carried(way.estimates[k], way.scans[k]).T, ".", color=PURPLE,
                       markersize=2.5, zorder=6, label="scanned points")
             self.figure.legends.clear()
-            self.figure.legend(loc="lower center", ncols=5, borderaxespad=0.3, fontsize=9)
+            self.figure.legend(loc="lower center", ncols=5, borderaxespad=0.3, fontsize=9,
+                               handlelength=1.4, columnspacing=1.0)
         standing = k > 0 and np.abs(way.poses[k] - way.poses[k - 1]).max() < 1e-4
         return "it waits for somebody to walk on" if way.waiting[k] and standing else ""
 
