@@ -13,8 +13,8 @@ counts: a generous one must not change another cable's answer.
 FIXED = TOLERANCE / 10
 """Of 1 + τ_min: limits closer than this are one number."""
 
-CENTROID, LOWEST, HIGHEST, NOTHING = 0, 1, 2, 3
-"""What to pick of a polygon: the area's centroid, the corner of least or largest sum, or no point at all."""
+CENTROID, LOWEST, HIGHEST, NEAREST, NOTHING = 0, 1, 2, 3, 4
+"""What to pick of a polygon: the centroid, the corner of least or largest sum, what is nearest to 0, or no point."""
 
 FOUND, EMPTY, OUT_OF_RANGE, TOO_REDUNDANT, SPENT = 0, 1, 2, 3, 4
 """Or why there is no answer: nothing inside the limits, nothing at any tension, more than a polygon (r > 2), no cable

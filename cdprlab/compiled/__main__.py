@@ -9,7 +9,6 @@ from ..arrays import plain
 from . import CENTROID, __path__, jit
 from .closest import closest
 from .facets import capacity
-from .least_norm import least_norms
 from .polygon import polygons
 
 
@@ -25,7 +24,6 @@ def compile_all() -> None:
     W, w_e = plain(np.array([[[1.0, 0.5, -1.0]]])), plain(np.array([[-2.0]]))
     low, high = plain(np.zeros((1, 3))), plain(np.ones((1, 3)))
     polygons(W, w_e, low, high, CENTROID)
-    least_norms(W, w_e, low, high)
     closest(W, w_e, low, high, 0.5, 1)
     capacity(plain(np.concatenate([W, np.ones((1, 1, 1))], axis=2)), w_e, w_e, w_e[0], low[0],
              high[0], True)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from ..arrays import Array
-from .jit import compiled_for
+from .jit import compiled, compiled_for
 
 # [m] nearer to the line that its cable comes along, an anchor point does not say which way its pulley swivels.
 ON_AXIS = 1e-9
@@ -40,6 +40,41 @@ def over_pulley(vx: float, vy: float, vz: float, pulley: Array) -> tuple[float, 
     return length, -along * ax - out * ex, -along * ay - out * ey, -along * az - out * ez
 
 
+@compiled
+def put_cables(exit_points: Array, anchor_points: Array, p: Array, R: Array, pulleys: Array,
+               lengths: Array, W: Array) -> None:
+    """Lengths and whole wrench matrix of `cables` at one pose, written into ``lengths`` and ``W``."""
+    d = p.size
+    rz = vz = 0.0   # in the plane
+    for i in range(exit_points.shape[0]):
+        A, B = exit_points[i], anchor_points[i]
+        # r = R B
+        rx = R[0, 0] * B[0] + R[0, 1] * B[1]
+        ry = R[1, 0] * B[0] + R[1, 1] * B[1]
+        if d == 3:
+            rx += R[0, 2] * B[2]
+            ry += R[1, 2] * B[2]
+            rz = R[2, 0] * B[0] + R[2, 1] * B[1] + R[2, 2] * B[2]
+            vz = A[2] - p[2] - rz
+        # v = A − p − r, l = ‖v‖, u = v / l
+        vx = A[0] - p[0] - rx
+        vy = A[1] - p[1] - ry
+        if pulleys.shape[0] and pulleys[i, 0] > 0:
+            length, ux, uy, uz = over_pulley(vx, vy, vz, pulleys[i])
+        else:
+            length = np.sqrt(vx * vx + vy * vy + vz * vz)
+            ux, uy, uz = vx / length, vy / length, vz / length
+        lengths[i] = length
+        W[0, i] = ux
+        W[1, i] = uy
+        # r × u
+        W[-1, i] = rx * uy - ry * ux
+        if d == 3:
+            W[2, i] = uz
+            W[3, i] = ry * uz - rz * uy
+            W[4, i] = rz * ux - rx * uz
+
+
 @compiled_for(2, 2, 2, 3, 2)
 def cables(exit_points: Array, anchor_points: Array, positions: Array, rotations: Array,
            pulleys: Array) -> tuple[Array, Array]:
@@ -53,34 +88,6 @@ def cables(exit_points: Array, anchor_points: Array, positions: Array, rotations
     count, d = positions.shape
     m = exit_points.shape[0]
     lengths, W = np.empty((count, m)), np.empty((count, 3 * (d - 1), m))
-    rz = vz = 0.0   # in the plane
     for k in range(count):
-        R, p = rotations[k], positions[k]
-        for i in range(m):
-            A, B = exit_points[i], anchor_points[i]
-            # r = R B
-            rx = R[0, 0] * B[0] + R[0, 1] * B[1]
-            ry = R[1, 0] * B[0] + R[1, 1] * B[1]
-            if d == 3:
-                rx += R[0, 2] * B[2]
-                ry += R[1, 2] * B[2]
-                rz = R[2, 0] * B[0] + R[2, 1] * B[1] + R[2, 2] * B[2]
-                vz = A[2] - p[2] - rz
-            # v = A − p − r, l = ‖v‖, u = v / l
-            vx = A[0] - p[0] - rx
-            vy = A[1] - p[1] - ry
-            if pulleys.shape[0] and pulleys[i, 0] > 0:
-                length, ux, uy, uz = over_pulley(vx, vy, vz, pulleys[i])
-            else:
-                length = np.sqrt(vx * vx + vy * vy + vz * vz)
-                ux, uy, uz = vx / length, vy / length, vz / length
-            lengths[k, i] = length
-            W[k, 0, i] = ux
-            W[k, 1, i] = uy
-            # r × u
-            W[k, -1, i] = rx * uy - ry * ux
-            if d == 3:
-                W[k, 2, i] = uz
-                W[k, 3, i] = ry * uz - rz * uy
-                W[k, 4, i] = rz * ux - rx * uz
+        put_cables(exit_points, anchor_points, positions[k], rotations[k], pulleys, lengths[k], W[k])
     return lengths, W

@@ -5,28 +5,11 @@ import numpy as np
 from ..arrays import Array
 from .control import mass_and_bias
 from .jit import compiled, compiled_for
+from .linear_algebra import factor, solve
 
 # Of A's trace: keeps the tensions of redundant ropes unique and smooth; at 1e-9 they ripple,
 # see the tests.
 YIELD = 1e-6
-
-
-@compiled
-def solve(A: Array, B: Array) -> None:
-    """B becomes A⁻¹ B by elimination; A (n, n), positive definite, is overwritten."""
-    n, k = B.shape
-    for p in range(n):
-        for row in range(p + 1, n):
-            factor = A[row, p] / A[p, p]
-            for j in range(p, n):
-                A[row, j] -= factor * A[p, j]
-            for j in range(k):
-                B[row, j] -= factor * B[p, j]
-    for p in range(n - 1, -1, -1):
-        for j in range(k):
-            for q in range(p + 1, n):
-                B[p, j] -= A[p, q] * B[q, j]
-            B[p, j] /= A[p, p]
 
 
 @compiled
@@ -45,15 +28,16 @@ def complementary(A: Array, b: Array, last: Array) -> Array:
             if taut[i]:
                 order[k] = i
                 k += 1
-        part, pulls = np.empty((k, k)), np.empty((k, 1))
+        part, pulls = np.empty((k, k)), np.empty(k)
         for i in range(k):
-            pulls[i, 0] = b[order[i]]
+            pulls[i] = b[order[i]]
             for j in range(k):
                 part[i, j] = A[order[i], order[j]]
-        solve(part, pulls)
+        factor(part, k)
+        solve(part, k, pulls)
         T[:] = 0.0
         for i in range(k):
-            T[order[i]] = pulls[i, 0]
+            T[order[i]] = pulls[i]
         wrong = -1
         for i in range(m - 1, -1, -1):
             gap = -b[i]
@@ -83,23 +67,25 @@ def rope_tensions(mass: float, inertia: Array, center: Array, gravity: float, R:
     """
     n, m = W.shape
     M, h = mass_and_bias(mass, inertia, center, gravity, R, t)
-    # [M⁻¹ W, M⁻¹ (push − h)]
-    light = np.empty((n, m + 1))
-    light[:, :m] = W
-    light[:, m] = push - h
-    solve(M, light)
+    # M⁻¹ [W, push − h], a row each
+    light = np.empty((m + 1, n))
+    light[:m] = W.T
+    light[m] = push - h
+    factor(M, n)
+    for i in range(m + 1):
+        solve(M, n, light[i])
     A, b, trace = np.zeros((m, m)), np.empty(m), 0.0
     for i in range(m):
         for j in range(m):
             for k in range(n):
-                A[i, j] += W[k, i] * light[k, j]
+                A[i, j] += W[k, i] * light[j, k]
         trace += A[i, i]
     for i in range(m):
         # J v and J v̇ without ropes, with J = −Wᵀ
         rate = gain = 0.0
         for k in range(n):
             rate -= W[k, i] * t[k]
-            gain -= W[k, i] * light[k, m]
+            gain -= W[k, i] * light[m, k]
         if stiffness > 0.0:
             # T = k (L − ρ) + d (J v − ρ̇) + (k dt / 4 + d / 2) J (v' − v): Newmark's average
             # acceleration, which damps nothing by itself, as v is half a step behind L. What

@@ -91,25 +91,37 @@ def balance(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: Arr
 
 
 @compiled
+def factor(A: Array, n: int) -> None:
+    """The lower half of the first n rows of A, positive definite, becomes L with L Lᵀ = A."""
+    for i in range(n):
+        for j in range(i + 1):
+            for k in range(j):
+                A[i, j] -= A[i, k] * A[j, k]
+            A[i, j] = np.sqrt(A[i, i]) if i == j else A[i, j] / A[j, j]
+
+
+@compiled
+def solve(L: Array, n: int, b: Array) -> None:
+    """The first n numbers of b become (L Lᵀ)⁻¹ b."""
+    for i in range(n):
+        for k in range(i):
+            b[i] -= L[i, k] * b[k]
+        b[i] /= L[i, i]
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            b[i] -= L[k, i] * b[k]
+        b[i] /= L[i, i]
+
+
+@compiled
 def nearest(c: Array, D: Array, free: int, wish: Array, gram: Array, lam: Array) -> None:
-    """λ of min ‖c + D λ − wish‖² by Cholesky of Dᵀ D, which is at least the identity."""
-    m = c.shape[0]
+    """λ of min ‖c + D λ − wish‖², where Dᵀ D is at least the identity."""
     for a in range(free):
-        total = 0.0
-        for i in range(m):
-            total += D[i, a] * (wish[i] - c[i])
-        lam[a] = total
-        for b in range(a + 1):
-            total = 0.0
-            for i in range(m):
-                total += D[i, a] * D[i, b]
-            for k in range(b):
-                total -= gram[a, k] * gram[b, k]
-            gram[a, b] = np.sqrt(total) if a == b else total / gram[b, b]
-        for b in range(a):
-            lam[a] -= gram[a, b] * lam[b]
-        lam[a] /= gram[a, a]
-    for a in range(free - 1, -1, -1):
-        for b in range(a + 1, free):
-            lam[a] -= gram[b, a] * lam[b]
-        lam[a] /= gram[a, a]
+        lam[a] = 0.0
+        gram[a, :a + 1] = 0.0
+        for i in range(c.shape[0]):
+            lam[a] += D[i, a] * (wish[i] - c[i])
+            for b in range(a + 1):
+                gram[a, b] += D[i, a] * D[i, b]
+    factor(gram, free)
+    solve(gram, free, lam)

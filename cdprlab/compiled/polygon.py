@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from . import CENTROID, EMPTY, FOUND, LOWEST, NOTHING, TOLERANCE
+from . import CENTROID, EMPTY, FOUND, LOWEST, NEAREST, NOTHING, TOLERANCE
 from .jit import compiled, compiled_for_batches
-from .linear_algebra import FREE, balance, wrench_size
+from .linear_algebra import FREE, balance, nearest, wrench_size
 
 # Limits are met when missed by rounding only; and if nothing meets them, by half of what the
 # result's check forgives.
@@ -129,9 +129,52 @@ def corner(D: Array, corners: Array, first: int, count: int, sign: float, close:
     point[0], point[1] = corners[best, 0], corners[best, 1]
 
 
+@compiled
+def inside(c: Array, D: Array, point: Array, low: Array, high: Array, row: int) -> bool:
+    """Whether c + D λ keeps the limits."""
+    for i in range(c.shape[0]):
+        tau = c[i] + D[i, 0] * point[0] + D[i, 1] * point[1]
+        if tau < low[row, i] or tau > high[row, i]:
+            return False
+    return True
+
+
+@compiled
+def border_point(c: Array, D: Array, corners: Array, first: int, count: int, point: Array) -> None:
+    """The point of least ‖c + D λ‖ on the border: on each edge p + s (q − p) the best s, kept from 0 to 1."""
+    for k in range(first, first + count):
+        corners[k, 2] = 0.0
+        for i in range(c.shape[0]):
+            tau = c[i] + D[i, 0] * corners[k, 0] + D[i, 1] * corners[k, 1]
+            corners[k, 2] += tau * tau
+    least = np.inf
+    before = first + count - 1
+    for k in range(first, first + count):
+        near, far = before, k   # from a far end rounding would be felt
+        if corners[k, 2] < corners[before, 2]:
+            near, far = k, before
+        x, y = corners[far, 0] - corners[near, 0], corners[far, 1] - corners[near, 1]
+        along, steepness = 0.0, 0.0
+        for i in range(c.shape[0]):
+            start = c[i] + D[i, 0] * corners[near, 0] + D[i, 1] * corners[near, 1]
+            step = D[i, 0] * x + D[i, 1] * y
+            along -= start * step
+            steepness += step * step
+        s = 0.0
+        if along > 0.0:
+            s = min(along / steepness, 1.0)
+        square = corners[near, 2] + s * (s * steepness - 2.0 * along)
+        if square < least:
+            least = square
+            point[0], point[1] = corners[near, 0] + s * x, corners[near, 1] + s * y
+        before = k
+
+
 @compiled_for_batches
 def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[Array, Any, Any]:
     """One point of each polygon of feasible tensions; with NOTHING only whether there is one.
+
+    NEAREST is exact: the only active sets of its program are none, an edge and a corner.
 
     W (k, n, m); w_e (k, n); low, high both (k, m) or both (1, m); pick NOTHING or one of the
     others
@@ -142,7 +185,7 @@ def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[
     tensions, found, spare = np.empty((count, m)), np.empty(count, np.int64), np.empty(count, np.int64)
     rows, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
     c, D = np.empty(m), np.empty((m, max(m, 2)))
-    corners, point = np.empty((4 * m + 16, 3)), np.empty(2)
+    corners, point, zero, gram = np.empty((4 * m + 16, 3)), np.empty(2), np.zeros(m), np.empty((2, 2))
     for k in range(count):
         row = k if low.shape[0] > 1 else 0
         size, least = wrench_size(w_e, k), 0.0
@@ -151,10 +194,18 @@ def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[
             least = max(least, low[row, j])
         found[k], spare[k] = balance(W, w_e, k, c, rows, line, owner, c, D)
         point[0] = point[1] = np.nan
-        if found[k] == FOUND:
+        near = found[k] == FOUND and pick == NEAREST
+        if near:
+            point[0] = point[1] = 0.0
+            nearest(c, D, spare[k], zero, gram, point)
+            near = inside(c, D, point, low, high, row)
+        if found[k] == FOUND and not near:
             first, sides = polygon(c, D, owner, low, high, row, size, corners)
             if sides == 0:
                 found[k] = EMPTY
+                point[0] = np.nan
+            elif pick == NEAREST:
+                border_point(c, D, corners, first, sides, point)
             elif pick == CENTROID:
                 centroid(corners, first, sides, point)
             elif pick != NOTHING:

@@ -3,7 +3,7 @@
 import math
 
 from ..arrays import Array
-from .columns import over_pulley
+from .columns import put_cables
 from .jit import compiled_for
 
 
@@ -14,7 +14,7 @@ def look(motion: Array, dt: float, reach: float, center: Array, exit_points: Arr
     """Where the platform is about to be, and the cables there.
 
     Returns False where it is beyond reach of the origin [m], or turns by more than 2π in a
-    step, or where a cable cannot lie on its pulley.
+    step, or where a cable has no direction.
 
     motion : (6,) the center of mass's x, y, angle and their rates [m, rad, m/s, rad/s]
     center, anchor_points : (2,) of mass and (m, 2), in the platform's frame [m]
@@ -29,21 +29,9 @@ def look(motion: Array, dt: float, reach: float, center: Array, exit_points: Arr
     rx, ry = center[0] * c - center[1] * s, center[0] * s + center[1] * c
     x, y = x - rx, y - ry
     seen[:9] = x, y, c, -s, s, c, vx + spin * ry, vy - spin * rx, spin
-    sound = abs(x) < reach and abs(y) < reach and abs(spin * dt) < math.tau
-    for i, (bx, by) in enumerate(anchor_points):
-        # r = R B, v = A − p − r, l = ‖v‖, u = v / l, to the last bit as `cables` has them
-        rx, ry = c * bx - s * by, s * bx + c * by
-        dx, dy = exit_points[i, 0] - x - rx, exit_points[i, 1] - y - ry
-        if pulleys.shape[0] and pulleys[i, 0] > 0:
-            length, ux, uy, _ = over_pulley(dx, dy, 0.0, pulleys[i])
-            sound = sound and length > 0
-        else:
-            length = math.sqrt(dx * dx + dy * dy) or 1e-12
-            ux, uy = dx / length, dy / length
-        seen[9 + i] = length
-        W[0, i], W[1, i] = ux, uy
-        W[2, i] = rx * uy - ry * ux
-    return sound
+    put_cables(exit_points, anchor_points, seen[:2], seen[2:6].reshape(2, 2), pulleys, seen[9:], W)
+    return (abs(x) < reach and abs(y) < reach and abs(spin * dt) < math.tau
+            and bool(seen[9:].all()))
 
 
 @compiled_for(1, 1, 0, 2, 2, writes=(1,))

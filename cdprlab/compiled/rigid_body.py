@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..arrays import Array
-from .columns import cables
+from .columns import put_cables
 from .jit import compiled_for
 
 Numbers = tuple[float, ...]
@@ -24,20 +24,20 @@ def platform_and_cables(place: Numbers, quaternion: Numbers, velocity: Numbers, 
     Q = np.array([[1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)],
                   [s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x)],
                   [s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)]])
-    row = np.zeros(18 + exit_points.shape[0])
-    p, R = row[:3].reshape(1, 3), row[3:12].reshape(1, 3, 3)
+    m = exit_points.shape[0]
+    row, W = np.zeros(18 + m), np.empty((6, m))
+    p, R = row[:3], row[3:12].reshape(3, 3)
     # R = Q axesᵀ, r = R c, p = body − r, v = v_body − ω × r
     r = np.zeros(3)
     for i in range(3):
         for j in range(3):
             for k in range(3):
-                R[0, i, j] += Q[i, k] * axes[j, k]
-            r[i] += R[0, i, j] * center[j]
-        p[0, i] = place[i] - r[i]
+                R[i, j] += Q[i, k] * axes[j, k]
+            r[i] += R[i, j] * center[j]
+        p[i] = place[i] - r[i]
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         row[12 + i] = velocity[i] - (omega[j] * r[k] - omega[k] * r[j])
         row[15 + i] = omega[i]
-    lengths, W = cables(exit_points, anchor_points, p, R, pulleys)
-    row[18:] = lengths[0]
-    return row, W[0]
+    put_cables(exit_points, anchor_points, p, R, pulleys, row[18:], W)
+    return row, W

@@ -12,21 +12,13 @@ def polygon_points(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> 
     """One point of each polygon (segment, point) {τ : W τ + w_e = 0, low ≤ τ ≤ high}.
 
     W (k, n, m); w_e (k, n); low, high (k or 1, m)
-    pick : CENTROID, LOWEST or HIGHEST of `compiled`
+    pick : CENTROID, LOWEST, HIGHEST or NEAREST of `compiled`
     Returns tensions (k, m), NaN where there is no answer; reasons (k,); redundancy r = m − rank
     W (k,). Where r > 2 there is neither an answer nor a reason.
     """
     from ..compiled.polygon import polygons
 
     tensions, found, spare = polygons(*map(plain, (W, w_e, low, high)), pick)
-    return tensions, _texts(found), spare
-
-
-def least_norm_points(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, Texts, NDArray[np.int64]]:
-    """The same of each polygon's point nearest to 0."""
-    from ..compiled.least_norm import least_norms
-
-    tensions, found, spare = least_norms(*map(plain, (W, w_e, low, high)))
     return tensions, _texts(found), spare
 
 

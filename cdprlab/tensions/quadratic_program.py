@@ -6,10 +6,10 @@ from functools import cached_property, partial
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import TOLERANCE
+from ..compiled import NEAREST, TOLERANCE
 from ..errors import InvalidInput, needed_by, quoted
 from ..mechanics.optimization import least_quadratic
-from .feasible_polygon import least_norm_points
+from .feasible_polygon import polygon_points
 from .law import NOT_FINITE, forgiven
 from .method import (
     INFEASIBLE,
@@ -104,7 +104,7 @@ def build(n: int, tension_min: Array, tension_max: Array, *, solver: str = "quad
 
 def solve(W: Array, w_e: Array, low: Array, high: Array, *, solver: str = "quadprog") -> Answers:
     """The same for many wrenches: with up to two redundant cables the polygon's point nearest to 0, else one by one."""
-    tensions, reasons, spare = least_norm_points(W, w_e, low, high)
+    tensions, reasons, spare = polygon_points(W, w_e, low, high, NEAREST)
     left = (spare > 2) | (reasons == UNREACHABLE) | (solver != "quadprog")   # of which the program says more
     one_by_one(left, partial(build, W.shape[1], solver=solver), W, w_e, low, high, tensions, reasons)
     return tensions, reasons
