@@ -25,8 +25,7 @@ TAUT = 1.0
 @checked
 def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: float = 0.2,
                     speed: float = 0.2,
-                    reeling: float = 0.05, real: World | None = None,
-                    cables: str = "length") -> Run:
+                    reeling: float = 0.05, real: World | None = None) -> Run:
     """Lead a point mass along a sequence by rope lengths alone, in the engine.
 
     world : what the planner knows; sequence : from `plan_configurations`
@@ -34,7 +33,6 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
         inverse kinematics [m]
     speed, reeling : the load's largest, and of slack taken up and let out [m/s]
     real : the world that the engine flies, see `perturbed`; default the one the planner knows
-    cables : "length" or "elastic"
     Returns Run; its reference is the planned motion, its errors what the load was off, and
     ``taut_cables`` reads off which cables carried.
     Raises InvalidInput, SimulationDiverged.
@@ -46,7 +44,7 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
     True
     """
     plan = winding_plan(world.robot, sequence, slack, speed, reeling)
-    with open_simulator(real or world, cables) as body:
+    with open_simulator(real or world, "length") as body:
         engine: Any = Belief(body, world, None, body.dt)
         # At rest where these ropes hold the load; those that are slack there are let out at
         # their winches' speed.
@@ -61,7 +59,7 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
             steps = flight.steps
             return Run.of(flight, _motion(plan, dt), at_end=True, world=world, real=real, task="sequence",
                           method="cable_configurations",
-                          cables=cables, time=frozen(plan.time[:steps]),
+                          cables="length", time=frozen(plan.time[:steps]),
                           real_time_factor=steps * dt / flight.elapsed, dt=dt,
                           control_period=dt, settings=settings)
 

@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, Self
 
 import numpy as np
@@ -32,6 +32,7 @@ class Simulator(ABC):
 
     world, cables, dt : what it was made for; dt is the engine's time step [s]
     robot : with its bases where they are now; carrying : with the payload it is known to carry
+    boxes : pose and (3,) size [m] of each loose box
     position, rotation, twist, tensions : the present state, as in `State`
     wrench_matrix, lengths : (n, m) and (m,) [m] of the present pose
     paid_out : (m,) what the winches have let out of each rope [m], empty where tensions are
@@ -43,6 +44,7 @@ class Simulator(ABC):
         ``slipping`` (m,) says which did [N]
     """
 
+    boxes: Any = ()
     robot: Robot
     carrying: Robot
     exit_velocities: Array
@@ -250,15 +252,11 @@ class Simulator(ABC):
         """(p, 3, 4) rotation and center of mass of each base that may lean; None where none can."""
         return None
 
-    def loose_boxes(self) -> Iterable[tuple[Pose, Array]]:
-        """Pose and (3,) size of each [m]."""
-        return ()
-
     def state(self) -> State:
         """The present state."""
         return State(self.time, self.robot, self.position, self.rotation, self.twist,
                      self.tensions,
-                     self.world.scene, self.rope_lengths, tuple(self.loose_boxes()),
+                     self.world.scene, self.rope_lengths, tuple(self.boxes) if self.boxes else (),
                      self.lengths, self.base_frames)
 
     def diverge(self) -> None:

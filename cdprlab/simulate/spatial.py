@@ -1,6 +1,5 @@
 """PyBullet behind the `Simulator` interface: spatial worlds, their cables legs, forces or ropes."""
 
-from collections.abc import Iterable
 from typing import Any
 from warnings import warn
 
@@ -148,9 +147,6 @@ class SpatialSimulator(Simulator):
     def contact_force(self) -> float:
         contacts = self.bullet.getContactPoints(bodyA=self.platform)
         return float(sum(contact[9] for contact in contacts))
-
-    def loose_boxes(self) -> Iterable[tuple[Pose, Array]]:
-        return self.boxes or ()
 
     def sample(self) -> list[float]:
         return [*self._row.tolist(), *self.tensions.tolist()]

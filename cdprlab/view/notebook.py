@@ -49,9 +49,7 @@ def run_html(run: Run) -> str:
         from .plots import plot_glance
 
         figure = plot_glance(run)
-        buffer = BytesIO()
-        figure.savefig(buffer, format="png", dpi=100)
-        return picture_tag(buffer.getvalue(), figure.alt_text)
+        return picture_tag(figure._repr_png_(), figure.alt_text)
 
     title = f"{run.world.title or run.world.name}: task {run.task}, {run.method.replace('_', ' ')}"
     return _card(title, _if_installed(picture), run.table() if len(run.time) else {"steps": "none"})

@@ -110,7 +110,7 @@ def plot_glance(run: Run) -> Figure:
 
     run : Run
     """
-    d, robot = min(run.world.robot.dimension, run.errors.shape[1]), run.world.robot
+    d = min(run.world.robot.dimension, run.errors.shape[1])
     with house_style():
         figure = Figure(figsize=(8.0, 2.8), layout="constrained")
         left, right = figure.subplots(1, 2)
@@ -118,10 +118,8 @@ def plot_glance(run: Run) -> Figure:
             _share_time([panel], run)
         _error_panel(left, run.time, 1e3 * run.errors[:, :d], axis_names(d), "error [mm]",
                      "Position error")
-        names = [str(i + 1) for i in range(robot.n_cables)]
-        styles = [cable_style(i) for i in range(robot.n_cables)]
-        draw_lines(right, run.time, _shown(run), names, styles)
-        label_ends(right, _shown(run), names, [style.color for style in styles])
+        _cable_lines(right, run, _shown(run))
+        _cable_numbers(right, run)
         right.set(ylabel="tension [N]", title="Tensions")
     figure.alt_text = f"{_tracking_in_words(run)} {_tensions_in_words(run)}"
     return figure
@@ -225,19 +223,12 @@ def _tension_panels(axes: Sequence[Axes], run: Run) -> None:
     _share_time(axes, run)
     wound = run.commanded_lengths is not None
     every = max(1, len(run.time) // _MARKERS)
-    cables = range(run.world.robot.n_cables)
-    for cable, shown, measured, below_it in zip(cables, _shown(run).T, run.measured_tensions.T,
-                                                _below(run).T):
-        color, dashes = cable_style(cable)
-        above.plot(run.time, shown, color=color, linestyle=dashes, label=f"cable {cable + 1}")
-        if not wound:
-            above.plot(run.time, measured, color=color, linestyle="none", marker="o",
-                       markersize=4.2,
-                       markeredgecolor="white", markeredgewidth=0.5,
-                       markevery=(every * cable // 8, every),
-                       label=f"_measured {cable + 1}")
-        below.plot(run.time, below_it, color=color, linestyle=dashes, linewidth=1.2,
-                   label=f"cable {cable + 1}")
+    _cable_lines(above, run, _shown(run))
+    _cable_lines(below, run, _below(run), linewidth=1.2)
+    for cable, measured in enumerate(run.measured_tensions.T if not wound else ()):
+        above.plot(run.time, measured, color=cable_style(cable).color, linestyle="none", marker="o",
+                   markersize=4.2, markeredgecolor="white", markeredgewidth=0.5,
+                   markevery=(every * cable // 8, every), label=f"_measured {cable + 1}")
     above.set(ylabel="tension [N]", title="Tensions")
     below.set_ylabel("slack [mm]" if wound else "difference [N]")
     below.set_title("Rope let out − distance it spans" if wound else "Measured − commanded")
@@ -257,8 +248,18 @@ def _tension_panels(axes: Sequence[Axes], run: Run) -> None:
     _legend_above(above, handles)
     # The differences all but coincide: names pushed apart would point nowhere, so the panel
     # above names the lines.
-    label_ends(above, _shown(run), [str(k + 1) for k in cables],
-               [cable_style(k).color for k in cables])
+    _cable_numbers(above, run)
+
+
+def _cable_lines(panel: Axes, run: Run, lines: Array, **options: Any) -> None:
+    """Columns (N, m) over time, each in its cable's style."""
+    cables = range(lines.shape[1])
+    draw_lines(panel, run.time, lines, [f"cable {k + 1}" for k in cables], [cable_style(k) for k in cables], **options)
+
+
+def _cable_numbers(panel: Axes, run: Run) -> None:
+    cables = range(run.world.robot.n_cables)
+    label_ends(panel, _shown(run), [str(k + 1) for k in cables], [cable_style(k).color for k in cables])
 
 
 def _shown(run: Run) -> Array:

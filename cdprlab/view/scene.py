@@ -38,7 +38,7 @@ _MOST_FRAMES = 160
 """k3d blends between them; a saved lesson keeps them all."""
 
 _PIECES = 8
-"""Of a rope that hangs through; taut ropes are as many on a line."""
+"""Of a cable, which may hang through."""
 
 _LOOSE = 1.02
 """A slack cable whose let-out length nobody knows is drawn so much longer than straight."""
@@ -137,20 +137,16 @@ class MotionScene:
 
         lines = [_lines(state) for state in self.states]
         m = tensions.shape[1]
-        pieces = _PIECES if not (tensions > 0).all() else 1
-        lines = [line[:, ::_PIECES // pieces] for line in lines]
-        segments = np.arange(pieces)[:, None] + [0, 1] + (pieces + 1) * np.arange(m)[:, None, None]
         shades = np.where(tensions > 0, tensions, -_GREY * self.largest)
         self.cables = k3d.lines(
-            self._flat(lines), segments.reshape(-1, 2).astype(np.uint32),
+            self._flat(lines), _chains(m, _PIECES),
             indices_type="segment", shader="thick", width=1.3 * self.unit,
-            attribute=self._series([np.repeat(row, pieces + 1) for row in shades]),
+            attribute=self._series([np.repeat(row, _PIECES + 1) for row in shades]),
             color_map=_scale(), color_range=[-_GREY * self.largest, self.largest], name="tension [N]")
         self.plot += self.cables
         wheels = [_raised(_leaned(state, strung(state.robot, state.pose)[2])) for state in self.states]
         if wheels[0].size:
-            around = np.arange(24)[:, None] + [0, 1] + 25 * np.arange(len(wheels[0]))[:, None, None]
-            self.plot += k3d.lines(self._flat(wheels), around.reshape(-1, 2).astype(np.uint32), indices_type="segment",
+            self.plot += k3d.lines(self._flat(wheels), _chains(len(wheels[0]), 24), indices_type="segment",
                                    shader="thick", width=self.unit, color=_rgb(INK))
         exits = self._series([_raised(_leaned(state, state.robot.exit_points)) for state in self.states])
         anchors = self._flat([line[:, -1:] for line in lines])
@@ -255,6 +251,12 @@ def _leaned(state: State, points: Array) -> Array:
         owners = owners[robot.pulleys[:, 0] > 0]
     rows = [leaned(robot, k, row, state.base_frames) for k, row in zip(owners, points)]
     return np.reshape(rows, points.shape)
+
+
+def _chains(count: int, pieces: int) -> Any:
+    """Pairs of neighbors on so many lines of so many pieces each."""
+    starts = (pieces + 1) * np.arange(count)[:, None] + np.arange(pieces)
+    return (starts[..., None] + [0, 1]).reshape(-1, 2).astype(np.uint32)
 
 
 def _raised(points: Array) -> Array:
