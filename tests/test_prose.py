@@ -16,6 +16,8 @@ WITH_RESULTS = [name for name in notebooks.names() if prose_numbers.results(name
 def _undrawn_in_a_folder_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     monkeypatch.setenv("MPLBACKEND", "Agg")
     monkeypatch.chdir(tmp_path)
+    yield
+    notebooks.round_to_nearest()
 
 
 @pytest.mark.parametrize("name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.long)
