@@ -49,6 +49,20 @@ def rest_to_rest(t, way, speed, acceleration):
 RIGHT_DRIVE = {"peak": "min(speed, np.sqrt(acceleration * abs(way)))", "sign": "np.sign(way)",
                "duration": "abs(way) / peak + peak / acceleration", "shape": "np.clip(rise_and_fall, 0, peak)"}
 
+LANDMARK = '''
+def landmark(hall, way, doubt, allowed, free):
+    """Wrong on purpose."""
+    steps = np.linspace(-3, 3, 13)
+    for x, y, angle in product(steps, steps, (0.2, 0.9)):
+        pallet = np.array([way[-1][0] + x, way[-1][1] + y, angle])
+        if {clear}:
+            if {sure}:
+                return pallet
+    {none}
+'''
+RIGHT_LANDMARK = {"clear": "keeps_clear(hall, pallet, way, free)", "none": "raise ValueError('none')",
+                  "sure": "np.all(2 * sure_after(with_pallet(hall, pallet), way[-1], doubt) <= allowed)"}
+
 
 def wrong(template, right, **mistake):
     """A right answer with something in it that is not."""
@@ -116,5 +130,16 @@ WRONG_ANSWERS: dict[str, list[tuple[str, str]]] = {
         ("soft, and later there", wrong(DRIVE, RIGHT_DRIVE, duration="2 * (abs(way) / peak)",
                                         shape="way / duration * np.sign(way) * (1 - np.cos(2 * np.pi * np.clip(t / "
                                               "duration, 0, 1)))")),
+    ],
+    "landmark-answer": [
+        ("in the way", wrong(LANDMARK, RIGHT_LANDMARK, clear="True")),
+        ("half as far off the way", wrong(LANDMARK, RIGHT_LANDMARK, clear="keeps_clear(hall, pallet, way, free / 2)")),
+        ("one deviation", wrong(LANDMARK, RIGHT_LANDMARK, sure=RIGHT_LANDMARK["sure"].replace("2 * ", ""))),
+        ("one component is enough", wrong(LANDMARK, RIGHT_LANDMARK,
+                                          sure=RIGHT_LANDMARK["sure"].replace("np.all", "np.any"))),
+        ("sure at the start of the way", wrong(LANDMARK, RIGHT_LANDMARK,
+                                               sure=RIGHT_LANDMARK["sure"].replace("way[-1]", "way[0]"))),
+        ("anywhere", wrong(LANDMARK, RIGHT_LANDMARK, sure="True")),
+        ("no answer where no place will do", wrong(LANDMARK, RIGHT_LANDMARK, none="return None")),
     ],
 }

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...compiled.columns import cables
+from ...fastkit.mission.guards import sure_of_being_at
 from ...mechanics.trajectory import Reference
 from ...run.controllers import ComputedTorque
 from ...simulate.state import State
@@ -29,5 +30,6 @@ LIBRARY: dict[str, tuple[Callable[..., Any], ...]] = {
     "01_cable-vectors": (_cable_vectors,),
     "03_circles": (lower_crossing,),
     "05_controller": (_my_controller,),
+    "10_guard": (sure_of_being_at,),
 }
 """Lesson and exercise → what stands in for its functions, in the order in which its cell defines them."""

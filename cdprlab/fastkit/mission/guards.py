@@ -23,7 +23,7 @@ LEANS = np.radians(0.5)
 
 def at_the_shelf(mission: Mission) -> str:
     """navigation → undeployed: arrived, and sure of it."""
-    return _sure_of_being_at("its berth", mission.journey, AT_THE_SHELF)
+    return _arrived("its berth", mission.journey, AT_THE_SHELF)
 
 
 def stands_still(mission: Mission) -> str:
@@ -59,15 +59,21 @@ def coupled_again(mission: Mission) -> str:
 
 def at_home(mission: Mission) -> str:
     """home → done: arrived, and sure of it."""
-    return _sure_of_being_at("where it began", mission.way_home, AT_HOME)
+    return _arrived("where it began", mission.way_home, AT_HOME)
 
 
-def _sure_of_being_at(place: str, way: Journey | None, tolerance: Array) -> str:
+def sure_of_being_at(berth: Array, believed: Array, deviations: Array, allowed: Array,
+                     place: str = "its berth") -> str:
+    """'' if the pair is where it should be, two standard deviations (3,) counted in, else how far off it may be."""
+    off = np.abs(difference(berth, believed)) + 2 * deviations
+    return "" if (off <= allowed).all() else (f"the pair may be {np.hypot(*off[:2]) * 1e3:.0f} mm and "
+                                              f"{np.degrees(off[2]):.1f}° off {place}")
+
+
+def _arrived(place: str, way: Journey | None, tolerance: Array) -> str:
     if way is None or way.state != ARRIVED:
         return "there was no journey" if way is None else way.reason
-    off = np.abs(difference(way.goal, way.estimates[-1])) + 2 * way.deviations[-1]
-    return "" if (off <= tolerance).all() else (f"the pair may be {np.hypot(*off[:2]) * 1e3:.0f} mm and "
-                                                f"{np.degrees(off[2]):.1f}° off {place}")
+    return sure_of_being_at(way.goal, way.estimates[-1], way.deviations[-1], tolerance, place)
 
 
 def _job_came_to(state: str, mission: Mission) -> str:
