@@ -35,17 +35,18 @@ class Question:
 
     def entry(self) -> Any:
         """The ipywidget to answer by."""
-        if self.options:
-            widget = ipywidgets.Dropdown(options=[("choose", ""), *zip(self.options, self.options)])
+        if self.options:   # buttons, for a menu's arrow keys are JupyterLab's
+            widget = ipywidgets.ToggleButtons(options=self.options, value=None)
+            widget.style.button_width = "auto"
         else:
             widget = ipywidgets.Text(placeholder="a number")
-        widget.description, widget.style.description_width = self.text, "70%"
+        widget.description, widget.style.description_width = self.text, "45%"
         return widget
 
-    def answer(self, entered: str) -> str:
+    def answer(self, entered: str | None) -> str:
         """What was entered; "" if that is no answer."""
-        if self.options:
-            return entered
+        if self.options or entered is None:
+            return entered or ""
         try:
             return f"{float(entered.replace(',', '.')):g}"
         except ValueError:

@@ -151,10 +151,9 @@ def _predict(page: Any, asked: Any) -> None:
     for number in asked.locator(".cdprlab-form input").all():
         number.focus()
         page.keyboard.type("1.5")
-    for choice in asked.locator(".cdprlab-form select").all():
-        choice.focus()
-        page.keyboard.press("ArrowDown")
-    asked.locator("button:not([disabled])").get_by_text("Open").press("Enter")
+    for choices in asked.locator(".cdprlab-form .widget-toggle-buttons").all():
+        choices.locator("button").first.press("Enter")
+    asked.locator("button:not([disabled])", has_text="Open").press("Enter")
     explorer.wait_for()
     truth = asked.locator(".cdprlab-truth").first
     truth.get_by_role("button", name="See").press("Enter")
