@@ -96,8 +96,16 @@ def test_what_is_shown_can_be_shown_on_a_page(flight: Flight):
     """The book, which is still, knows text, pictures, and explorers by their text; docs/book/lesson_page.py."""
     kinds = {tuple(sorted(output.data)) for cell in flight.notebook.cells for output in cell.get("outputs", [])
              if "data" in output}
-    assert kinds <= {("text/plain",), ("image/png", "text/plain"),
+    assert kinds <= {("text/plain",), ("image/png", "text/html", "text/plain"),
                      ("application/vnd.jupyter.widget-view+json", "text/plain")}
+
+
+@flies
+@every_flight
+def test_every_figure_has_alternative_text_in_the_notebook_too(flight: Flight):
+    shown = [output.data["text/html"] for cell in flight.notebook.cells for output in cell.get("outputs", [])
+             if "image/png" in output.get("data", {})]
+    assert shown and all(re.search(r' alt="[^"]{8,}"', picture) for picture in shown)
 
 
 @flies

@@ -7,10 +7,12 @@ Lessons import ``cdprlab`` and from here, and nothing deeper. Everything loads w
 'mass [kg]'
 """
 
+import sys
 from importlib import import_module
 from typing import Any
 
 from ..errors import needed_by
+from .shown import figure_bundle
 
 _EXPORTS = {
     "answers.check": ("answer", "check", "refuses"),
@@ -69,6 +71,9 @@ _HOMES = {name: file if file.startswith("..") else f".{file}"
           for file, names in _EXPORTS.items() for name in names}
 
 __all__ = sorted(_HOMES)
+
+if "matplotlib.figure" in sys.modules:  # in a lesson: what plt.show() shows, screen readers can tell
+    sys.modules["matplotlib.figure"].Figure._repr_mimebundle_ = figure_bundle
 
 
 def __getattr__(name: str) -> Any:

@@ -1,7 +1,10 @@
 """What explorers and the designer share in a notebook: a widget that shows itself, and pictures with words."""
 
+import html
+from base64 import b64encode
 from collections.abc import Sequence
 from functools import cache
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +40,18 @@ class Shown:
         data, *more = bundle if isinstance(bundle, tuple) else (bundle,)
         shown = {**(data or {}), **words}
         return (shown, *more) if more else shown
+
+
+def figure_bundle(figure: Any, **_: Any) -> dict[str, str]:
+    """A matplotlib figure as PNG, and as HTML with alternative text: its own, or what stands on its axes."""
+    drawn = BytesIO()
+    figure.savefig(drawn, format="png", dpi="figure", bbox_inches="tight")
+    png = b64encode(drawn.getvalue()).decode()
+    said = [figure.get_suptitle(), *(text for axes in figure.axes for text in (
+        axes.get_title("left"), axes.get_title(), axes.get_ylabel(), axes.get_xlabel()))]
+    words = html.escape(getattr(figure, "alt_text", "") or "; ".join(filter(None, said)) or "drawing")
+    return {"image/png": png,
+            "text/html": f'<img style="max-width: 100%" alt="{words}" src="data:image/png;base64,{png}">'}
 
 
 def dismiss(widget: Any) -> None:

@@ -19,6 +19,7 @@ def install(shell):
     # As a method: what is said to IPython about figures, matplotlib's inline backend makes it forget.
     for kind in (Figure, ToldFigure):
         kind._repr_pretty_ = lambda figure, printer, _: printer.text(describe(figure))
+        kind._repr_mimebundle_ = None
 
 
 def still(shown, **_):
