@@ -7,4 +7,4 @@ RESULTS = [
 GIVEN = ["**Time:** 120 minutes", "With fine steps it is 44.7 N",
          "carries a laser scanner: 270°", "0° or ±180°", "lie 95 % of normal errors",
          "179° and −179° are two degrees apart"]
-OPEN = ["17 cm for what two rows of cells may hide", "2. At 23 cm."]
+OPEN = ["17 cm for what two rows of cells may hide", "2. Beyond 23 cm: 24 are too much."]
