@@ -1,10 +1,10 @@
 """The one gate for what comes from outside: arguments of the right kind; numbers float64, finite, shaped, read-only."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache, wraps
 from inspect import isfunction, signature
 from itertools import chain, cycle, repeat
-from math import isfinite
+from math import hypot
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
@@ -41,7 +41,7 @@ def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: st
     array([1., 2.])
     """
     try:
-        given = np.asarray(value)
+        given = np.asarray(value.filled(np.nan) if isinstance(value, np.ma.MaskedArray) else value)
         if given.dtype.kind not in "iuf":   # text that reads as a number is still text, and True no length
             given = _numbers_only(given)
         array = np.array(given, dtype=np.float64)
@@ -64,14 +64,17 @@ def as_answer(value: ArrayLike, name: str, size: int, unit: str, time: float) ->
     array([1., 2.])
     """
     if (type(value) is np.ndarray and value.dtype == _FLOAT64 and value.shape == (size,)
-            and isfinite(sum(value.tolist()))):   # of a few numbers Python's sum is the quicker
+            and hypot(*value.tolist()) <= LARGEST):   # of a few numbers Python's is the quicker
         return value
     return as_array(value, f"{name} at t = {time:.4g} s", (size,), unit)
 
 
 def frozen(array: Array) -> Array:
     """The array itself, made read-only: what is stored or shared cannot be changed by accident."""
-    array.setflags(write=False)
+    try:
+        array.setflags(write=False)
+    except AttributeError:
+        raise InvalidInput(f"an array is wanted here, got {quoted(array)}") from None
     return array
 
 
@@ -154,8 +157,9 @@ def as_number(value: Any, name: str, unit: str = "", *, minimum: float | None = 
     2.0
     """
     number = float(as_array(value, name, (), unit, location=location))
-    if positive and number <= 0:
-        raise InvalidInput(f"{name} must be positive{_in(unit)}, got {number:g}", location)
+    if positive and number < 1 / LARGEST:
+        least = "positive" if number <= 0 else f"at least {1 / LARGEST:g}"
+        raise InvalidInput(f"{name} must be {least}{_in(unit)}, got {number:g}", location)
     if minimum is not None and number < minimum:
         raise InvalidInput(f"{name} must be at least {minimum:g}{_in(unit)}, got {number:g}", location)
     return number
@@ -266,7 +270,9 @@ def _is(value: Any, kind: Any) -> bool:
     if origin is None:
         return kind is Any or not isinstance(kind, type) or isinstance(value, kind)
     if origin in (Union, UnionType):
-        return complex in inside or any(_is(value, one) for one in inside)   # ArrayLike allows complex numbers
+        if complex in inside:   # ArrayLike; whether they are numbers, and how many, `as_array` says
+            return isinstance(value, np.ndarray) or _is_regular(value)
+        return any(_is(value, one) for one in inside)
     if origin is Literal:
         return isinstance(value, str) and value in inside
     if origin is np.ndarray or not isinstance(origin, type):   # since numpy 2.5 an array's kind is an alias
@@ -284,12 +290,19 @@ def _are(values: Any, origin: type, inside: tuple[Any, ...]) -> bool:
         values = values.tolist()
     if isinstance(values, str | bytes | Mapping):
         return False
-    if not isinstance(values, list | tuple):
+    if not isinstance(values, Collection):   # what comes one by one can be looked at once only
         return isinstance(values, origin)
     exactly = origin is tuple and inside[-1] is not Ellipsis
     if exactly and len(values) != len(inside):
         return False
     return all(map(_is, values, inside if exactly else repeat(inside[0])))
+
+
+def _is_regular(value: Any) -> bool:
+    try:
+        return np.ndim(value) >= 0
+    except ValueError:   # rows of different lengths
+        return False
 
 
 def _is_number(value: Any, kind: type) -> bool:
@@ -310,6 +323,8 @@ _WORDS: dict[Any, str] = {bool: "True or False", int: "a whole number", float: "
 def _words(kind: Any) -> str:
     """An annotation as messages say it."""
     origin, inside = get_origin(kind), get_args(kind)
+    if complex in inside:
+        return "an array"
     if origin in (Union, UnionType):
         return " or ".join(map(_words, inside))
     if origin is Literal:
@@ -327,7 +342,7 @@ def _numbers_only(given: Array) -> Array:
 
 
 def _fits(given: tuple[int, ...], wanted: tuple[int | str, ...], batch: bool) -> bool:
-    if len(given) < len(wanted) or (len(given) > len(wanted) and not batch):
+    if not len(wanted) <= len(given) <= len(wanted) + 20 * batch:   # numpy broadcasts 32 axes
         return False
     tail = given[len(given) - len(wanted):]
     return all(isinstance(want, str) or have == want for have, want in zip(tail, wanted))

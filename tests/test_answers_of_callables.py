@@ -13,7 +13,8 @@ from cdprlab.run import INFEASIBLE
 WORLDS = ["planar_rigid", "caroca"]
 NONSENSE = {"None": lambda n: None, "NaN": lambda n: np.full(n, np.nan), "infinite": lambda n: np.full(n, np.inf),
             "one less": lambda n: np.ones(n - 1), "a column": lambda n: np.ones((n, 1)), "a number": lambda n: 5.0,
-            "text": lambda n: ["1"] * n, "complex": lambda n: np.ones(n) * 1j}
+            "text": lambda n: ["1"] * n, "complex": lambda n: np.ones(n) * 1j, "enormous": lambda n: np.full(n, 1e31),
+            "masked": lambda n: np.ma.masked_array(np.ones(n), np.arange(n) == 0)}
 
 
 @pytest.mark.parametrize("answer", NONSENSE.values(), ids=NONSENSE)
@@ -53,11 +54,13 @@ def test_speeds_of_bases_that_are_none(answer):
                    base_speeds=lambda t: np.zeros(n) if t < 0.0045 else answer(n))
 
 
-@pytest.mark.parametrize("cables", ["tension", "force"])
+@pytest.mark.parametrize("options", [{}, {"cables": "force"}, {"real": True}, {"sensors": cl.Sensors()}], ids=str)
 @pytest.mark.parametrize("name", WORLDS)
-def test_what_callables_are_handed_is_not_the_engine_s(name, cables):
+def test_what_callables_are_handed_is_not_the_engine_s(name, options):
     """Whoever scribbles into it changes nothing: each array refuses, or is the callable's own."""
     world, law = cl.load_world(name), cl.ComputedTorque()
+    if "real" in options:
+        options = {"real": cl.perturbed(world, exit_points=1e-3)}
 
     def scribble(*arrays):
         for array in arrays:
@@ -66,7 +69,7 @@ def test_what_callables_are_handed_is_not_the_engine_s(name, cables):
 
     def controller(t, state, reference):
         wrench = law(t, state, reference)
-        scribble(state.position, state.rotation, state.twist, state.tensions, state.pose.position,
+        scribble(state.position, state.rotation, state.twist, state.tensions, state.lengths, state.pose.position,
                  state.robot.exit_points, state.robot.tension_max, reference.pose.position, reference.pose.rotation,
                  reference.twist, reference.acceleration)
         return wrench
@@ -79,8 +82,8 @@ def test_what_callables_are_handed_is_not_the_engine_s(name, cables):
     def plain(W, w_e, low, high):
         return cl.distribute_tensions(W, w_e, low, high, "relaxed").tensions
 
-    own = cl.run(world, cables=cables, duration=0.02, controller=controller, method=method)
-    true = cl.run(world, cables=cables, duration=0.02, method=plain)
+    own = cl.run(world, **options, duration=0.02, controller=controller, method=method)
+    true = cl.run(world, **options, duration=0.02, method=plain)
     for column, (values, _) in true.columns().items():
         np.testing.assert_array_equal(own.columns()[column][0], values, err_msg=column)
 

@@ -36,9 +36,27 @@ def test_fast_hangs_at_252_m(cables, dt):
     np.testing.assert_allclose(run.measured_tensions, np.broadcast_to(still, run.measured_tensions.shape), rtol=0.02)
 
 
+@pytest.mark.parametrize("cables", ["tension", "length", "elastic"])
+@pytest.mark.parametrize("mass", [1e8, 1e12])
+def test_no_weight_is_too_heavy_for_its_cables(mass, cables):
+    """Neither the constraint's largest force nor its tip's largest speed, 1e8 N at 1 ms, is in the way."""
+    world = light(mass)
+    world = replace(world, robot=replace(world.robot, elasticity=cl.Elasticity(1e4 * mass)))
+    run = cl.run(world, cables=cables, duration=0.05)
+    assert run.position_errors.max() < 1e-3 and run.feasible[-10:].all()
+    held = cl.wrench_matrix(world.robot, run.poses[-1]) @ run.measured_tensions[-1]
+    np.testing.assert_allclose(held, [0, 0, 9.81 * mass], rtol=0.01, atol=0.01 * mass)
+
+
+def test_ropes_that_an_engine_does_not_hold_are_said():
+    with pytest.warns(CdprWarning, match=r"at t = 0\.\d+ s cable \d spans 0\.\d+ m more than the .* smaller dt"):
+        run = cl.run(light(1e20), cables="length", dt=1e-2, duration=0.1)
+    assert not run.feasible.all()
+
+
 def light(mass):
     return cl.World.from_dict({
-        "name": "light", "motion_pattern": "3T", "cable_limits": {"tension": [0, 10]},
+        "name": "light", "motion_pattern": "3T", "cable_limits": {"tension": [0, max(10, 1e2 * mass)]},
         "platform": {"mass": mass, "size": [0.1] * 3, "pose": {"position": [0, 0, 1]}},
         "cables": [{"exit_point": [x, y, 2], "anchor_point": [0, 0, 0]} for x, y in ((1, 0), (-1, 1), (-1, -1))]})
 

@@ -147,6 +147,13 @@ def test_bases_keep_clear_of_the_shelf(name):
             assert apart >= 0.1 - 1e-9
 
 
+@pytest.mark.parametrize("answer", [None, 5, np.zeros(2), float("nan")], ids=str)
+def test_a_guard_that_answers_nonsense_is_told_when(answer):
+    with pytest.raises(InvalidInput, match=r"a guard answers at t = 0\.1\d* s must be text") as caught:
+        pick_and_place(job_world(), faults=(lambda sensors: answer if sensors.time >= 0.1 else "",))
+    assert 0 < caught.value.run.time.size < 60
+
+
 def test_a_base_that_drives_does_not_pull_at_ropes():
     """Velocity control while a base drives: tensions are those wanted.
 

@@ -160,6 +160,12 @@ def short(path, dtype=bool):
     np.savez(path, inside=np.ones(1, dtype), margin=np.ones(1))
 
 
+def rewritten(path, **changes):
+    with np.load(path) as file:
+        arrays = dict(file)
+    np.savez(path, **arrays | {name: change(arrays[name]) for name, change in changes.items()})
+
+
 DAMAGE = {
     "empty": lambda path: path.write_bytes(b""),
     "cut off": lambda path: path.write_bytes(path.read_bytes()[:200]),
@@ -170,6 +176,9 @@ DAMAGE = {
     "other keys": lambda path: np.savez(path, verdict=np.ones(256, bool)),
     "objects": lambda path: np.savez(path, inside=np.array([None] * 256), margin=np.ones(256)),
     "one array": lambda path: path.write_bytes(b"\x93NUMPY"),
+    "of another chunk": lambda path: path.write_bytes(sorted(path.parent.iterdir())[1].read_bytes()),
+    "half as exact": lambda path: rewritten(path, margin=lambda margin: margin.astype(np.float32)),
+    "other answers": lambda path: rewritten(path, inside=np.logical_not),
 }
 
 

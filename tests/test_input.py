@@ -107,7 +107,8 @@ BAD: list[Any] = [None, True, float("nan"), float("inf"), -1.0, 0, -3, 1e300, 10
                   [], [[]], [1, "x"], [None], {}, {"a": 1}, {1, 2}, object(), np.array([]), np.zeros((2, 7)),
                   np.nan * np.ones(6), np.array("x"), ["a", ["b"]], lambda *_: None, cl.Pose([0, 0]),
                   cl.Pose([[0, 0, 1]] * 2), POINT.robot, CAROCA, Path("no/such/folder/x.yaml"),
-                  "no\0where.yaml", 2**70, 1.5, "1e3", slice(3)]
+                  "no\0where.yaml", 2**70, 1.5, "1e3", slice(3), 1e-320, "\ud800", np.zeros((1,) * 40), [1e29] * 6,
+                  np.ma.masked_array(np.ones(8), [1] * 8), (x for x in [1.0]), np.array([1, None], dtype=object)]
 
 CALLS = [(name, key, k) for name, words in GOOD.items() for key in words for k in range(len(BAD))]
 
@@ -148,7 +149,9 @@ def test_all_bad_values_raise_errors_of_our_own(tmp_path: Path, monkeypatch: pyt
 
 BRIEF = [None, True, np.nan, np.inf, -1.0, 1e300, 10**400, 2**70, "x", 1j, [], [[]], ["a"], ["a", ["b"]], {}, object(),
          np.zeros((2, 7)), np.ones((3, 3, 3)), [1e300] * 3, [1.0, np.nan, 0], cl.Pose([0, 0]), CAROCA,
-         {"active": "x"}, (1, 2, 3), np.array([]), float]
+         {"active": "x"}, (1, 2, 3), np.array([]), float, 0, "x" * 5000, "\ud800", 1e-320, range(3), -10**400,
+         np.array([1, None], dtype=object), np.ma.masked_array(np.ones(6), [1] * 6), memoryview(b"a"),
+         (x for x in [1.0])]
 
 
 def spoiled(function: Any, words: dict[str, Any], key: str, bad: Any) -> str:
@@ -187,6 +190,14 @@ def test_a_message_is_one_line_and_errors_travel_whole():
     got = pickle.loads(pickle.dumps(sent))
     assert str(got) == "two lines" and (got.residuals == 1).all()
     assert pickle.loads(pickle.dumps(WorldError(["a", "b"]))).problems == ("a", "b")
+
+
+@pytest.mark.parametrize("name, options", [
+    ("planar_rigid", {"solver_iterations": bad}) for bad in (0, -1, 1.5, "x", 10**9)] + [
+    ("caroca", {"tip_mass": bad}) for bad in (0, -1.0, np.nan, np.inf, "x", 10**400)] + [("caroca", {"bodies": 5})])
+def test_options_of_engines_are_checked(name: str, options: dict[str, Any]):
+    with pytest.raises(InvalidInput, match=next(iter(options))):
+        cl.open_simulator(cl.load_world(name), **options)
 
 
 def test_a_closed_simulator_says_so():

@@ -94,7 +94,7 @@ def test_workspace_writes_map_table_and_data(arguments, criterion, tmp_path, cap
     (["run", "caroca", "--cables", "length", "--kd", "5"], "--kd has no say"),
     (["run", "planar_point", "--duration", "1e9"], "control step"),
     (["run", "planar_point", "--duration", "0.05", "--dt", "1"], "control step"),
-    (["run", "planar_point", "--duration", "0.05", "--dt", "1e-300"], "control step"),
+    (["run", "planar_point", "--duration", "0.05", "--dt", "1e-300"], "dt must be at least 1e-30"),
     (["run", "planar_point", "--kp", "1e300"], "must be finite"),
     (["run", "planar_point", "--out", ""], "a path must be text"),
     (["run", "planar_point", "--out", __file__], "something else has that name"),

@@ -54,6 +54,17 @@ def test_a_load_at_rest_is_balanced_and_lies_nowhere_lower(cables, d):
         assert height(near) > height(pose) - 1e-9 - 5 * excess
 
 
+@pytest.mark.parametrize("name", [name for name in cl.world_names() if cl.load_world(name).robot.gravity])
+def test_who_hangs_on_its_lengths_hangs_there(name):
+    """Redundant cables, of which rounding decides who carries next to nothing, included."""
+    world = cl.load_world(name)
+    for pose in (world.pose, world.task().end):
+        found = cl.equilibrium(world.robot, cl.cable_lengths(world.robot, pose), pose)
+        np.testing.assert_allclose(found.pose.position, pose.position, atol=1e-9)
+        np.testing.assert_allclose(cl.wrench_matrix(world.robot, pose) @ found.tensions,
+                                   -cl.gravity_wrench(world.robot, pose), atol=1e-7 * world.robot.mass)
+
+
 def test_a_slack_cable_carries_nothing():
     world, _ = hung(3, 2)
     lengths = cl.cable_lengths(world.robot, world.pose) + [0, 0.5, 0]

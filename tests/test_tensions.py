@@ -114,6 +114,18 @@ def test_relaxed_is_the_least_error_then_the_least_norm(weights):
     assert 0.2 < found.feasible.mean() < 0.8
 
 
+@pytest.mark.parametrize("size", [1e12, 1e16, 1e20, 1e29])
+def test_of_a_wrench_out_of_all_proportion_relaxed_takes_the_direction(size):
+    """Least error of a goal far away: each cable at the limit towards it."""
+    W, w_e = problems(20, 3)
+    away = size * w_e / np.abs(w_e).max(axis=1, keepdims=True)
+    pull = -(np.swapaxes(W, 1, 2) @ away[..., None])[..., 0]
+    clear = np.abs(pull) > 1e-3 * size
+    found = cl.distribute_tensions(W, away, LOW, HIGH, "relaxed")
+    assert not found.feasible.any() and clear.mean() > 0.9
+    np.testing.assert_allclose(found.tensions[clear], np.where(pull > 0, HIGH, LOW)[clear], rtol=1e-9)
+
+
 def test_relaxed_is_the_quadratic_program_where_that_has_an_answer():
     W, w_e = problems(200, seed=7)
     exact, relaxed = (cl.distribute_tensions(W, w_e, LOW, HIGH, method) for method in ("quadratic_program", "relaxed"))

@@ -19,6 +19,8 @@ FLAT = cl.load_world("planar_mcdpr")
 TURNED = cl.quintic(CAROCA.pose, CAROCA.pose, 1.0)
 W, W_E = cl.wrench_matrix(CAROCA.robot, CAROCA.pose), cl.gravity_wrench(CAROCA.robot, CAROCA.pose)
 ONES = np.ones(6)
+POINT = cl.load_world("point_mass")
+SPREAD = cl.Pose([[0.5, 0.1, 1.0], [-0.5, 0.3, 1.2], [0.2, -0.4, 0.8], [0.0, 0.0, 1.5]])
 MADE: dict[str, Callable[[], Any]] = {
     "World": lambda: cl.load_world("fastkit_suspended"), "Robot": lambda: FLAT.robot, "Pose": lambda: CAROCA.pose,
     "Run": lambda: cl.run(CAROCA, cables="force", duration=3e-3),
@@ -33,6 +35,17 @@ MADE: dict[str, Callable[[], Any]] = {
     "DynamicEquilibrium": lambda: cl.DynamicEquilibrium(ONES), "Box": lambda: cl.Box(np.zeros(3), np.ones(3)),
     "Both": lambda: cl.WrenchFeasible(ONES) & cl.DynamicEquilibrium(ONES),
     "ComputedTorque": lambda: cl.ComputedTorque(),
+    "LengthControl": lambda: cl.LengthControl(100.0, [20.0] * 8), "Pulley": lambda: cl.Pulley(0.04, [0, 0, 1]),
+    "Sensors": lambda: cl.Sensors(length_offset=np.full(8, 1e-3)),
+    "perturbed": lambda: cl.perturbed(CAROCA, exit_points=0.01, lengths=0.001),
+    "Run of another robot": lambda: cl.run(POINT, duration=3e-3, real=cl.perturbed(POINT, mass=0.01),
+                                           sensors=cl.Sensors()),
+    "Repetition": lambda: cl.repeat(POINT, 2, errors={"mass": 0.1}, duration=2e-3),
+    "Calibration": lambda: cl.calibrate(POINT.robot, SPREAD, cl.cable_lengths(POINT.robot, SPREAD),
+                                        unknown=("length_offsets",)),
+    "ConfigurationSequence": lambda: cl.plan_configurations(POINT.robot, [-0.5, 0.1, 1], [0.5, 0.1, 1])[0],
+    "AtRest": lambda: cl.equilibrium(POINT.robot, cl.cable_lengths(POINT.robot, POINT.pose), POINT.pose),
+    "SaggingCable": lambda: cl.sagging_cable([4.0, -1.0], 4.3, 0.05, 1e5),
     **{f"fastkit's {name}": partial(faces.made, name) for name in
        ("vehicle", "hall", "grid", "journey", "mission", "trip", "sensors", "job", "plan")},
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -23,7 +23,7 @@ class Configuration(tuple[int, ...]):
     __slots__ = ()
 
     @checked
-    def __new__(cls, cables: Iterable[int]) -> Configuration:
+    def __new__(cls, cables: Sequence[int]) -> Configuration:
         return super().__new__(cls, sorted(cables))
 
     @property

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_number, checked
+from ..arrays import Array, as_number, checked, frozen, lasting
 from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from .accuracy import position_sensitivity
@@ -34,6 +34,7 @@ _Places = list[tuple[float, float, bool]]
 """First and last share of the way at which each change may be, and whether it is safe there."""
 
 
+@lasting
 @dataclass(frozen=True, eq=False)
 class ConfigurationSequence:
     """One way to go: positions and the configuration each is reached in, with scores; lower is better.
@@ -52,6 +53,10 @@ class ConfigurationSequence:
     transition_scores: tuple[float, ...]
     safe: bool
     method: str = "stability"
+
+    def __post_init__(self) -> None:
+        for position, _ in self.steps:
+            frozen(position)
 
     @property
     def score(self) -> float:

@@ -1,7 +1,9 @@
 """States that jobs and missions go through: when each was entered, and why where it is not as planned."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+from ..errors import InvalidInput, quoted
 
 DONE, STOPPED = "done", "stopped"
 """How a job, a mission or a journey ends; stopped is safe: bases stand still, the platform holds where it is."""
@@ -29,6 +31,20 @@ class Chronicle:
     def reason(self) -> str:
         """'' or why it stopped."""
         return self.events[-1].why if self.events else ""
+
+
+def as_reason(answer: Any, time: float) -> str:
+    """What a guard answered at a time [s]; raises InvalidInput unless it is text.
+
+    >>> as_reason(None, 1.0)
+    Traceback (most recent call last):
+    ...
+    cdprlab.errors.InvalidInput: what a guard answers at t = 1 s must be text, '' where all is well, got None
+    """
+    if not isinstance(answer, str):
+        raise InvalidInput(f"what a guard answers at t = {time:.4g} s must be text, '' where all is well, "
+                           f"got {quoted(answer)}")
+    return answer
 
 
 def spans(events: Sequence[Event], end: float) -> list[tuple[float, float, str]]:

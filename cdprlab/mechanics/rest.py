@@ -88,8 +88,8 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
     taut = spare(x) < _TAUT
     pulls = np.zeros(robot.n_cables)
     W, w_g = wrench_matrix(robot, moved(robot, guess, x)), gravity_wrench(robot, moved(robot, guess, x))
-    pulls[taut] = nnls(W[:, taut] / weight, -w_g / weight)[0] if taut.any() else 0.0
-    carrying = pulls > 0
+    pulls[taut] = nnls(W[:, taut], -w_g / weight)[0] if taut.any() else 0.0
+    carrying = pulls > _STILL   # one that carries but rounding might end up pushing
 
     def unrest(z: Array) -> Array:
         pose = moved(robot, guess, z[:n])

@@ -1,7 +1,7 @@
 """The parts of a robot: frozen `Cable`, `Pulley`, `Platform`, `Base`, …, each checked as it is made."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -162,9 +162,10 @@ class Base:
         """(d,) of the base's frame in the world; spatial bases stand at z = 0 [m]."""
         return np.concatenate([self.position, np.zeros(self.center_of_mass.shape[0] - 2)])
 
-    def to_world(self, points: Annotated[Array, "(…, d) [m]"]) -> Array:
+    def to_world(self, points: ArrayLike) -> Array:
         """(…, d) points of the base's frame in the world [m]."""
-        return self.origin + points @ self.rotation.T
+        own = as_array(points, "points", self.origin.shape, "m", batch=True)
+        return self.origin + own @ self.rotation.T
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, as_number, checked, frozen, lasting
-from ..errors import InvalidInput, under
+from ..errors import InvalidInput, quoted, under
 from .parts import Base, Cable, Elasticity, Platform, Winch
 from .pattern import MotionPattern
 from .pose import lever
@@ -143,7 +143,7 @@ class Robot:
     def base(self, name: str) -> Base:
         """The base of that name; raises InvalidInput naming those there are."""
         if name not in self._base_of:
-            raise InvalidInput(f"unknown base {name!r}; {_there_are(self._base_of)}")
+            raise InvalidInput(f"unknown base {quoted(name)}; {_there_are(self._base_of)}")
         return self.bases[self._base_of[name]]
 
     # --- changed copies ---------------------------------------------------------------------------
@@ -155,7 +155,7 @@ class Robot:
         """
         moved = dict(zip(self._base_of, self.bases))
         for name, pose in poses.items():
-            x, y, heading = as_array(pose, f"pose of base {name!r}", (3,))
+            x, y, heading = as_array(pose, f"pose of base {quoted(name)}", (3,))
             moved[name] = replace(self.base(name), position=np.array([x, y]),
                                   heading=float(heading))
         return replace(self, bases=tuple(moved.values()))
@@ -210,7 +210,7 @@ class Robot:
             raise InvalidInput(f"the winch gives at most {self.winch.tension_max:.4g} N, less than this cable's "
                                f"smallest tension of {cable.tension_min:g} N", ("tension",))
         if cable.base is not None and cable.base not in self._base_of:
-            raise InvalidInput(f"unknown base {cable.base!r}; {_there_are(self._base_of)}", ("base",))
+            raise InvalidInput(f"unknown base {quoted(cable.base)}; {_there_are(self._base_of)}", ("base",))
         anchor = cable.anchor_point
         if not self.pattern.turns and anchor.any():
             raise InvalidInput(f"in {self.motion_pattern} all cables meet at P: anchor_point must be "

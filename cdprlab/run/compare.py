@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..arrays import Array, as_number, checked, data_frame, frozen, lasting
+from ..arrays import Array, as_count, as_number, checked, data_frame, frozen, lasting
 from ..errors import InvalidInput
 from ..mechanics.dynamics import inverse_dynamics
 from ..mechanics.statics import wrench_matrix
@@ -108,7 +108,8 @@ def compare_tensions(world: World, task: str = "default",
     step = job.duration / 400 if time_step is None else as_number(time_step, "time_step", "s",
                                                                   positive=True)
     names = _names(methods, robot)
-    times = np.linspace(0.0, job.duration, max(2, round(job.duration / step) + 1))
+    count = as_count(round(job.duration / step) + 1, "duration / time_step")
+    times = np.linspace(0.0, job.duration, max(2, count))
     path = job.trajectory()
     W, w_e = _wrenches(robot, path, times)
     found = []

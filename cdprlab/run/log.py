@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, frozen
+from ..arrays import Array, as_count, frozen
 from ..errors import InvalidInput
 from ..world import World
 from ..world.files import made_folder, replaced, write_text
@@ -75,6 +75,7 @@ def save_record(folder: str | Path, columns: Mapping[str, tuple[Any, str]], worl
     folder : made if missing; columns : name → (N, …) array and its unit
     every : of how many rows log.csv keeps one; log.npz has them all
     """
+    as_count(every, "every")
     target = made_folder(folder)
     units = json.dumps({name: unit for name, (_, unit) in columns.items()})
     arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}

@@ -17,6 +17,7 @@ from ..mechanics.dynamics import pose_error
 from ..mechanics.trajectory import Reference
 from ..robot.pose import Pose
 from ..world import World, load_world
+from ..world.files import as_path
 from .record import Run
 
 _SIZES = {"m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3}, "rad": {"rad": 1.0, "mrad": 1e-3, "deg": np.pi / 180},
@@ -50,7 +51,8 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
     ...
     cdprlab.errors.InvalidInput: there is no file no.csv
     """
-    file, beside = Path(csv), Path(csv).with_name("world.yaml")
+    file = as_path(csv)
+    beside = file.parent / "world.yaml"
     if not file.is_file():
         raise InvalidInput(f"there is no file {file}")
     if world is None and not beside.is_file():

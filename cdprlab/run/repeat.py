@@ -135,7 +135,7 @@ def repeat(world: World, runs: int, task: str = "default", *,
         robot = real or perturbed(world, **sizes, seed=one)
         calls[k] = world, task, robot, sensors and replace(sensors, seed=one), how
     kept = Checkpoint(checkpoint, "repeat", world, task, errors, real, sensors, how) if checkpoint is not None else None
-    rows = {k: row for k in calls if kept and (row := kept.load(drawn[k])) and {*row} == _COLUMNS}
+    rows = {k: row for k in calls if kept and (row := kept.load(drawn[k]))}
     waiting = [k for k in calls if k not in rows]
     # The answers first: a generator of joblib's that is not asked to its end complains.
     for row, k in zip(over_cores(_flown, (calls[k] for k in waiting), n_jobs), waiting):

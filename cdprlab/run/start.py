@@ -209,7 +209,13 @@ def run(world: World, task: str = "default",
                 _tell_short(run, flight.log["short"][1:].astype(int))
             if wound:
                 let_out = flight.log["commanded_lengths"][:-1] - getattr(engine, "offsets", 0.0)
-                held = _held(run, flown.robot, flight.log["lengths"][1:], let_out)
+                longer = flight.log["lengths"][1:] - let_out
+                allowed = _allowed(run, flown.robot, flight.log["lengths"][1:])
+                held = (np.abs(longer) <= allowed).all(axis=1)
+                if not flight.cut_short:
+                    bad = (longer > np.max(allowed)) & run.feasible[:, None]
+                    bad[:, list(body.cut_cables)] = False
+                    _tell_longer(run, bad, let_out, longer)
                 return replace(run, feasible=run.feasible & held)
             if not flight.cut_short:
                 _mistrust(run, carried)
@@ -262,15 +268,21 @@ def control_steps(dt: float, control_period: float | None) -> tuple[int, float]:
     return substeps, substeps * step
 
 
-def _held(run: Run, robot: Robot, lengths: Array, let_out: Array) -> Array:
-    """(N,) every cable measures what was let out: longer or slack by at most 1 mm and the stretch."""
-    elasticity = robot.elasticity
-    if run.cables == "elastic" and elasticity is not None:
-        stretch = lengths * run.measured_tensions / elasticity.axial_stiffness
-        allowed = 1e-3 + stretch.max(axis=1, keepdims=True)
-    else:
-        allowed = np.full((len(lengths), 1), 1e-3)
-    return (np.abs(lengths - let_out) <= allowed).all(axis=1)
+def _allowed(run: Run, robot: Robot, lengths: Array) -> Any:
+    """(N, 1) by how much a cable that is held may be longer, or slack, than its rope: 1 mm and the stretch [m]."""
+    if run.cables != "elastic" or robot.elasticity is None:
+        return 1e-3
+    stretch = lengths * run.measured_tensions / robot.elasticity.axial_stiffness
+    return 1e-3 + stretch.max(axis=1, keepdims=True)
+
+
+def _tell_longer(run: Run, bad: Any, let_out: Array, longer: Array) -> None:
+    """Warn where a rope was first longer than it can be; bad : (N, m) where that is so."""
+    if bad.any():
+        k, cable = np.argwhere(bad)[0]
+        warn(f"at t = {run.time[k]:.4g} s cable {cable + 1} spans {longer[k, cable]:.3g} m more than the "
+             f"{let_out[k, cable]:.4g} m of its rope: something holds the platform, or the engine does not; "
+             "a smaller dt may help", CdprWarning, stacklevel=2)
 
 
 def _tell_short(run: Run, short: Any) -> None:

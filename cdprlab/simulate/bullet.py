@@ -89,7 +89,7 @@ class Bullet(NamedTuple):
                                        forces=[0] * n)
         # The default of 100 m/s caps the tension at 100 m_tip/dt. In a call of its own: given
         # together with a link's other settings, Bullet applies all of them to the base.
-        self.changeDynamics(body, -1, maxJointVelocity=1e9)
+        self.changeDynamics(body, -1, maxJointVelocity=1e30)
         for link in range(-1, n):
             self.changeDynamics(body, link, linearDamping=0, angularDamping=0, jointDamping=0)
         for joint, value in enumerate(joints):

@@ -17,7 +17,7 @@ Leg = tuple[int, int]
 """A cable: the body it belongs to, and that body's prismatic joint, whose link is the tip."""
 
 _NOTHING = (0.0, 0.0, 0.0)
-_UNBREAKABLE = 1e12    # N, and more than any robot has
+_UNBREAKABLE = 1e25    # N, and more than any robot has
 
 
 class Legs:

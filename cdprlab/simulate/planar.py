@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array
+from ..arrays import Array, as_count, frozen
 from ..errors import needed_by
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -52,7 +52,7 @@ class PlanarSimulator(Simulator):
         self._over_pulleys = cables == "length" and robot.pulleys.size > 0
         self.carrying = robot
         self._order, rounds = solving_order(world)
-        self._iterations = solver_iterations or rounds
+        self._iterations = rounds if solver_iterations is None else as_count(solver_iterations, "solver_iterations")
         self._center = robot.platform.center_of_mass
         # What every step is written into: the platform and the cables as `sample` tells them, and W.
         self._seen, self._W = np.zeros(9 + robot.n_cables), np.zeros((3, robot.n_cables))
@@ -145,15 +145,15 @@ class PlanarSimulator(Simulator):
 
     @property
     def position(self) -> Array:  # type: ignore[override]
-        return self._position.copy()
+        return frozen(self._position.copy())
 
     @property
     def rotation(self) -> Array:  # type: ignore[override]
-        return self._rotation.reshape(2, 2).copy()
+        return frozen(self._rotation.reshape(2, 2).copy())
 
     @property
     def twist(self) -> Array:  # type: ignore[override]
-        return self._twist.copy()
+        return frozen(self._twist.copy())
 
     @property
     def exit_velocities(self) -> Array:  # type: ignore[override]
@@ -161,7 +161,7 @@ class PlanarSimulator(Simulator):
 
     @property
     def tensions(self) -> Array:  # type: ignore[override]
-        return np.array(self._pulls)
+        return frozen(np.array(self._pulls))
 
     @property
     def directions(self) -> Array:  # type: ignore[override]
@@ -173,7 +173,7 @@ class PlanarSimulator(Simulator):
 
     @property
     def lengths(self) -> Array:  # type: ignore[override]
-        return self._lengths.copy()
+        return frozen(self._lengths.copy())
 
     @property
     def wrench_matrix(self) -> Array:  # type: ignore[override]

@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_answer, as_array, as_count, checked
+from ..arrays import Array, as_answer, as_array, as_count, checked, frozen
 from ..errors import InvalidInput, SimulationDiverged, quoted
 from ..mechanics.cables import Cables, cables_at, tangent_points, why_no_direction
 from ..mechanics.statics import gravity_wrench
@@ -237,7 +237,7 @@ class Simulator(ABC):
     @property
     def rope_lengths(self) -> Array | None:
         """What the winches have let out of each rope, None where there are none [m]."""
-        return np.array(self.paid_out) if self.is_wound else None
+        return frozen(np.array(self.paid_out)) if self.is_wound else None
 
     def columns(self) -> dict[str, tuple[tuple[int, ...], str]]:
         """Name → shape and unit of what `sample` gives, in its order."""
@@ -287,7 +287,7 @@ class Simulator(ABC):
 
 def cable_indices(cables: ArrayLike, m: int) -> list[int]:
     """Which of m cables are to be cut; raises InvalidInput unless they are indices from 0."""
-    given = np.ravel(cables).tolist()
-    if any(isinstance(i, bool) or not isinstance(i, int) or not 0 <= i < m for i in given):
-        raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {quoted(given)}")
-    return given
+    given = as_array(cables, "cables to cut", (), batch=True).ravel()
+    if not np.isin(given, range(m)).all():
+        raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {quoted(cables)}")
+    return given.astype(int).tolist()

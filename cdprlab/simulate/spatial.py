@@ -6,7 +6,7 @@ from warnings import warn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, frozen
+from ..arrays import Array, as_count, as_number, checked, frozen
 from ..errors import CdprWarning, InvalidInput
 from ..mechanics.cables import Cables, straight_lengths
 from ..robot import Robot
@@ -48,6 +48,7 @@ class SpatialSimulator(Simulator):
 
     shifts: Array | None = None
 
+    @checked
     def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *,
                  bodies: bool = False,
                  tip_mass: float = 1e-4, solver_iterations: int | None = None) -> None:
@@ -58,7 +59,7 @@ class SpatialSimulator(Simulator):
         if bodies and (cables == "force" or not robot.bases):
             raise InvalidInput("bases that stand and tip need a world with bases and cables that are bodies too: "
                                "\"tension\", \"length\" or \"elastic\"")
-        tips = robot.n_cables * tip_mass
+        tips = robot.n_cables * as_number(tip_mass, "tip_mass", "kg", positive=True)
         if cables != "force" and tips > _FELT * robot.mass:
             warn(f"the platform of {robot.mass:g} kg feels its cables' tips of {tips:g} kg together; "
                  "use cables=\"force\" or a smaller tip_mass", CdprWarning, stacklevel=3)
@@ -68,7 +69,8 @@ class SpatialSimulator(Simulator):
         # Threshold 0: the default ends the iterations early, at a moment that depends on the
         # motion.
         self._set(fixedTimeStep=self.dt,
-                  numSolverIterations=solver_iterations or (50 if bodies else 5),
+                  numSolverIterations=as_count((50 if bodies else 5) if solver_iterations is None else
+                                               solver_iterations, "solver_iterations", maximum=100_000),
                   solverResidualThreshold=0)
         self.bullet.setGravity(0, 0, -robot.gravity)
         self._substeps = 1

@@ -59,10 +59,12 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike,
 
 def _gate(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: str = "") -> Array:
     """`as_array`, without its copy where there is nothing to change: a batch of W is most of what is moved."""
-    if type(value) is np.ndarray and value.dtype == np.float64 and value.ndim >= max(1, len(shape)):
+    if type(value) is np.ndarray and value.dtype == np.float64 and 20 > value.ndim >= max(1, len(shape)):
         fits = not shape or isinstance(shape[-1], str) or value.shape[-1] == shape[-1]
         flat = value.ravel()
-        if fits and flat.dot(flat) <= LARGEST:   # else something is not finite, or enormous: looked at closely
+        with np.errstate(over="ignore"):
+            modest = flat.dot(flat) <= LARGEST   # else something is not finite, or enormous: looked at closely
+        if fits and modest:
             return value
     return as_array(value, name, shape, unit, batch=True)
 

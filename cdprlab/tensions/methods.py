@@ -57,6 +57,6 @@ def method_named(name: str, options: dict[str, Any]) -> Method:
         known = METHODS[name].options()
         unknown = [option for option in options if option not in known]
         if unknown:
-            raise InvalidInput(f"method {quoted(name)} takes no option {unknown[0]!r}; "
+            raise InvalidInput(f"method {quoted(name)} takes no option {quoted(unknown[0])}; "
                                f"it takes {', '.join(known) if known else 'none'}")
     return METHODS[name]

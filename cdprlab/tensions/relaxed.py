@@ -78,6 +78,10 @@ def _least_error(rows: Array, goal: Array, low: Array, high: Array,
     The program finds the cables at a limit, the free ones are then solved anew without its
     ridge.
     """
+    reach, away = float((np.abs(rows) @ high).max()), float(np.abs(goal).max())
+    if away > reach:   # no tolerance grows beyond what cables can do; far away only the direction counts
+        w_e = w_e * (reach / away)
+        goal = goal * min(1.0, 1e5 * reach / away)
     identity = np.eye(low.size)
     gram = rows.T @ rows
     gram += _RIDGE * (np.trace(gram) or 1.0) * identity

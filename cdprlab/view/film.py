@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageColor
 from PIL.PngImagePlugin import PngInfo
 
-from ..arrays import Array, checked
-from ..errors import InvalidInput
+from ..arrays import Array, as_count, as_number, checked
 from ..simulate.state import State
 from ..world.files import checked_path, replaced
 from ..world.model import Scene
@@ -27,6 +26,8 @@ LARGEST_FILE = 3_000_000
 """Bytes: what mail, chat and slides take without complaint."""
 
 _LONGEST = 12.0
+_MOST_PICTURES = 5_000
+"""Of one film: all of them are in memory at once, a megabyte each."""
 _PAUSE = 1000
 """[ms] The last picture stays for a moment before the film starts again."""
 
@@ -68,10 +69,8 @@ def save_film(run: Any, path: str | Path, seconds: float | None = None, fps: int
     """
     check_like(run, "Run", "commanded_tensions")
     lasting = float(run.time[-1]) if len(run.time) else 0.0
-    length = min(lasting, _LONGEST) if seconds is None else float(seconds)
-    if not (0 < length < np.inf and fps > 0):
-        raise InvalidInput(f"a film needs a positive length and rate, got {length:g} s and {fps} pictures per second")
-    times = np.linspace(0.0, lasting, max(12, round(length * fps)) + 1)
+    length = min(lasting, _LONGEST) if seconds is None else seconds
+    times = np.linspace(0.0, lasting, max(12, picture_count(length, fps)) + 1)
     return save_gif(map(RunScreen(run, width).at, times.tolist()), path,
                     length / (len(times) - 1), _caption(run))
 
@@ -145,6 +144,16 @@ def _caption(run: Any) -> str:
 
 
 # --- files ------------------------------------------------------------------------------------------------
+def picture_count(seconds: float, fps: int) -> int:
+    """Pictures of a film that lasts so many seconds; raises InvalidInput where that makes none, or too many.
+
+    >>> picture_count(2.0, 12)
+    24
+    """
+    rate = as_count(fps, "fps", maximum=1000)
+    return as_count(round(as_number(seconds, "seconds", "s", positive=True) * rate), "seconds × fps", 0, _MOST_PICTURES)
+
+
 def save_gif(frames: Iterable[Frame], path: str | Path, period: float, description: str) -> Path:
     """An animated GIF below ``LARGEST_FILE``: fewer colors, then fewer pictures, where it must be.
 

@@ -78,9 +78,10 @@ def draw_capability(axes: Axes, bars: Mapping[str, ArrayLike], names: Sequence[s
                            f"got {quoted(group)} and {quoted(bars)}")
     width = 0.8 / len(bars)
     for k, (label, values) in enumerate(bars.items()):
-        known = np.nan_to_num(as_array(np.where(np.equal(values, values), values, 0.0), label,  # nan: none
-                                       (len(names),), limit=np.inf))
-        heights = np.where(np.equal(values, values), known, np.nan)[list(group)]
+        told = np.ravel(values).tolist()
+        known = as_array([0.0 if value != value else value for value in told], label,   # nan: none
+                         (len(names),), limit=np.inf)
+        heights = np.where(np.equal(told, told), np.nan_to_num(known), np.nan)[list(group)]
         places = np.arange(len(group)) + (k - (len(bars) - 1) / 2) * width
         drawn = axes.bar(places, np.nan_to_num(heights), 0.92 * width, label=label,
                          color=to_rgba(COLORS[k % 4], 0.75), edgecolor=INK, linewidth=0.6,

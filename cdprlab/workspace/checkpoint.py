@@ -27,19 +27,20 @@ class Checkpoint:
         self._question = _hashed([source.read_bytes() for source in sources], question)
 
     def load(self, *part: Any) -> dict[str, Any] | None:
-        """The arrays of that part, if they are there and can be read."""
+        """The arrays of that part, if they are there, can be read and are what was kept under that name."""
         try:
             with self._path(part).open("rb") as file, np.load(file) as stored:
-                return dict(stored)
+                arrays = dict(stored)
+            return arrays if arrays.pop("seal") == _hashed(self._question, part, arrays) else None
         except Exception:   # what numpy says of a damaged file depends on the damage
             return None
 
     def save(self, *part: Any, **arrays: Any) -> None:
         """Keep the part's arrays; warns where that fails, and the work goes on."""
-        path = self._path(part)
+        path, arrays = self._path(part), {name: np.asarray(value) for name, value in arrays.items()}
         try:
             with replaced(path) as file:
-                np.savez(file, **arrays)
+                np.savez(file, seal=np.array(_hashed(self._question, part, arrays)), **arrays)
         except CannotWrite as error:
             if self.load(*part) is None:    # or somebody who shares the folder was quicker
                 warnings.warn(f"part of the work is done but not kept: {error}", stacklevel=2)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,8 +34,10 @@ class PoseGrid:
     origin: Pose
 
     def __post_init__(self) -> None:
-        for places in self.axes.values():
-            frozen(places)
+        if not {*self.axes} <= {*axis_names(self.origin.dimension)}:
+            raise InvalidInput(f"axes are those of a position, x, y and z in space, got {quoted(list(self.axes))}")
+        object.__setattr__(self, "axes", {name: as_array(places, name, ("k",), "m")
+                                          for name, places in self.axes.items()})
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -50,8 +52,9 @@ class PoseGrid:
         chosen = np.unravel_index(np.arange(*index.indices(len(self))), self.shape)
         return self.poses_at(np.stack([places[at] for places, at in zip(self.axes.values(), chosen)], axis=1))
 
-    def poses_at(self, places: Annotated[Array, "(N, k) [m]"]) -> Pose:
+    def poses_at(self, places: ArrayLike) -> Pose:
         """A batch (N,) of poses from places (N, k) along the axes that vary [m]."""
+        places = as_array(places, "places", ("N", len(self.axes)), "m")
         position = np.tile(self.origin.position, (len(places), 1))
         position[:, [axis_names(self.origin.dimension).index(name) for name in self.axes]] = places
         rotation = self.origin.rotation
@@ -103,7 +106,7 @@ def position_grid(lower: ArrayLike, upper: ArrayLike, step: float, *,
     counts = np.ceil((high - low) / spacing - 1e-9) + 1
     if counts.prod() > MOST_POSES:
         raise InvalidInput(f"step must leave at most {MOST_POSES:g} poses, got {spacing:g} m: {counts.prod():g} poses")
-    axes = {name: frozen(np.linspace(low[k], high[k], int(counts[k])))
+    axes = {name: np.linspace(low[k], high[k], int(counts[k]))
             for k, name in enumerate(axis_names(len(low)))
             if high[k] > low[k]}
     if not axes:

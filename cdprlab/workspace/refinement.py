@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 
-from ..arrays import Array, Progress, checked
+from ..arrays import Array, Progress, as_count, checked
 from ..errors import InvalidInput
 from ..robot import Robot
 from .criterion import Criterion
@@ -33,6 +33,7 @@ def refine(robot: Robot, grid: PoseGrid, criterion: Criterion, levels: int = 3, 
     >>> found.bounds[0] <= found.measure <= found.bounds[1]
     True
     """
+    as_count(levels, "levels", 0, 30)
     lower, upper = (np.stack([part.ravel() for part in np.meshgrid(*ends, indexing="ij")], axis=1)
                     for ends in ([at[:-1] for at in grid.axes.values()],
                                  [at[1:] for at in grid.axes.values()]))

@@ -87,23 +87,13 @@ def _flattened(poses: Poses) -> tuple[tuple[int, ...], Poses]:
 
 def _part(robot: Robot, poses: Pose, criterion: Criterion, margin: bool, kept: Checkpoint | None) -> Judgement:
     """A chunk's judgement: that kept on disk, else a new one, which is then kept."""
-    found = _kept(kept, poses) if kept else None
-    if found is None:
-        found = judge_where_it_can_be(robot, poses, criterion, margin)
-        if kept:
-            kept.save(poses.position, poses.rotation, **found._asdict())
+    where = poses.position, poses.rotation
+    if kept and (known := kept.load(*where)):
+        return Judgement(**known)
+    found = judge_where_it_can_be(robot, poses, criterion, margin)
+    if kept:
+        kept.save(*where, **found._asdict())
     return found
-
-
-def _kept(kept: Checkpoint, poses: Pose) -> Judgement | None:
-    """The chunk's judgement, if it is there and whole."""
-    try:
-        found = Judgement(**kept.load(poses.position, poses.rotation) or {})
-    except TypeError:
-        return None
-    kinds = found.inside.dtype.kind + found.margin.dtype.kind
-    whole = kinds == "bf" and found.inside.shape == found.margin.shape == (len(poses),)
-    return found if whole else None
 
 
 def over_cores(work: Callable[..., Answer], calls: Iterable[tuple[Any, ...]], n_jobs: int | None) -> Iterator[Answer]:

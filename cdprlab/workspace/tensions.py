@@ -144,7 +144,7 @@ class TippingSafe(Criterion):
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         if len(poses.batch_shape) != 1:
-            raise InvalidInput(f"TippingSafe judges a row of poses, got {poses!r}")
+            raise InvalidInput(f"TippingSafe judges a row of poses, got {quoted(poses)}")
         rows = tipping_rows(robot, poses)
         if not rows:
             raise InvalidInput("tipping needs bases with a footprint; this robot has none")

@@ -14,7 +14,7 @@ from pydantic import NonNegativeFloat as NotNegative
 from pydantic import PositiveFloat as Positive
 
 from ..arrays import frozen
-from ..errors import InvalidInput, Location, under
+from ..errors import InvalidInput, Location, quoted, under
 from ..robot import (
     MOTION_PATTERNS,
     STANDARD_GRAVITY,
@@ -505,7 +505,7 @@ class WorldFile(Block):
         pattern = MOTION_PATTERNS[self.motion_pattern]
         if self.engine not in (None, pattern.engine):
             raise InvalidInput(f"motion pattern {pattern.name} runs in the {pattern.engine} engine, "
-                               f"not {self.engine!r}", ("engine",))
+                               f"not {quoted(self.engine)}", ("engine",))
         cables, shared = [], self.cable_limits.part(d)
         if self.cable.pulley:
             shared = {"pulley": self.cable.pulley.part(d)} | shared

@@ -64,7 +64,7 @@ def checked_path(path: str | Path, ending: str = "") -> Path:
 
     Raises InvalidInput for what is no path, another ending or a missing folder.
     """
-    target = _path(path)
+    target = as_path(path)
     if not target.name.lower().endswith(ending):
         raise InvalidInput(f"the path must end in {ending}, got {target}")
     if not target.parent.is_dir():
@@ -80,7 +80,7 @@ def made_folder(path: str | Path) -> Path:
     ...
     cdprlab.errors.CannotWrite: cannot write to the folder /dev/null: something else has that name
     """
-    folder = _path(path)
+    folder = as_path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder) as probe:
@@ -92,7 +92,15 @@ def made_folder(path: str | Path) -> Path:
     return folder
 
 
-def _path(path: str | Path) -> Path:
-    if not isinstance(path, str | Path) or not str(path) or "\0" in str(path):
-        raise InvalidInput(f"a path must be text that can name a file, got {quoted(path)}")
-    return Path(path)
+def as_path(path: str | Path) -> Path:
+    """A path, checked: text that can name a file, of at most 255 bytes between its slashes.
+
+    >>> as_path("")
+    Traceback (most recent call last):
+    ...
+    cdprlab.errors.InvalidInput: a path must be text that can name a file, got ''
+    """
+    with suppress(TypeError, ValueError):   # a lone surrogate is the second
+        if path != "" and b"\0" not in os.fsencode(path) and max(map(len, os.fsencode(path).split(b"/"))) < 256:
+            return Path(path)
+    raise InvalidInput(f"a path must be text that can name a file, got {quoted(path)}")

@@ -55,7 +55,7 @@ class Scene:
 def check_pose(pose: Pose, robot: Robot, location: Location) -> None:
     """Raises InvalidInput unless a robot can be there at all."""
     if pose.batch_shape or pose.dimension != robot.dimension:
-        raise InvalidInput(f"{location[-1]} must be a single {robot.pattern.engine} pose, got {pose!r}", location)
+        raise InvalidInput(f"{location[-1]} must be a single {robot.pattern.engine} pose, got {quoted(pose)}", location)
 
 
 @lasting

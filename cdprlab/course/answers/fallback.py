@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import CdprError
+from ...arrays import checked
+from ...errors import CdprError, quoted, shortened
 from ...robot.pose import Pose
 from ...world.files import replaced
 from .library import LIBRARY
@@ -44,6 +45,7 @@ class Recorded:
         return f"<{len(self._results)} recorded results of {self.__name__}>"
 
 
+@checked
 def fallback(exercise: str) -> Any:
     """What the lesson's later cells need of an exercise that stays open.
 
@@ -56,7 +58,7 @@ def fallback(exercise: str) -> Any:
     known = sorted({*LIBRARY, *(file.stem for file in RECORDED.glob("*.npz"))})
     found = [name for name in known if exercise in (name, name[3:])]
     if len(found) != 1:
-        raise CdprError(f"no fallback {exercise!r}; there are {', '.join(found or known)}")
+        raise CdprError(f"no fallback {quoted(exercise)}; there are {shortened(', '.join(found or known))}")
     functions = LIBRARY.get(found[0]) or _read(RECORDED / f"{found[0]}.npz")
     return functions[0] if len(functions) == 1 else tuple(functions)
 

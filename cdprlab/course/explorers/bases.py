@@ -202,7 +202,7 @@ def _shown(robot: Robot, names: tuple[str, ...] | None) -> list[Base]:
     for name in names:
         if not (robot.base(name).speed_max > 0).any():
             raise InvalidInput(f"base {name!r} cannot drive: all its speed limits are 0")
-    if not names:
+    if not len(names):
         raise InvalidInput("bases must name at least one base, or be left out")
     return [robot.base(name) for name in names]
 

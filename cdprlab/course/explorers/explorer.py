@@ -86,11 +86,11 @@ class Slider:
         """The value as a number; raises InvalidInput outside the range."""
         # Rounding in a range's end must not refuse the end itself.
         slack = 1e-9 * (self.high - self.low)
-        if not isinstance(value, int | float | np.number) \
-                or not self.low - slack <= float(value) <= self.high + slack:
+        number = as_number(value, self.name, self.unit)
+        if not self.low - slack <= number <= self.high + slack:
             raise InvalidInput(f"{self.name} must be between {self.low:g} and {self.high:g} {self.unit}".rstrip()
                                + f", got {quoted(value)}")
-        return min(max(float(value), self.low), self.high)
+        return min(max(number, self.low), self.high)
 
     @property
     def stride(self) -> float:
@@ -111,8 +111,8 @@ class Slider:
 
     def nearest(self, value: float) -> float:
         """The slider's mark next to a value: where it stands without moving the value."""
-        place = self.low + round((value - self.low) / self.stride) * self.stride
-        return min(place, self.high)
+        steps = (min(max(value, self.low), self.high) - self.low) / self.stride
+        return min(self.low + round(steps) * self.stride, self.high)
 
 
 @checked
@@ -137,7 +137,7 @@ class Choice:
 
     def check(self, value: Any) -> Any:
         """The value; raises InvalidInput naming the options if it is none of them."""
-        if value not in self.options:
+        if not isinstance(value, Hashable) or value not in self.options:
             raise InvalidInput(f"{self.name} must be one of {', '.join(map(str, self.options))}, got {quoted(value)}")
         return value
 

@@ -21,7 +21,7 @@ from threading import Lock
 
 from joblib import Parallel, delayed
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, quoted
 from ...world.files import write_text
 from .cells import Cell
 from .jail import PACKAGE, find_jail
@@ -85,7 +85,7 @@ class Grader:
         jobs : processes at once, -1 for all cores
         """
         if lesson is not None and lesson not in self.lessons:
-            raise InvalidInput(f"there is no lesson {lesson!r}; there are {', '.join(self.lessons)}")
+            raise InvalidInput(f"there is no lesson {quoted(lesson)}; there are {', '.join(self.lessons)}")
         chosen = [one for one in submissions if lesson in (None, one.name) or one.name not in self.lessons]
         work = Parallel(n_jobs=jobs, prefer="threads", return_as="generator")
         results = list[Result]()

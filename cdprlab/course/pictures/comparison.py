@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array, checked
-from ...errors import InvalidInput
+from ...errors import InvalidInput, quoted
 from ...view.plots import Figure
 from ...view.style import CABLE_DASHES, INK, cable_style, house_style
 
@@ -39,7 +39,7 @@ def plot_comparison(x: Annotated[Array, "(N,)"], pairs: Mapping[str, tuple[Array
         for index, (label, pair) in enumerate(pairs.items()):
             first, second = (as_array(values, label, ("N",), limit=np.inf) for values in pair)
             if not first.shape == second.shape == (x.size,):
-                raise InvalidInput(f"{label!r} must have one value for each x, {x.shape}, got shapes "
+                raise InvalidInput(f"{quoted(label)} must have one value for each x, {x.shape}, got shapes "
                                    f"{first.shape} and {second.shape}")
             color, dashes = cable_style(index).color, CABLE_DASHES[index % len(CABLE_DASHES)]
             above.plot(x, first, color=color, linewidth=6, alpha=0.3, solid_capstyle="butt",

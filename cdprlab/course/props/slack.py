@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ...arrays import checked
 from ...configurations import Configuration, compatible_configurations
 from ...configurations.configuration import as_position, triplets
-from ...errors import InvalidInput
+from ...errors import InvalidInput, quoted
 from ...robot import Robot
 
 
@@ -32,7 +32,8 @@ def slack_length(robot: Robot, position: ArrayLike, configuration: Sequence[int]
     """
     chosen, M = Configuration(configuration), as_position(position)
     if chosen not in triplets(robot):
-        raise InvalidInput(f"configuration must be three of the cables 1 to {robot.n_cables}, got {tuple(chosen)}")
+        raise InvalidInput(f"configuration must be three of the cables 1 to {robot.n_cables}, "
+                           f"got {quoted(tuple(chosen))}")
     rho = np.linalg.norm(robot.exit_points - M, axis=1)
     others = np.ones(robot.n_cables)
     others[chosen.indices] = 0.0

@@ -10,7 +10,7 @@ from warnings import warn
 import numpy as np
 
 from ...arrays import Array, Progress, checked, frozen
-from ...errors import CdprWarning, InvalidInput, WinchOverrun
+from ...errors import CdprWarning, InvalidInput, WinchOverrun, quoted
 from ...mechanics.dynamics import pose_error
 from ...mechanics.trajectory import Reference, Trajectory, hold, quintic, rest_to_rest
 from ...robot.pose import Pose
@@ -64,7 +64,7 @@ def pick_and_place(world: World, task: str = "pick_and_place",
     """
     job = world.task(task)
     if not isinstance(job, PickAndPlace):
-        raise InvalidInput(f"task {task!r} is of kind {job.kind}, not pick_and_place: use cl.run(world, ...)")
+        raise InvalidInput(f"task {quoted(task)} is of kind {job.kind}, not pick_and_place: use cl.run(world, ...)")
     substeps, period = control_steps(dt, control_period)
     law = winch_control(control)
     begin, flown = (replace(one, robot=one.robot.with_bases(job.coupled), pose=job.start,

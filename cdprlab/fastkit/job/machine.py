@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import Array, checked, lasting
 from ...robot.pose import Pose
-from ..events import DONE, STOPPED, Event
+from ..events import DONE, STOPPED, Event, as_reason
 
 SETTLING = 0.1
 """[s] the engine's wheels take to find the floor."""
@@ -123,12 +123,12 @@ class Machine:
         """Look, decide; True if a new state begins now."""
         if self.ended:
             return False
-        trouble = next((why for fault in self.faults if (why := fault(sensors))), "")
+        trouble = next((why for fault in self.faults if (why := as_reason(fault(sensors), sensors.time))), "")
         if not trouble:
             late = sensors.time - self.began - self.phase.duration
             if late < -1e-9:
                 return False
-            missing = self.phase.guard(sensors)
+            missing = as_reason(self.phase.guard(sensors), sensors.time)
             if missing and late <= self.patience:
                 return False
             trouble = missing and f"waited {self.patience:g} s: {missing}"

@@ -19,7 +19,7 @@ from ...arrays import as_array, checked
 from ...errors import InvalidInput
 from ...world import World
 from ...world.model import PickAndPlace
-from ..events import DONE, STOPPED, Event
+from ..events import DONE, STOPPED, Event, as_reason
 from ..navigation.driving import Walker
 from .guards import at_home, at_the_shelf, base_in_place, box_in_place, coupled_again, stands_still
 from .mission_record import Mission
@@ -92,7 +92,7 @@ def walk_through(mission: Mission, states: tuple[Stage, ...]) -> Iterator[Event]
     for state in states:
         yield Event(mission.when(state.begins), state.name)
         state.act(mission)
-        missing = state.guard(mission)
+        missing = as_reason(state.guard(mission), mission.now)
         if missing:
             yield Event(mission.now, STOPPED, f"in {state.name}: {missing}")
             return

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, checked, lasting
-from ...errors import InvalidInput
+from ...errors import InvalidInput, quoted
 from ...world import World
 from ...world.model import PickAndPlace
 from ..job.job import pick_and_place
@@ -117,7 +117,10 @@ class Trip:
         """Do the work where the pair stands; None: `pick_and_place`, and fold."""
         there, tell = self.arrived(mission), self.told(mission)
         if work is not None:
-            mission.job = work(there, mission.task)
+            job = work(there, mission.task)
+            if not isinstance(job, Job):
+                raise InvalidInput(f"work at t = {mission.now:.4g} s must give a Job, got {quoted(job)}")
+            mission.job = job
         else:
             ticks = None if tell is None else lambda done, _: tell(1e-3 * done)
             mission.job = pick_and_place(there, mission.task, fold=True, progress=ticks)

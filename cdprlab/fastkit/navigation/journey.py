@@ -103,7 +103,7 @@ def navigate(pair: Pair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
     Returns Journey.
     Source: Pedemonte et al. 2020, section 2.3.
     """
-    as_number(period, "period", "s", positive=True)
+    as_number(period, "period", "s", minimum=1e-3)
     where = Localization(hall, checked_pose(start, "start"), uncertainty, pair.odometry, pair.vehicle.eyes)
     stops = [checked_pose(goal, "goal")] + ([] if berth is None else [checked_pose(berth, "berth")])
     out = None if leaving is None else checked_pose(leaving, "leaving")

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ...arrays import Array, checked
-from ...view.film import Frame, RunScreen, save_gif
+from ...view.film import Frame, RunScreen, picture_count, save_gif
 from ...view.plots import Figure, draw_lines, label_ends, mark_level, spread_apart
 from ...view.style import AXIS_STYLES, BLUE, GREY, INK, VERMILION, LineStyle, cable_style, house_style
 from ...world.model import Scene
@@ -61,7 +61,7 @@ def save_job_film(job: Job, path: str | Path, seconds: float = 16.0, fps: int = 
     path : ends in .gif
     seconds : length of the film [s]; fps : pictures per second; width : [pixels]
     """
-    moments = film_moments(job, round(seconds * fps))
+    moments = film_moments(job, picture_count(seconds, fps))
     return save_gif(map(JobScreen(job, width, captioned=True).at, moments), path, 1 / fps,
                     _caption(job))
 

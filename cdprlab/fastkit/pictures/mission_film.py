@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import Array
+from ...arrays import Array, checked
 from ...run.loop import counted
 from ...view.drawing import HALO
-from ...view.film import Frame, index_at, save_gif
+from ...view.film import Frame, index_at, picture_count, save_gif
 from ...view.screen import Screen
 from ...view.style import INK, PURPLE, house_style
 from ...world import World
@@ -24,6 +24,7 @@ _WORDS = {"navigation": "the coupled pair drives to the shelf",
           "return": "the platform returns, the bases fold"}
 
 
+@checked
 def save_mission_film(mission: Mission, path: str | Path, seconds: float = 24.0, fps: int = 8,
                       width: int = 640, progress: Any = None) -> Path:
     """An animated GIF of a mission, below 3 MB, each picture with its state and the mission's clock.
@@ -32,7 +33,7 @@ def save_mission_film(mission: Mission, path: str | Path, seconds: float = 24.0,
     seconds : length of the film [s]; fps : pictures per second; width : [pixels]
     progress : called as (pictures drawn, in all)
     """
-    times = np.linspace(0.0, mission.now, round(seconds * fps) + 1)
+    times = np.linspace(0.0, mission.now, picture_count(seconds, fps) + 1)
     shown = counted(times.tolist(), len(times), progress)
     return save_gif(map(MissionFilm(mission, width).frame_at, shown), path, 1 / fps, (
         f"{mission.world.title}: the mission, {mission.state} after {mission.now:.0f} s. From above two coupled bases "
