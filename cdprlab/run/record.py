@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from ..arrays import Array, data_frame, frozen, lasting
+from ..arrays import Array, as_count, data_frame, frozen, lasting
 from ..mechanics.dynamics import pose_error
 from ..mechanics.trajectory import Reference
 from ..robot import Robot
@@ -119,13 +119,17 @@ class Run:
                    if "commanded_lengths" in log else None,
                    cut_short=flight.cut_short, **about)
 
+    def row(self, index: int) -> int:
+        """A control step, counted from the end where the index is negative; raises InvalidInput where there is none."""
+        return as_count(index, "index", -len(self.time), len(self.time) - 1)
+
     def robot_at(self, index: int) -> Robot:
         """The robot with its bases where they stood at one control step."""
         robot = self.world.robot
         if self.base_poses is None:
             return robot
         return robot.with_bases({base.name: pose
-                                 for base, pose in zip(robot.bases, self.base_poses[index])})
+                                 for base, pose in zip(robot.bases, self.base_poses[self.row(index)])})
 
     def boxes_at(self, index: int) -> tuple[tuple[Pose, Array], ...]:
         """Pose and size [m] of each loose box at one control step: a plain run has none."""

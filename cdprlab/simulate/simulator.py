@@ -290,4 +290,5 @@ def cable_indices(cables: ArrayLike, m: int) -> list[int]:
     given = as_array(cables, "cables to cut", (), batch=True).ravel()
     if not np.isin(given, range(m)).all():
         raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {quoted(cables)}")
-    return given.astype(int).tolist()
+    indices: list[int] = given.astype(int).tolist()
+    return indices

@@ -9,7 +9,7 @@ from warnings import warn
 
 import numpy as np
 
-from ...arrays import Array, Progress, checked, frozen
+from ...arrays import Array, Progress, as_number, checked, frozen
 from ...errors import CdprWarning, InvalidInput, WinchOverrun, quoted
 from ...mechanics.dynamics import pose_error
 from ...mechanics.trajectory import Reference, Trajectory, hold, quintic, rest_to_rest
@@ -69,7 +69,7 @@ def pick_and_place(world: World, task: str = "pick_and_place",
     law = winch_control(control)
     begin, flown = (replace(one, robot=one.robot.with_bases(job.coupled), pose=job.start,
                             tasks={task: job}) for one in (world, real or world))
-    machine = Machine(job_phases(world, job, speed, fold=fold), faults)
+    machine = Machine(job_phases(world, job, as_number(speed, "speed", "m/s", minimum=1e-3), fold=fold), faults)
     cables = law.cables(world)
     if flown.robot.winch is None:
         raise InvalidInput("winches are to do a job, but the world has no `winch:` block")

@@ -48,7 +48,7 @@ class Job(Chronicle, Run):
         return task
 
     def boxes_at(self, index: int) -> tuple[tuple[Pose, Array], ...]:
-        return ((self.box_poses[index], self.work.box_size),)
+        return ((self.box_poses[self.row(index)], self.work.box_size),)
 
     @property
     def box_error(self) -> float:
@@ -62,7 +62,7 @@ class Job(Chronicle, Run):
 
     def state_at(self, index: int) -> str:
         """Name of the state at one control step."""
-        return self.events[int(self.states[index])].state
+        return self.events[int(self.states[self.row(index)])].state
 
     def table(self) -> dict[str, str]:
         """The job in a few lines: quantity → value with unit."""

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arrays import Array, checked, lasting
+from ...errors import InvalidInput
 from ...robot.pose import Pose
 from ..events import DONE, STOPPED, Event, as_reason
 
@@ -99,6 +100,8 @@ class Machine:
 
     def __init__(self, phases: tuple[Phase, ...], faults: tuple[Guard, ...],
                  patience: float = 3.0) -> None:
+        if not len(phases):
+            raise InvalidInput("a machine needs a phase to begin with")
         self.phases, self.faults, self.patience = phases, faults, patience
         self.index = 0
         self.ended = ""          # or DONE, or STOPPED

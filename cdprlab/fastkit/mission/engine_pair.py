@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, checked
-from ...errors import InvalidInput, quoted
+from ...errors import InvalidInput
 from ...robot.pose import Pose
 from ...run.log import Log
 from ...simulate.bullet import STRAIGHT

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, Flags, as_array, checked, frozen, lasting
+from ...errors import InvalidInput, quoted
 from ...world import World
 from ..plane import Spots, edges, point_distance, rectangle
 from .laser import Scanner
@@ -43,6 +44,8 @@ class Hall:
         1.0
         """
         rows = as_array(rectangles, "rectangles", ("k", 5), "m, rad")
+        if np.shape(seen) not in ((), (len(rows),)):
+            raise InvalidInput(f"seen must be one truth value, or one a rectangle, got {quoted(seen)}")
         return cls(frozen(rows[:, [0, 1, 4]]), rows[:, 2:4],
                    as_array(bounds, "bounds", (2, 2), "m"),
                    np.broadcast_to(np.asarray(seen), len(rows)))

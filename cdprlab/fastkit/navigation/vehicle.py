@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import Array, checked, frozen, lasting
-from ...errors import InvalidInput, quoted
+from ...errors import InvalidInput
 from ...robot import Robot
 from ..plane import Motion, Place, Places, Scan, difference, placed, point_distance, rectangle
 from .laser import Scanner
