@@ -30,6 +30,15 @@ def made(name: str) -> Any:
     return MAKERS[name]()
 
 
+def until(most: float) -> Any:
+    """Called as progress is: what takes longer ends with an error of ours."""
+    def progress(done: float, *_: Any) -> None:
+        if done > most:
+            raise cl.CdprError("enough")
+
+    return progress
+
+
 def _follower() -> Any:
     return fastkit.Follower(made("vehicle"), [[0, 0, 0], [1, 0, 0]])
 
@@ -184,11 +193,11 @@ def of_fastkit() -> dict[str, tuple[Any, Words]]:
         "mission_states": (fastkit.mission_states, {"trip": trip, "work": None}),
         "navigate": (fastkit.navigate, {
             "pair": pair, "hall": hall, "start": [-3, -3, 0], "goal": [-2.9, -3, 0], "berth": None, "leaving": None,
-            "uncertainty": (0.1, 0.1, 0.05), "period": 0.1, "progress": None}),
+            "uncertainty": (0.1, 0.1, 0.05), "period": 0.1, "progress": until(0.2)}),
         "pair_pose": (fastkit.pair_pose, {"world": FASTKIT}),
         "pick_and_place": (fastkit.pick_and_place, {
             "world": FASTKIT, "task": "pick_and_place", "control": "torque", "speed": 0.5, "dt": 2e-3,
-            "control_period": 4e-3, "faults": (lambda _: "enough",), "fold": False, "progress": None}),
+            "control_period": 4e-3, "faults": (lambda _: "enough",), "fold": False, "progress": until(300)}),
         "plan_path": (fastkit.plan_path, {"grid": grid, "vehicle": vehicle, "start": [-3, -3, 0],
                                           "goal": [-2, -3, 0], "margin": 0.1}),
         "plot_job": (fastkit.plot_job, {"job": job}), "plot_journey": (fastkit.plot_journey, {"journey": journey}),
