@@ -72,15 +72,16 @@ _HOMES = {name: file if file.startswith("..") else f".{file}"
 
 __all__ = sorted(_HOMES)
 
-if "matplotlib.figure" in sys.modules:  # in a lesson: what plt.show() shows, screen readers can tell
-    sys.modules["matplotlib.figure"].Figure._repr_mimebundle_ = figure_bundle
-
 
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"cdprlab.course has no {name!r}; it has {', '.join(__all__)}")
     with needed_by(f"cdprlab.course.{name}"):
         home = import_module(_HOMES[name], __name__)
+    if "matplotlib.figure" in sys.modules:  # in a lesson: what plt.show() shows, screen readers can tell
+        figure = sys.modules["matplotlib.figure"].Figure
+        if not hasattr(figure, "_repr_mimebundle_"):  # the book has set it to None
+            figure._repr_mimebundle_ = figure_bundle
     return getattr(home, name, home)
 
 
