@@ -440,7 +440,7 @@ def test_bad_paths_and_lengths_are_named(flown, tmp_path):
         view.save_film(flown, tmp_path / "film.mp4")
     with pytest.raises(InvalidInput, match="no folder"):
         view.save_film(flown, tmp_path / "nowhere" / "film.gif")
-    with pytest.raises(InvalidInput, match="positive length"):
+    with pytest.raises(InvalidInput, match="seconds must be positive"):
         view.save_film(flown, tmp_path / "film.gif", seconds=0)
     with pytest.raises(InvalidInput, match="no folder"):
         view.save_figure(view.plot_tracking(flown), tmp_path / "nowhere" / "figure.png")

@@ -44,9 +44,9 @@ class Shown:
 
 def figure_bundle(figure: Any, **_: Any) -> dict[str, str]:
     """A matplotlib figure as PNG, and as HTML with alternative text: its own, or what stands on its axes."""
-    drawn = BytesIO()
-    figure.savefig(drawn, format="png", dpi="figure", bbox_inches="tight")
-    png = b64encode(drawn.getvalue()).decode()
+    buffer = BytesIO()
+    figure.savefig(buffer, format="png", dpi="figure", bbox_inches="tight")
+    png = b64encode(buffer.getvalue()).decode()
     said = [figure.get_suptitle(), *(text for axes in figure.axes for text in (
         axes.get_title("left"), axes.get_title(), axes.get_ylabel(), axes.get_xlabel()))]
     words = html.escape(getattr(figure, "alt_text", "") or "; ".join(filter(None, said)) or "drawing")

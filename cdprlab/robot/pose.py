@@ -219,8 +219,8 @@ def lever(arm: Array) -> Array:
     arm : r (…, d)
     Returns (…, 2, 1) or (…, 3, 3).
 
-    >>> lever(np.array([1.0, 0.0])) @ [0.5]
-    array([-0. ,  0.5])
+    >>> lever(np.array([1.0, 2.0])) @ [0.5]
+    array([-1. ,  0.5])
     """
     if arm.shape[-1] == 2:
         return np.stack([-arm[..., 1], arm[..., 0]], axis=-1)[..., None]

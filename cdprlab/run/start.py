@@ -29,7 +29,7 @@ from .loop import Command, Flight, LengthCommand, StretchedLengths, TensionComma
 from .motors import Motors
 from .record import Run
 from .sensors import Belief, Sensors
-from .winches import VelocityControl, WinchControl
+from .winches import TorqueControl, VelocityControl, WinchControl
 
 Cuts = Mapping[float, ArrayLike]
 """Time [s] → the cables cut then, by index from 0."""
@@ -43,7 +43,8 @@ _MOST_STEPS = 10_000_000
 @checked
 def run(world: World, task: str = "default",
         method: str | Callable[..., Any] = "quadratic_program",
-        cables: str = "tension", controller: Controller | WinchControl | None = None, dt: float = 1e-3,
+        cables: str = "tension",
+        controller: Controller | TorqueControl | VelocityControl | None = None, dt: float = 1e-3,
         control_period: float | None = None, infeasible: str = "relax",
         external_wrench: Any = None,
         duration: float | None = None, seed: int = 0, *, base_speeds: Any = None,

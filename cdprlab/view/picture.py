@@ -67,17 +67,14 @@ class Picture:
             self._lay_out()
         elif self._changed and self._slots is None:
             self._slots = self._parted(renderer)
-        if first or (self.figure.stale and not (self._changed and self._slots)):
+        if first or (self.figure.stale and not self._redrawn(renderer)):
             self._canvas.draw()
-            self._background = self._canvas.copy_from_bbox(self.figure.bbox)
-        else:
+            if self._slots:   # for lack of room in one: they are parted anew
+                self._slots = None
+        elif not self.figure.stale:
             self._canvas.restore_region(self._background)
-            slots = self._slots or []
-            for axes in dict.fromkeys(self._changed):
-                np.asarray(renderer.buffer_rgba())[slots[self.figure.axes.index(axes)]] = _WHITE
-                axes.draw(renderer)
-            if self._changed:
-                self._background = self._canvas.copy_from_bbox(self.figure.bbox)
+        if first or self.figure.stale:
+            self._background = self._canvas.copy_from_bbox(self.figure.bbox)
         self.figure.stale, self._changed = False, []
         for artist in self._moving():
             artist.draw(renderer)
@@ -89,6 +86,22 @@ class Picture:
         Image.fromarray(self.pixels()).save(buffer, "png", compress_level=1,
                                             compress_type=_RUN_LENGTHS)
         return buffer.getvalue()
+
+    def _redrawn(self, renderer: Any) -> bool:
+        """Draw what changed panel by panel; False where one has none to itself, or words that reach out of it."""
+        if not (self._changed and self._slots):
+            return False
+        self._canvas.restore_region(self._background)
+        height = self.figure.bbox.height
+        for axes in dict.fromkeys(self._changed):
+            rows, columns = slot = self._slots[self.figure.axes.index(axes)]
+            left, low, right, high = axes.get_tightbbox(renderer).extents
+            if not (columns.start <= left and right <= columns.stop
+                    and rows.start <= height - high and height - low <= rows.stop):
+                return False
+            np.asarray(renderer.buffer_rgba())[slot] = _WHITE
+            axes.draw(renderer)
+        return True
 
     def _lay_out(self) -> None:
         """Axes to their places, for good; titles, which say what moves, move from now on."""
