@@ -235,6 +235,7 @@ def test_without_tipping_rows_the_base_tips():
     assert job.tilts[job.time <= lifted].max() < np.radians(0.5)
 
 
+@pytest.mark.long
 def test_with_tipping_rows_the_same_job_is_done_standing():
     job = pick_and_place(light(), control=TorqueControl(toward=STIFF))
     assert job.state == DONE and job.box_error <= 0.02 and job.position_errors.max() <= 5e-3

@@ -38,8 +38,10 @@ def test_visible_checks_notice_mistakes_planted_by_machine(lesson: str):
     assert found == [], f"`python tests/mutants.py {lesson}` tries all"
 
 
-@every_lesson
-@pytest.mark.parametrize("write", [mutants.as_lists, mutants.as_float32])
+@pytest.mark.parametrize(("lesson", "write"), [
+    pytest.param(lesson, write, marks=[pytest.mark.long] * ((k + lists) % 2))
+    for k, lesson in enumerate(mutants.lessons())
+    for lists, write in enumerate((mutants.as_float32, mutants.as_lists))])
 def test_right_answers_earn_their_points_however_they_are_written(lesson: str, write: Callable[[Any], Any]):
     for exercise in mutants.exercises(lesson):
         for name in exercise.functions:
