@@ -24,7 +24,6 @@ METADATA = {"kernelspec": {"display_name": "Python 3 (ipykernel)", "language": "
 KEBAB = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 LINK = re.compile(r"\]\(([\w/.-]+\.ipynb)\)")
 NO_VERDICT = ("NameError", "SyntaxError", "NotImplementedError")
-UNFINISHED = ("10_fastkit_at_work",)  # their form is another's work yet
 MARKERS = ("BEGIN SOLUTION", "END SOLUTION", "BEGIN HIDDEN", "END HIDDEN")
 
 ANSI = re.compile(r"\x1b\[[0-9;]*m")
@@ -205,18 +204,15 @@ def test_lessons_are_short_and_their_lines_narrow(name: str):
         if cell.cell_type == "markdown":
             words += len(notebooks.read_by_all(cell.source).split())
             continue
-        if name not in UNFINISHED:
-            assert [line for line in cell.source.splitlines() if len(line) > 96] == [], cell.id
-            assert folded or not notebooks.grader(cell).get("grade"), cell.id
+        assert [line for line in cell.source.splitlines() if len(line) > 96] == [], cell.id
+        assert folded or not notebooks.grader(cell).get("grade"), cell.id
         lines += 0 if folded or notebooks.grader(cell).get("grade") else notebooks.code_lines(cell.source)
     assert words <= 2600 and lines <= 200
 
 
 @flies
 @every_flight
-def test_printed_lines_are_narrow(flight: Flight, request: pytest.FixtureRequest):
-    if request.node.callspec.params["flight"] in UNFINISHED:
-        pytest.skip("its form is another's work yet")
+def test_printed_lines_are_narrow(flight: Flight):
     printed = [line for cell in flight.notebook.cells for output in cell.get("outputs", [])
                if output.output_type == "stream" for line in output.text.splitlines()]
     assert [line for line in printed if len(line) > 95] == []

@@ -29,9 +29,10 @@ def look(motion: Array, dt: float, reach: float, center: Array, exit_points: Arr
     rx, ry = center[0] * c - center[1] * s, center[0] * s + center[1] * c
     x, y = x - rx, y - ry
     seen[:9] = x, y, c, -s, s, c, vx + spin * ry, vy - spin * rx, spin
-    put_cables(exit_points, anchor_points, seen[:2], seen[2:6].reshape(2, 2), pulleys, seen[9:], W)
+    lengths = seen[9:]
+    put_cables(exit_points, anchor_points, seen[:2], seen[2:6].reshape(2, 2), pulleys, lengths, W)
     return (abs(x) < reach and abs(y) < reach and abs(spin * dt) < math.tau
-            and bool(seen[9:].all()))
+            and lengths.min() > 0)
 
 
 @compiled_for(1, 1, 0, 2, 2, writes=(1,))

@@ -105,8 +105,8 @@ def plot_flight(run: Any, planned: Sequence[Sequence[bool]], taut: Sequence[Sequ
         below.set_title("Taut: filled bars; allowed by the plan: dashed frames", fontsize=11)
         below.grid(visible=False, axis="y")
         wrong = 100 * (did & ~plan).any(axis=1).mean()
-        figure.alt_text = (f"The load stays within {off.max():.2g} mm of the plan; a cable of the plan's slack ones "
-                           f"carried {wrong:.1f} % of the time.")
+        figure.alt_text = (f"The load is at most {off.max():.2g} mm off; cables planned slack carry "
+                           f"{wrong:.1f} % of the time.")
     return figure
 
 
