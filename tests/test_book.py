@@ -19,6 +19,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import cdprlab
+from cdprlab.course.shown import describe
 
 BOOK = notebooks.CHECKOUT / "docs" / "book"
 RUN = "00_first_flight"
@@ -115,7 +116,6 @@ def test_an_executed_lesson_shows_numbers_pictures_and_explorers(site: Path):
 
 
 def test_a_figure_says_in_words_what_it_shows():
-    say = tool("still_pictures").describe
     figure = Figure()
     left, right = figure.subplots(1, 2)
     left.set(title="Two ways", xlabel="time [s]", ylabel=r"$\\tau_\\mathrm{min}$ [N]")
@@ -123,8 +123,8 @@ def test_a_figure_says_in_words_what_it_shows():
     left.legend()
     right.axis("off")
     figure.colorbar(left.scatter([0], [0], c=[1.0]), ax=right, label="margin [N]")
-    assert say(figure) == "Two ways: τ_min [N] against time [s] (shown: measured); colors: margin [N]"
-    assert say(Figure()) == "Drawing without axes"
+    assert describe(figure) == "Two ways: τ_min [N] against time [s] (shown: measured); colors: margin [N]"
+    assert describe(Figure()) == "Drawing without axes"
 
 
 def test_each_lesson_can_be_taken_home(site: Path):

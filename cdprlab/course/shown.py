@@ -1,6 +1,7 @@
 """What explorers and the designer share in a notebook: a widget that shows itself, and pictures with words."""
 
-import html
+import re
+import unicodedata
 from base64 import b64encode
 from collections.abc import Sequence
 from functools import cache
@@ -43,15 +44,44 @@ class Shown:
 
 
 def figure_bundle(figure: Any, **_: Any) -> dict[str, str]:
-    """A matplotlib figure as PNG, and as HTML with alternative text: its own, or what stands on its axes."""
+    """A matplotlib figure as PNG, and as HTML with alternative text: its own, or what stands on it."""
+    from ..view.notebook import picture_tag
+
     buffer = BytesIO()
     figure.savefig(buffer, format="png", dpi="figure", bbox_inches="tight")
-    png = b64encode(buffer.getvalue()).decode()
-    said = [figure.get_suptitle(), *(text for axes in figure.axes for text in (
-        axes.get_title("left"), axes.get_title(), axes.get_ylabel(), axes.get_xlabel()))]
-    words = html.escape(getattr(figure, "alt_text", "") or "; ".join(filter(None, said)) or "drawing")
-    return {"image/png": png,
-            "text/html": f'<img style="max-width: 100%" alt="{words}" src="data:image/png;base64,{png}">'}
+    png = buffer.getvalue()
+    return {"image/png": b64encode(png).decode("ascii"),
+            "text/html": picture_tag(png, getattr(figure, "alt_text", "") or describe(figure))}
+
+
+def describe(figure: Any) -> str:
+    """A matplotlib figure in words: its panels' titles, axes and legends."""
+    panels = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
+    scales = [axes.get_xlabel() or axes.get_ylabel() for axes in figure.axes if axes.get_label() == "<colorbar>"]
+    said = [figure.get_suptitle(), *map(_panel, panels), *(f"colors: {scale}" for scale in scales if scale)]
+    return _without_marks("; ".join(filter(None, said))) or "Drawing without axes"
+
+
+def _panel(axes: Any) -> str:
+    words = ", ".join(filter(None, (axes.get_title(side) for side in ("left", "center", "right"))))
+    labels = " against ".join(filter(None, (axes.get_ylabel(), axes.get_xlabel()))) if axes.axison else ""
+    legend = axes.get_legend()
+    named = ", ".join(text.get_text() for text in legend.get_texts()) if legend else ""
+    return ": ".join(filter(None, (words, labels))) + (f" (shown: {named})" if named else "")
+
+
+def _without_marks(words: str) -> str:
+    """Without the mathematics' marks: $\\tau_\\mathrm{min}$ is τ_min."""
+    words = re.sub(r"\\(?:mathrm|mathbf|mathit|text|dot|hat|vec)\b", "", words.replace("\n", " "))
+    return re.sub(r"[${}\\]", "", re.sub(r"\\([A-Za-z]+)", _letter, words))
+
+
+def _letter(found: re.Match[str]) -> str:
+    case = "SMALL" if found[1].islower() else "CAPITAL"
+    try:
+        return unicodedata.lookup(f"GREEK {case} LETTER {found[1].upper()}")
+    except KeyError:
+        return found[1]
 
 
 def dismiss(widget: Any) -> None:

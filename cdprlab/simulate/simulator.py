@@ -136,8 +136,7 @@ class Simulator(ABC):
         if not self.is_wound:
             raise InvalidInput(f"cables={self.cables!r} takes tensions: use step(tensions), or open the simulator "
                                "with cables=\"length\"")
-        if substeps.__class__ is not int or substeps != 1:   # asked at every step
-            as_count(substeps, "substeps")
+        as_count(substeps, "substeps")
         before = self.paid_out
         wanted = lengths if isinstance(lengths, list) else as_answer(
             lengths, "rope lengths", len(before), "m", self.time).tolist()

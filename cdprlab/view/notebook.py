@@ -89,7 +89,7 @@ def picture_tag(png: bytes, alt_text: str) -> str:
     width, height = (int.from_bytes(png[at:at + 4], "big") for at in (16, 20))
     # Decoded before the page is painted again, and its place kept: no flicker while a slider
     # moves.
-    return (f'<img decoding="sync" width="{width}" height="{height}" '
+    return (f'<img decoding="sync" width="{width}" height="{height}" style="max-width: 100%; height: auto" '
             f'alt="{html.escape(alt_text)}" src="data:image/png;base64,{b64encode(png).decode("ascii")}">')
 
 

@@ -118,7 +118,7 @@ class Trip:
         there, tell = self.arrived(mission), self.told(mission)
         if work is not None:
             job = work(there, mission.task)
-            if not all(hasattr(job, name) for name in ("state", "reason", "events", "base_poses")):
+            if not all(hasattr(job, name) for name in ("state", "reason", "events", "base_poses", "world")):
                 raise InvalidInput(f"work at t = {mission.now:.4g} s must give a Job, got {quoted(job)}")
             mission.job = job
         else:
