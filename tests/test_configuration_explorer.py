@@ -122,4 +122,4 @@ def test_a_flights_figure_counts_what_was_not_planned():
     planned = np.ones((10, 2), dtype=bool)
     planned[5:, 1] = False
     figure = plot_flight(Run(), planned, np.ones((10, 2), dtype=bool))
-    assert "within 10 mm" in figure.alt_text and "50.0 % of the time" in figure.alt_text
+    assert "at most 10 mm off" in figure.alt_text and "50.0 % of the time" in figure.alt_text
