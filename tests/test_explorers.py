@@ -22,6 +22,8 @@ from cdprlab.view.projection import Projection
 from robots import ROBOTS
 
 SUBJECTS = {**ROBOTS, **{name: (lambda name=name: cl.load_world(name)) for name in cl.world_names()}}
+every_subject = pytest.mark.parametrize(
+    "name", [name if k % 2 == 0 else pytest.param(name, marks=pytest.mark.long) for k, name in enumerate(SUBJECTS)])
 
 
 class Spring(Explorer):
@@ -387,7 +389,7 @@ def test_numbers_of_cables_do_not_overlap_at_the_start():
 
 
 # --- the pose explorer --------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("name", SUBJECTS)
+@every_subject
 def test_lengths_and_wrench_matrix_are_the_librarys_at_every_end(name):
     explorer = pose_explorer(SUBJECTS[name]())
     robot, pictures = explorer.robot, set()
@@ -405,7 +407,7 @@ def test_lengths_and_wrench_matrix_are_the_librarys_at_every_end(name):
     explorer.close()
 
 
-@pytest.mark.parametrize("name", SUBJECTS)
+@every_subject
 def test_each_slider_moves_its_motion_and_the_picture(name):
     explorer = pose_explorer(SUBJECTS[name]())
     start, first = explorer.pose, explorer.values

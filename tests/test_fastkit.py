@@ -105,6 +105,7 @@ def test_a_job_is_done_over_pulleys(name, start, control):
     assert edge_loads(job).min() > 0
 
 
+@pytest.mark.long
 def test_velocity_control_carries_seven_kilograms_too():
     job = pick_and_place(near("fastkit_suspended"), control="velocity")
     assert job.state == DONE and job.box_error <= 0.02 and job.carried.max() == 7.0
@@ -207,7 +208,8 @@ def test_a_job_is_pictured(flown, tmp_path):
     assert early.shape == late.shape and (early != late).any()
 
 
-@pytest.mark.parametrize(("name", "control"), [("fastkit_suspended", "torque"), ("fastkit_constrained", "velocity")])
+@pytest.mark.parametrize(("name", "control"), [pytest.param("fastkit_suspended", "torque", marks=pytest.mark.long),
+                                               ("fastkit_constrained", "velocity")])
 def test_two_jobs_are_identical(name, control):
     """Up to some time: bases coupled, released and driving."""
     first, again = (pick_and_place(cl.load_world(name), control=control,

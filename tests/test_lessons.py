@@ -148,7 +148,7 @@ def _hidden_from(check: Any) -> int:
 
 @flies
 @pytest.mark.parametrize(
-    "name", [name if k % 4 == 0 else pytest.param(name, marks=pytest.mark.long) for k, name in enumerate(NAMES)])
+    "name", [name if k % 8 == 0 else pytest.param(name, marks=pytest.mark.long) for k, name in enumerate(NAMES)])
 def test_untouched_copies_earn_nothing_because_nothing_was_done(name: str, tmp_path: Path):
     notebook = notebooks.read_copy(name)
     with notebooks.kernel(notebook, tmp_path) as client:

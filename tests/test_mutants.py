@@ -39,7 +39,7 @@ def test_visible_checks_notice_mistakes_planted_by_machine(lesson: str):
 
 
 @pytest.mark.parametrize(("lesson", "write"), [
-    pytest.param(lesson, write, marks=[pytest.mark.long] * ((k + lists) % 2))
+    pytest.param(lesson, write, marks=[pytest.mark.long] * bool((k + 2 * lists) % 4))
     for k, lesson in enumerate(mutants.lessons())
     for lists, write in enumerate((mutants.as_float32, mutants.as_lists))])
 def test_right_answers_earn_their_points_however_they_are_written(lesson: str, write: Callable[[Any], Any]):

@@ -153,6 +153,8 @@ class Robot:
         poses : base name → (x, y, heading) [m, m, rad]
         Raises InvalidInput for an unknown base.
         """
+        if not poses:
+            return self
         moved = dict(zip(self._base_of, self.bases))
         for name, pose in poses.items():
             x, y, heading = as_array(pose, f"pose of base {quoted(name)}", (3,))
