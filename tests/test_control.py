@@ -9,11 +9,10 @@ from cdprlab.mechanics.statics import gravity_wrench
 from cdprlab.mechanics.trajectory import Reference, quintic
 from cdprlab.robot.pose import (
     Pose,
-    cross_matrix,
     rotation_from_vector,
     rotation_vector,
     rotation_vector_jacobian,
-    turn_coefficients,
+    rotation_vector_jacobian_rate,
 )
 from cdprlab.run.controllers import ComputedTorque
 from cdprlab.simulate.state import State
@@ -75,21 +74,6 @@ def states(rng, robot):
                Reference(wanted, rng.normal(size=6), rng.normal(size=6)))
 
 
-def jacobian_rate(vector, rate):
-    """dJ_l/dt of J_l = I + b [r]× + c [r]×², with b, c of the angle θ = ‖r‖ and θ̇ θ = r · ṙ."""
-    b, c, b_slope, c_slope = turn_coefficients(np.linalg.norm(vector))
-    along, k, k_rate = vector @ rate, cross_matrix(vector), cross_matrix(rate)
-    return along * (b_slope * k + c_slope * k @ k) + b * k_rate + c * (k_rate @ k + k @ k_rate)
-
-
-@pytest.mark.parametrize("angle", [0.0, 1e-6, 1e-3, 0.0099, 0.0101, 0.0499, 0.0501, 0.5, 2.0, 3.1])
-def test_rate_of_the_rotation_vector_jacobian(angle):
-    """Both sides of each border between series and quotient; h = 3e-5 leaves 2e-11 from h², 4e-12 from rounding."""
-    axis, rate, h = np.array([2, -1, 2]) / 3, np.array([0.9, 0.3, -0.4]), 3e-5
-    slope = rotation_vector_jacobian(angle * axis + h * rate) - rotation_vector_jacobian(angle * axis - h * rate)
-    np.testing.assert_allclose(jacobian_rate(angle * axis, rate), slope / (2 * h), rtol=0, atol=1e-10)
-
-
 def lawful(pose, twist, reference, K_p, K_d):
     """The acceleration with ë + K_d ė + K_p e = 0: in the left form, ω_T = ω_d − T ω = J_l ė of T = R_d Rᵀ."""
     d, e, rate = pose.dimension, pose_error(pose, reference.pose), reference.twist - twist
@@ -100,7 +84,7 @@ def lawful(pose, twist, reference, K_p, K_d):
     rate[3:] = np.linalg.solve(J, spin)
     x = K_d @ rate + K_p @ e
     turn = T.T @ (reference.acceleration[3:] - np.cross(spin, wanted) + J @ x[3:]
-                  - jacobian_rate(e[3:], rate[3:]) @ rate[3:])
+                  - rotation_vector_jacobian_rate(e[3:], rate[3:]) @ rate[3:])
     return np.concatenate([reference.acceleration[:3] + x[:3], turn])
 
 

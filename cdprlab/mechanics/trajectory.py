@@ -10,7 +10,13 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, as_number, checked, frozen, lasting
 from ..errors import InvalidInput
-from ..robot.pose import Pose, rotation_from_vector, rotation_vector
+from ..robot.pose import (
+    Pose,
+    rotation_from_vector,
+    rotation_vector,
+    rotation_vector_jacobian,
+    rotation_vector_jacobian_rate,
+)
 
 PEAK_SPEED = 15 / 8
 """Largest over mean speed of a quintic from rest to rest."""
@@ -38,32 +44,49 @@ class Trajectory:
 
     start, end : Pose
     duration : [s]
-    way : (3 planar or 6 spatial,) [p₁ − p₀; log(R₁ R₀ᵀ)] in world axes [m, rad]
+    coefficients : (6, n) c_k of [p − p₀; r] = Σ c_k t^k, the rotation exp([r]×) R₀
     """
 
     start: Pose
     end: Pose
     duration: float
-    way: Array
+    coefficients: Array
+
+    def __post_init__(self) -> None:
+        frozen(self.coefficients)
 
     def __call__(self, t: ArrayLike) -> Reference:
-        s = np.clip(as_array(t, "t", (), "s", batch=True) / self.duration, 0.0, 1.0)[..., None]
-        rate = 30 * (s * (1 - s))**2 / self.duration
-        bend = 60 * s * (1 - s) * (1 - 2 * s) / self.duration**2
-        gone, d = rest_to_rest(s) * self.way, self.start.dimension
-        pose = Pose.of(self.start.position + gone[..., :d],
-                       rotation_from_vector(gone[..., d:]) @ self.start.rotation)
-        return Reference(pose, rate * self.way, bend * self.way)
+        from numpy.polynomial.polynomial import polyder, polyval
+
+        times = as_array(t, "t", (), "s", batch=True)
+        within = np.clip(times, 0.0, self.duration)
+        resting = (within != times)[..., None]
+        values = (polyval(within, polyder(self.coefficients, order)) for order in range(3))
+        x, rate, bend = (np.moveaxis(np.asarray(value, np.float64), 0, -1) for value in values)
+        rate, bend = np.where(resting, 0.0, rate), np.where(resting, 0.0, bend)
+        d = self.start.dimension
+        pose = Pose.of(self.start.position + x[..., :d],
+                       rotation_from_vector(x[..., d:]) @ self.start.rotation)
+        J, J_rate = rotation_vector_jacobian(x[..., d:]), rotation_vector_jacobian_rate(x[..., d:], rate[..., d:])
+        spin = J @ rate[..., d:, None]
+        spin_rate = J @ bend[..., d:, None] + J_rate @ rate[..., d:, None]
+        return Reference(pose, np.concatenate([rate[..., :d], spin[..., 0]], axis=-1),
+                         np.concatenate([bend[..., :d], spin_rate[..., 0]], axis=-1))
 
 
 @checked
-def quintic(start: Pose, end: Pose, duration: float) -> Trajectory:
-    """Fifth-degree polynomial from rest to rest, x = x₀ + (x₁ − x₀)(10 s³ − 15 s⁴ + 6 s⁵), s = t/T.
+def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike | None = None,
+            end_twist: ArrayLike | None = None, start_acceleration: ArrayLike | None = None,
+            end_acceleration: ArrayLike | None = None) -> Trajectory:
+    """Fifth-degree polynomial between two poses; rest to rest x = x₀ + (x₁ − x₀)(10 s³ − 15 s⁴ + 6 s⁵), s = t/T.
 
-    Position is interpolated in world axes; the platform turns about one fixed axis.
+    Position is interpolated in world axes; orientation as exp([r(t)]×) R₀, r quintic, which
+    rest to rest turns about one fixed axis.
 
     start, end : single poses
     duration : T [s]
+    start_twist, end_twist : (3 or 6,) [v; ω] in world axes, default rest [m/s, rad/s]
+    start_acceleration, end_acceleration : their time derivatives, default zero [m/s², rad/s²]
     Returns Trajectory: ``(t) → pose, twist, acceleration``.
     Raises InvalidInput for poses of different dimension or a duration that is not positive.
     Source: Okoli 2016, eq. (6.6)–(6.14), solved anew: the printed coefficients (6.19)–(6.21)
@@ -78,9 +101,25 @@ def quintic(start: Pose, end: Pose, duration: float) -> Trajectory:
         raise InvalidInput("a trajectory runs between two single poses, not batches")
     if start.dimension != end.dimension:
         raise InvalidInput(f"start has {start.dimension} dimensions, end has {end.dimension}")
+    d = start.dimension
+    given = {"start_twist": start_twist, "end_twist": end_twist,
+             "start_acceleration": start_acceleration, "end_acceleration": end_acceleration}
+    ends = [np.zeros(3 * (d - 1)) if value is None else as_array(value, name, (3 * (d - 1),))
+            for name, value in given.items()]
     turn = rotation_vector(end.rotation @ start.rotation.T)
-    way = np.concatenate([end.position - start.position, turn])
-    return Trajectory(start, end, period, frozen(way))
+    step = np.concatenate([end.position - start.position, turn])
+    rate0, bend0 = _vector_rates(np.zeros_like(turn), ends[0], ends[2], d)
+    rate1, bend1 = _vector_rates(turn, ends[1], ends[3], d)
+    # From 0 to the step with these rates and second derivatives at the ends: three powers are
+    # known, three are not.
+    powers = np.arange(3, 6)
+    at_end = np.stack([period**powers, powers * period**(powers - 1),
+                       powers * (powers - 1) * period**(powers - 2)])
+    missing = np.stack([step - rate0 * period - bend0 * period**2 / 2,
+                        rate1 - rate0 - bend0 * period, bend1 - bend0])
+    known = [np.zeros_like(step), rate0, bend0 / 2]
+    return Trajectory(start, end, period,
+                      np.concatenate([known, np.linalg.solve(at_end, missing)]))
 
 
 def rest_to_rest(share: ArrayLike) -> Array:
@@ -106,3 +145,11 @@ def hold(pose: Pose, duration: float) -> Trajectory:
     array([0., 0., 0., 0., 0., 0.])
     """
     return quintic(pose, pose, duration)
+
+
+def _vector_rates(vector: Array, twist: Array, acceleration: Array, d: int) -> tuple[Array, Array]:
+    """Rates of [p; r] where r is ``vector``, from ω = J ṙ and ω̇ = J r̈ + J̇ ṙ."""
+    inverse = np.linalg.inv(rotation_vector_jacobian(vector))
+    rate = inverse @ twist[d:]
+    bend = inverse @ (acceleration[d:] - rotation_vector_jacobian_rate(vector, rate) @ rate)
+    return np.concatenate([twist[:d], rate]), np.concatenate([acceleration[:d], bend])

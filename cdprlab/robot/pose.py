@@ -254,6 +254,23 @@ def rotation_vector_jacobian(vector: Array) -> Array:
     return np.eye(k.shape[-1]) + b[..., None, None] * k + c[..., None, None] * (k @ k)
 
 
+def rotation_vector_jacobian_rate(vector: Array, rate: Array) -> Array:
+    """dJ_l/dt of J_l = I + b [r]× + c [r]×², with b, c of the angle θ = ‖r‖ and θ̇ θ = r · ṙ.
+
+    vector, rate : r, ṙ (…, 3) [rad, rad/s], or (…, 1) in the plane
+    Returns (…, 3, 3), or (…, 1, 1).
+
+    >>> rotation_vector_jacobian_rate(np.zeros(3), np.array([0.0, 0.0, 2.0]))[1, 0]
+    np.float64(1.0)
+    """
+    b, c, b_rate, c_rate = turn_coefficients(np.linalg.norm(vector, axis=-1))
+    along = (vector * rate).sum(axis=-1)
+    b_rate, c_rate = b_rate * along, c_rate * along
+    k, k_rate = cross_matrix(vector), cross_matrix(rate)
+    b, c, b_rate, c_rate = (x[..., None, None] for x in (b, c, b_rate, c_rate))
+    return b_rate * k + b * k_rate + c_rate * (k @ k) + c * (k_rate @ k + k @ k_rate)
+
+
 def turn_coefficients(angle: Any) -> tuple[Any, Any, Any, Any]:
     """b = (1 − cos θ)/θ², c = (θ − sin θ)/θ³ and (db/dθ)/θ, (dc/dθ)/θ: by series where quotients would cancel.
 
