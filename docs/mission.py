@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from generated import save_small, write_tables
+from mission_pictures import MissionFilm, plot_drives
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 from practice_halls import practice_hall
@@ -26,8 +27,6 @@ from cdprlab.fastkit import (
     run_mission,
 )
 from cdprlab.fastkit.events import spans
-from cdprlab.fastkit.pictures.mission_figure import plot_drives
-from cdprlab.fastkit.pictures.mission_film import MissionFilm
 
 DOCS = Path(__file__).parent
 HALLS = range(20)

@@ -2,15 +2,13 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from .. import __version__, view
 from ..errors import CdprError, InvalidInput, quoted, shortened
 from ..run import INFEASIBLE, WOUND, run
 from ..run.compare import compare_tensions
-from ..run.controllers import ComputedTorque
 from ..run.log import write_rows
 from ..simulate import CABLE_MODELS
 from ..tensions import tension_methods
@@ -19,7 +17,7 @@ from ..world.model import PickAndPlace
 from .doctor import add_doctor_command
 from .grade_command import add_grade_command
 from .lessons_command import add_lessons_command
-from .output import Bar, add_output_options, open_streams, print_table, refuse, results, say, silence, write
+from .output import Bar, add_output_options, figure, open_streams, print_table, refuse, results, say, silence
 from .workspace_command import add_workspace_command
 
 
@@ -69,10 +67,7 @@ def _parser() -> argparse.ArgumentParser:
              "task's reference, without an engine, side by side")
     add("--cables", default="tension", choices=list(CABLE_MODELS),
         help="cable model (default: %(default)s)")
-    add("--kp", type=float, default=100.0, help="position gain [1/s²] (default: %(default)g)")
-    add("--kd", type=float, default=100.0, help="velocity gain [1/s] (default: %(default)g)")
     add("--dt", type=float, default=1e-3, help="engine step [s] (default: %(default)g)")
-    add("--control-period", type=float, help="control step [s], a multiple of dt (default: dt)")
     add("--duration", type=float, help="length of the run [s] (default: the task's)")
     add("--infeasible", default="relax", choices=INFEASIBLE,
         help="what to do where no tensions balance the wrench (default: %(default)s)")
@@ -115,7 +110,10 @@ def _run(options: argparse.Namespace) -> None:
     if options.method == "all":
         _compare(options, world)
     elif options.task == "mission" and "mission" not in world.tasks:
-        _mission(options, world)
+        from .mission_command import fly_mission
+
+        refuse(options, (*_ENGINES, "method", "control"), "--{} has no say in a mission")
+        fly_mission(options, world)
     elif isinstance(world.task(options.task), PickAndPlace):
         _pick_and_place(options, world)
     else:
@@ -124,21 +122,18 @@ def _run(options: argparse.Namespace) -> None:
 
 def _fly(options: argparse.Namespace, world: World) -> None:
     refuse(options, ("control",), "--{} belongs to tasks of kind pick_and_place")
-    wound = options.cables in WOUND
-    if wound:
-        refuse(options, ("method", "kp", "kd", "infeasible"),
+    how = options.method
+    if options.cables in WOUND:
+        refuse(options, ("method", "infeasible"),
                f"--{{}} has no say with --cables {options.cables}, which winds by inverse kinematics")
-    how = "inverse kinematics" if wound else options.method
-    law = None if wound else ComputedTorque(options.kp, options.kd)
-    with results(options, Path("out") / world.name) as folder:
-        say(f"{world.title or world.name}: task {options.task}, {how}, cables={options.cables}")
+        how = "inverse kinematics"
+    with results(options, world, f"task {options.task}, {how}, cables={options.cables}") as write:
         with Bar("flying") as bar:
-            flown = run(world, options.task, options.method, options.cables, law, options.dt,
-                        options.control_period,
-                        options.infeasible, duration=options.duration, progress=bar)
-        _write(options, folder, flown.save, lambda: print_table(flown.table()), {
-            "tracking.png": lambda path: view.save_figure(view.plot_tracking(flown), path),
-            "tensions.png": lambda path: view.save_figure(view.plot_tensions(flown), path),
+            flown = run(world, options.task, options.method, options.cables, dt=options.dt,
+                        infeasible=options.infeasible, duration=options.duration, progress=bar)
+        write(flown.save, lambda _: print_table(flown.table()), {
+            "tracking.png": figure(view.plot_tracking, flown),
+            "tensions.png": figure(view.plot_tensions, flown),
             "film.gif": lambda path: view.save_film(flown, path),
             "scene.html": lambda path: view.save_scene(flown, path)})
 
@@ -146,16 +141,14 @@ def _fly(options: argparse.Namespace, world: World) -> None:
 def _compare(options: argparse.Namespace, world: World) -> None:
     refuse(options, _ENGINES, "--method all compares without an engine: --{} has no say; give one method to fly it")
     world.task(options.task)
-    with results(options, Path("out") / world.name) as folder:
-        say(f"{world.title or world.name}: task {options.task}, every tension distribution along the reference")
+    with results(options, world, f"task {options.task}, every tension distribution along the reference") as write:
         with Bar("comparing", "methods") as bar:
             table = compare_tensions(world, options.task, progress=bar)
         header = [f"{name} [{unit}]" if unit else name for name, unit in table.COLUMNS.items()]
         rows = [[f"{value:.9g}" if isinstance(value, float) else str(value)
                  for value in row.values()] for row in table.rows()]
-        _write(options, folder, lambda folder: write_rows(folder / "methods.csv", [header, *rows]),
-               lambda: say(str(table)),
-               {"methods.png": lambda path: view.save_figure(view.plot(table), path)})
+        write(lambda folder: write_rows(folder / "methods.csv", [header, *rows]),
+              lambda _: say(str(table)), {"methods.png": figure(view.plot, table)})
 
 
 def _pick_and_place(options: argparse.Namespace, world: World) -> None:
@@ -163,35 +156,19 @@ def _pick_and_place(options: argparse.Namespace, world: World) -> None:
 
     refuse(options, (*_ENGINES, "method"),
            "--{} has no say in a pick_and_place task, which flies under --control")
-    with results(options, Path("out") / world.name) as folder:
-        say(f"{world.title or world.name}: task {options.task}, {options.control} control")
+    with results(options, world, f"task {options.task}, {options.control} control") as write:
         with Bar("working", "ms") as bar:
             job = pick_and_place(world, options.task, options.control, progress=bar)
 
-        def tell() -> None:
+        def tell(_: Path) -> None:
             for event in job.events:
                 say(f"  {event.time:6.2f} s  {event.state:10} {event.why or job.words.get(event.state, '')}")
             print_table(job.table())
 
-        _write(options, folder, job.save, tell,
-               {"job.png": lambda path: view.save_figure(plot_job(job), path),
-                "film.gif": lambda path: save_job_film(job, path),
-                "scene.html": lambda path: view.save_scene(job, path)})
+        write(job.save, tell, {"job.png": figure(plot_job, job),
+                               "film.gif": lambda path: save_job_film(job, path),
+                               "scene.html": lambda path: view.save_scene(job, path)})
 
 
-def _mission(options: argparse.Namespace, world: World) -> None:
-    from .mission_command import fly_mission
-
-    refuse(options, (*_ENGINES, "method", "control"), "--{} has no say in a mission")
-    with results(options, Path("out") / world.name) as folder:
-        say(f"{world.title or world.name}: mission: to the shelf, pick and place, home again")
-        fly_mission(world, folder, not options.no_pictures)
-
-
-_ENGINES = ("cables", "kp", "kd", "dt", "control_period", "duration", "infeasible")
+_ENGINES = ("cables", "dt", "duration", "infeasible")
 """Options that belong to the engine of `run`."""
-
-
-def _write(options: argparse.Namespace, folder: Path, save: Callable[[Path], Any], tell: Callable[[], Any],
-           pictures: Mapping[str, Callable[[Path], Any]]) -> None:
-    write(folder, save, tell, {} if options.no_pictures else pictures)

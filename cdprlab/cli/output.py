@@ -12,8 +12,13 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from .. import view
 from ..errors import CannotWrite, InvalidInput, MissingDependency
+from ..world import World
 from ..world.files import made_folder
+
+Pictures = dict[str, Callable[[Path], Any]]
+"""File name → called with its path."""
 
 
 def open_streams() -> None:
@@ -99,11 +104,18 @@ def print_table(table: Mapping[str, Any], width: int = 36) -> None:
 
 
 @contextmanager
-def results(options: argparse.Namespace, default: Path) -> Iterator[Path]:
-    """The folder of ``--out``, made and tried before anything is computed; a run cut short is saved there, too."""
-    folder = made_folder(default if options.out is None else options.out)
+def results(options: argparse.Namespace, world: World, what: str,
+            below: str = "") -> Iterator[Callable[..., None]]:
+    """The folder of ``--out``, made and tried before anything is computed; a run cut short is saved there, too.
+
+    what : is going to be computed, in words
+    below : folder in the default one, out/WORLD
+    Returns what writes there, called as ``write(save, tell, pictures)``.
+    """
+    folder = made_folder(Path("out", world.name, below) if options.out is None else options.out)
+    say(f"{world.title or world.name}: {what}")
     try:
-        yield folder
+        yield lambda save, tell, pictures: _write(folder, save, tell, {} if options.no_pictures else pictures)
     except BaseException as error:
         flown = getattr(error, "run", None)
         if flown is not None:
@@ -112,13 +124,16 @@ def results(options: argparse.Namespace, default: Path) -> Iterator[Path]:
         raise
 
 
-def write(folder: Path, save: Callable[[Path], Any], tell: Callable[[], Any],
-          pictures: Mapping[str, Callable[[Path], Any]]) -> None:
+def figure(plot: Callable[..., Any], *what: Any) -> Callable[[Path], Any]:
+    """What draws a figure into a file."""
+    return lambda path: view.save_figure(plot(*what), path)
+
+
+def _write(folder: Path, save: Callable[[Path], Any], tell: Callable[[Path], Any], pictures: Pictures) -> None:
     """Data into a folder, then words on the screen, then pictures into the folder; at last what is there.
 
     save : called with the folder, or with another one if that has become full
-    tell : prints what was found
-    pictures : file name → called with its path
+    tell : prints what was found, and may add to the folder
     """
     try:
         save(folder)
@@ -126,7 +141,7 @@ def write(folder: Path, save: Callable[[Path], Any], tell: Callable[[], Any],
         other = Path(tempfile.mkdtemp(prefix="cdprlab-"))
         save(other)
         raise CannotWrite(f"{error}; the results are in {other}") from error
-    tell()
+    tell(folder)
     with Bar("drawing", "pictures") as bar:
         for number, (name, draw) in enumerate(pictures.items()):
             bar(number, len(pictures), f"drawing {name}")

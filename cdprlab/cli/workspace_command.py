@@ -32,29 +32,18 @@ from ..workspace import (
 from ..workspace.grids import axis_names
 from ..world import World, load_world
 from ..world.files import replaced
-from .output import Bar, add_output_options, print_table, refuse, results, say, write
+from .output import Bar, add_output_options, print_table, refuse, results
 
-CRITERIA: dict[str, Callable[[World, argparse.Namespace], Criterion]] = {
-    "wrench_closure": lambda world, options: WrenchClosure(),
-    "wrench_feasible": lambda world, options: WrenchFeasible(
-        half_widths=_box(world, options.push) if options.push else None),
-    "static_equilibrium": lambda world, options: StaticEquilibrium(),
-    "dynamic_equilibrium": lambda world,
-    options: DynamicEquilibrium(_box(world, options.acceleration)),
-    "statically_stable": lambda world,
-    options: StaticallyStable(options.method, options.axial_stiffness),
-    "twist_feasible": lambda world,
-    options: TwistFeasible(half_widths=_box(world, options.speed), moving="all"),
-    "interference_free": lambda world,
-    options: InterferenceFree(options.clearance, world.scene.boxes),
-    "tipping_safe": lambda world, options: TippingSafe(),
+CRITERIA: dict[str, Callable[[World], Criterion]] = {
+    "wrench_closure": lambda _: WrenchClosure(),
+    "wrench_feasible": lambda _: WrenchFeasible(),
+    "static_equilibrium": lambda _: StaticEquilibrium(),
+    "dynamic_equilibrium": lambda world: DynamicEquilibrium(_one_each_way(world)),
+    "statically_stable": lambda _: StaticallyStable(),
+    "twist_feasible": lambda world: TwistFeasible(half_widths=_one_each_way(world), moving="all"),
+    "interference_free": lambda world: InterferenceFree(obstacles=world.scene.boxes),
+    "tipping_safe": lambda _: TippingSafe(),
 }
-
-
-_OWN = {"push": "wrench_feasible", "acceleration": "dynamic_equilibrium",
-        "speed": "twist_feasible", "clearance": "interference_free",
-        "method": "statically_stable", "axial_stiffness": "statically_stable"}
-"""Option → the one criterion that it is for."""
 
 _HELD = {"xy": 2, "xz": 1, "yz": 0}
 """Plane → the axis that it cuts."""
@@ -68,25 +57,13 @@ def add_workspace_command(commands: Any) -> None:
     add("world", metavar="WORLD",
         help="a world's name (see `worlds`) or the path of a .yaml file")
     add("--criterion", default="wrench_feasible", metavar="NAME[,NAME…]",
-        help=f"{', '.join(CRITERIA)}; several with commas must all hold (default: %(default)s)")
+        help=f"{', '.join(CRITERIA)}; several with commas must all hold; asked for are 1 m/s² or 1 m/s "
+             "along each axis, no pushes and no clearance (default: %(default)s)")
     add("--plane", metavar="AXES", help="xy, xz or yz, in space (default: xz)")
     add("--at", type=float, help="where the plane cuts its third axis [m] (default: in the middle of the exit points)")
     add("--volume", action="store_true", help="all of the space instead of a plane")
     add("--step", type=float,
         help="between poses [m] (default: a hundredth of the size, a thirtieth for a volume)")
-    add("--rpy", type=float, nargs=3, metavar=("ROLL", "PITCH", "YAW"),
-        help="orientation in space [rad] (default: 0)")
-    add("--angle", type=float, help="orientation in the plane [rad] (default: 0)")
-    add("--push", type=float, default=0.0,
-        help="external force along each axis that must be balanced too [N]")
-    add("--acceleration", type=float, default=1.0,
-        help="of dynamic_equilibrium, along each axis [m/s²]")
-    add("--speed", type=float, default=1.0, help="of twist_feasible, along each axis [m/s]")
-    add("--clearance", type=float, default=0.0, help="of interference_free [m]")
-    add("--method", default="quadratic_program",
-        help="tension distribution of statically_stable")
-    add("--axial-stiffness", type=float,
-        help="EA of statically_stable [N] (default: the world's)")
     add("--jobs", type=int, default=1,
         help="processes, -1 for all cores (default: %(default)d)")
     add("--checkpoint",
@@ -98,14 +75,14 @@ def _workspace(options: argparse.Namespace) -> None:
     world = load_world(options.world)
     criterion = _criterion(world, options)
     grid = _grid(world, options)
-    with results(options, Path("out") / world.name / "workspace") as folder:
-        say(f"{world.title or world.name}: {options.criterion} at {len(grid)} poses over {', '.join(grid.axes)}")
+    with results(options, world, f"{options.criterion} at {len(grid)} poses over {', '.join(grid.axes)}",
+                 "workspace") as write:
         with Bar("judging", "poses") as bar:
             found = workspace(world.robot, grid, criterion, n_jobs=options.jobs,
                               checkpoint=options.checkpoint, progress=bar)
         title = f"{world.title or world.name}: {options.criterion.replace('_', ' ').replace(',', ', ')}"
 
-        def tell() -> None:
+        def tell(folder: Path) -> None:
             table = _table(world, grid, criterion, found, options.jobs)
             write_rows(folder / "table.csv", table.items())
             print_table(table)
@@ -119,9 +96,8 @@ def _workspace(options: argparse.Namespace) -> None:
                 view.save_figure(plot_workspaces(world.robot, grid, {"": found}, title=title,
                                             unit=criterion.unit), path)
 
-        drawn = not options.no_pictures and (len(grid.axes) < 3 or found.inside.any())
-        write(folder, lambda folder: _save(folder, grid, found), tell,
-              {"workspace.png": draw} if drawn else {})
+        drawn = len(grid.axes) < 3 or found.inside.any()
+        write(lambda folder: _save(folder, grid, found), tell, {"workspace.png": draw} if drawn else {})
 
 
 def _criterion(world: World, options: argparse.Namespace) -> Criterion:
@@ -129,17 +105,13 @@ def _criterion(world: World, options: argparse.Namespace) -> Criterion:
     for name in names:
         if name not in CRITERIA:
             raise InvalidInput(f"unknown criterion {quoted(name)}; there are {', '.join(CRITERIA)}")
-    for option, criterion in _OWN.items():
-        if criterion not in names:
-            refuse(options, [option], f"--{{}} belongs to --criterion {criterion}")
-    return reduce(and_, [CRITERIA[name](world, options) for name in names])
+    return reduce(and_, [CRITERIA[name](world) for name in names])
 
 
-def _box(world: World, size: float) -> Array:
+def _one_each_way(world: World) -> Array:
     """Half widths of a box over the linear directions."""
-    as_number(size, "push, acceleration or speed", minimum=0.0)
     turns = len(world.robot.pattern.turn_axes)
-    return np.append(np.full(world.robot.n_dof - turns, size), np.zeros(turns))
+    return np.append(np.ones(world.robot.n_dof - turns), np.zeros(turns))
 
 
 def _grid(world: World, options: argparse.Namespace) -> PoseGrid:
@@ -160,8 +132,7 @@ def _grid(world: World, options: argparse.Namespace) -> PoseGrid:
         middle = (low[held] + high[held]) / 2
         low[held] = high[held] = middle if options.at is None else as_number(options.at, "at", "m")
     finest = float((high - low).max()) / (30 if options.volume else 100)
-    return position_grid(low, high, finest if options.step is None else options.step,
-                         rpy=options.rpy, angle=options.angle)
+    return position_grid(low, high, finest if options.step is None else options.step)
 
 
 def _table(world: World, grid: PoseGrid, criterion: Criterion, found: Judgement, jobs: int) -> dict[str, str]:
