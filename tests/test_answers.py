@@ -73,8 +73,10 @@ def test_warnings_of_an_answer_do_not_reach_stderr(capsys: pytest.CaptureFixture
 def test_recorded_results_come_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(stored, "RECORDED", tmp_path)
     pose, result = cl.Pose([1.0, 2.0, 3.0]), (np.eye(2), [1, None], {"a": True}, cl.Pose([0.5, 1.0], angle=0.1))
-    stored.record("99_both", {"one": [(stored.fingerprint((pose, 2)), result)],
-                              "other": [(stored.fingerprint((np.ones(k),)), k) for k in range(4)]})
+    monkeypatch.syspath_prepend(notebooks.SOURCE)
+    notebooks.source_tool("record_fallbacks").record("99_both", {
+        "one": [(stored.fingerprint((pose, 2)), result)],
+        "other": [(stored.fingerprint((np.ones(k),)), k) for k in range(4)]})
     one, other = course.fallback("both")
     again = one(cl.Pose([1.0, 2.0, 3.0 + 1e-9]), 2)
     assert (again[0] == np.eye(2)).all() and again[1:3] == ([1, None], {"a": True})
@@ -85,7 +87,7 @@ def test_recorded_results_come_back(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         course.fallback("none")
 
 
-@pytest.mark.parametrize("lesson", sorted({path.stem[:2] for path in stored.RECORDED.glob("*.npz")}))
+@pytest.mark.parametrize("lesson", sorted({path.stem[:2] for path in stored.RECORDED.glob("*.gz")}))
 def test_every_exercise_of_a_recorded_lesson_has_a_fallback(lesson: str):
     (name,) = (name for name in notebooks.names() if name.startswith(lesson))
     notebook = notebooks.read_copy(name)
@@ -95,7 +97,7 @@ def test_every_exercise_of_a_recorded_lesson_has_a_fallback(lesson: str):
     assert [functions for functions, _ in stand_ins] == [", ".join(mutants.defined(answer)) for answer in answers]
     named = [found[1] for _, offer in stand_ins if (found := re.fullmatch(r'course\.fallback\("([^"]+)"\)', offer))]
     # What is a student's own work, a design, is replaced by a robot of the lesson's, and recorded nowhere.
-    recorded = {path.stem for path in stored.RECORDED.glob(f"{lesson}_*.npz")}
+    recorded = {path.stem for path in stored.RECORDED.glob(f"{lesson}_*.gz")}
     assert recorded <= {*named, *(f"{lesson}_{exercise}" for exercise in named)}
     for exercise in named:
         course.fallback(exercise)

@@ -1,7 +1,7 @@
 """Record what a lesson's later cells ask of each exercise's functions, for `course.fallback`.
 
 ``python lessons/source/record_fallbacks.py [LESSON …]`` runs the sources in this process and writes
-``cdprlab/course/answers/recorded/*.npz``: results only, and only where the lesson offers them by `course.fallback`
+``cdprlab/course/answers/recorded/*.gz``: results only, and only where the lesson offers them by `course.fallback`
 (nobody's to give are the capstone's designs). Exercises that later cells ask freely (a controller, an explorer) stand
 in ``cdprlab/course/answers/library.py`` instead.
 """
@@ -11,12 +11,14 @@ from __future__ import annotations
 import ast
 import copy
 import functools
+import gzip
 import inspect
+import json
 import os
 import re
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import chdir, redirect_stdout
 from io import StringIO
 from pathlib import Path
@@ -25,8 +27,10 @@ from typing import Any
 import nbformat
 from run_cells import run_cell
 
-from cdprlab.course.answers.fallback import fingerprint, record
+from cdprlab.course.answers import fallback
+from cdprlab.course.answers.fallback import fingerprint
 from cdprlab.course.answers.library import LIBRARY
+from cdprlab.course.answers.plain import encode
 
 SOURCE = Path(__file__).parent
 
@@ -79,6 +83,14 @@ def main(wanted: list[str]) -> int:
                 seen = ", ".join(f"{len(rows)} of {name}" for name, rows in calls.items())
                 print(f"{exercise}: {seen}, {file.stat().st_size / 1e3:.0f} kB")
     return 0
+
+
+def record(exercise: str, calls: Mapping[str, Sequence[tuple[Any, Any]]]) -> Path:
+    """Write the results of an exercise's functions: name → (fingerprint, result) of each call."""
+    table = {name: [[seen.tolist(), encode(result)] for seen, result in rows] for name, rows in calls.items()}
+    path = fallback.RECORDED / f"{exercise}.gz"
+    path.write_bytes(gzip.compress(json.dumps(table).encode(), mtime=0))
+    return path
 
 
 def _run(cell: Any, recorder: Recorder, space: dict[str, Any]) -> None:

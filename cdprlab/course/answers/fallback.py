@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import gzip
 import json
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -14,10 +15,11 @@ import numpy as np
 from ...arrays import checked
 from ...errors import CdprError, quoted, shortened
 from ...robot.pose import Pose
-from ...world.files import replaced
 from .library import LIBRARY
+from .plain import decode
 
 RECORDED = Path(__file__).parent / "recorded"
+"""Exercise.gz: JSON, function → [fingerprint, result as `plain` data] of each call."""
 
 
 class Recorded:
@@ -55,24 +57,12 @@ def fallback(exercise: str) -> Any:
     or the library's own function where later cells ask it freely. The exercise earns nothing by it.
     Raises CdprError for an exercise that has none.
     """
-    known = sorted({*LIBRARY, *(file.stem for file in RECORDED.glob("*.npz"))})
+    known = sorted({*LIBRARY, *(file.stem for file in RECORDED.glob("*.gz"))})
     found = [name for name in known if exercise in (name, name[3:])]
     if len(found) != 1:
         raise CdprError(f"no fallback {quoted(exercise)}; there are {shortened(', '.join(found or known))}")
-    functions = LIBRARY.get(found[0]) or _read(RECORDED / f"{found[0]}.npz")
+    functions = LIBRARY.get(found[0]) or _read(RECORDED / f"{found[0]}.gz")
     return functions[0] if len(functions) == 1 else tuple(functions)
-
-
-def record(exercise: str, calls: Mapping[str, Sequence[tuple[Any, Any]]]) -> Path:
-    """Write the results of an exercise's functions: name → (fingerprint, result) of each call."""
-    arrays: dict[str, np.ndarray] = {}
-    table = {name: [[list(fingerprint), _packed(result, arrays)] for fingerprint, result in rows]
-             for name, rows in calls.items()}
-    RECORDED.mkdir(exist_ok=True)
-    path = RECORDED / f"{exercise}.npz"
-    with replaced(path) as file:
-        np.savez_compressed(file, allow_pickle=False, table=json.dumps(table), **arrays)
-    return path
 
 
 def fingerprint(arguments: Any) -> np.ndarray:
@@ -108,39 +98,6 @@ def _numbers(thing: Any) -> Iterator[float]:
         yield zlib.crc32(text.encode()) / 2**32
 
 
-def _packed(thing: Any, arrays: dict[str, np.ndarray]) -> Any:
-    """A result as JSON, its arrays under names of their own."""
-    if isinstance(thing, np.ndarray):
-        name = f"array_{len(arrays)}"
-        arrays[name] = thing
-        return {"array": name}
-    if isinstance(thing, np.generic):
-        return thing.item()
-    if isinstance(thing, Pose):
-        return {"pose": [_packed(thing.position, arrays), _packed(thing.rotation, arrays)]}
-    if isinstance(thing, tuple | list):
-        return {type(thing).__name__: [_packed(part, arrays) for part in thing]}
-    if isinstance(thing, dict):
-        return {"dict": [[_packed(key, arrays), _packed(value, arrays)] for key, value in thing.items()]}
-    return thing
-
-
-def _unpacked(thing: Any, arrays: Mapping[str, np.ndarray]) -> Any:
-    if not isinstance(thing, dict):
-        return thing
-    (kind, content), = thing.items()
-    if kind == "array":
-        return arrays[content]
-    if kind == "dict":
-        return {_unpacked(key, arrays): _unpacked(value, arrays) for key, value in content}
-    parts = [_unpacked(part, arrays) for part in content]
-    if kind == "pose":
-        return Pose(parts[0], matrix=parts[1])
-    return tuple(parts) if kind == "tuple" else parts
-
-
 def _read(path: Path) -> list[Callable[..., Any]]:
-    with np.load(path, allow_pickle=False) as arrays:
-        table = json.loads(str(arrays["table"]))
-        return [Recorded(name, [(seen, _unpacked(result, arrays)) for seen, result in rows])
-                for name, rows in table.items()]
+    table = json.loads(gzip.decompress(path.read_bytes()))
+    return [Recorded(name, [(seen, decode(result)) for seen, result in rows]) for name, rows in table.items()]

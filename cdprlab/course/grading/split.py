@@ -12,7 +12,8 @@ from multiprocessing import Pipe
 from typing import Any
 
 from ...errors import CdprError
-from .wire import LARGEST, Callback, InwardPickler, Peer, decode, stays
+from ..answers.plain import decode
+from .wire import LARGEST, Callback, InwardPickler, Peer, stays
 
 RUN, LOOK_UP, CALL = range(3)
 """Numbers of a worker's first functions."""

@@ -23,7 +23,8 @@ import numpy as np
 
 from ... import course
 from ..answers import fallback, library
-from .wire import LARGEST, Callback, Peer, encode, encode_error
+from ..answers.plain import encode
+from .wire import LARGEST, Callback, Peer, encode_error
 
 NOBODY = 65534
 LIMITS = {

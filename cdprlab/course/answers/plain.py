@@ -1,0 +1,105 @@
+"""Answers as plain data: JSON, and arrays in it as `.npy`; who reads makes every object anew, by a table of kinds."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...robot.pose import Pose
+from ...world import World
+
+_COLLECTIONS: tuple[Any, ...] = (dict, tuple, set, frozenset, list)
+_NUMBERS = "biufcU"
+"""Kinds of arrays that are data, text among them."""
+
+
+def encode(value: Any, key_of: Callable[[Any], int] | None = None, given: Sequence[Any] = ()) -> Any:
+    """A value as JSON; raises TypeError for what has no place in the table.
+
+    key_of : gives functions a key
+    given : arguments; where one of them is handed back, its number goes instead
+    """
+    def inner(part: Any) -> Any:
+        return encode(part, key_of, given)
+
+    for number, argument in enumerate(given):
+        if value is argument:
+            return {"given": number}
+    if value is None:
+        return None
+    for plain in (bool, int, float, str):
+        if isinstance(value, plain) and not isinstance(value, np.generic):
+            return plain(value)
+    if isinstance(value, dict):
+        return {"dict": [inner(pair) for pair in value.items()]}
+    for collection in _COLLECTIONS:
+        if isinstance(value, collection):
+            return {collection.__name__: [inner(part) for part in value]}
+    if isinstance(value, Pose):
+        return {"Pose": [_npy(value.position), _npy(value.rotation)]}
+    if isinstance(value, World):
+        return {"World": inner(value.to_dict())}
+    if is_interval(value):
+        return inner((value.lb(), value.ub()))
+    if isinstance(value, np.generic | complex):
+        return {"scalar": _npy(value)}
+    if hasattr(value, "__array__"):
+        return {"array": _npy(value)}
+    if hasattr(value, "__iter__"):   # range, map, zip, generators
+        return inner(list(value))
+    if key_of and callable(value):
+        return {"function": key_of(value)}
+    raise TypeError(f"an answer is numbers, arrays, text, lists, poses or worlds, not {type(value).__name__}")
+
+
+def decode(message: Any, function: Any = None, given: Sequence[Any] = ()) -> Any:
+    """The value that `encode` wrote, every part of it made here; raises whatever anything else makes it raise.
+
+    function : makes the callable that a key stands for
+    given : the same arguments
+    """
+    if not isinstance(message, dict):
+        return message
+    ((kind, body),) = message.items()
+    if kind == "given":
+        return given[body]
+    if kind == "array":
+        return _array(body)
+    if kind == "scalar":
+        return _array(body)[()]
+    if kind == "Pose":
+        position, rotation = map(_array, body)
+        Pose(position, matrix=rotation)   # raises unless it is one; below nothing is rounded again
+        return Pose.of(position, rotation)
+    if kind == "World":
+        return World.from_dict(decode(body, function))
+    if kind == "function":
+        return function(body)
+    for collection in _COLLECTIONS:
+        if kind == collection.__name__:
+            return collection(decode(part, function, given) for part in body)
+    raise ValueError(f"no {kind!r:.50} is known")
+
+
+def _npy(value: Any) -> str:
+    array, file = np.asarray(value), io.BytesIO()
+    if array.dtype.kind not in _NUMBERS:
+        raise TypeError(f"an array of {array.dtype} has no numbers in it")
+    np.save(file, array, allow_pickle=False)
+    return base64.b64encode(file.getvalue()).decode()
+
+
+def _array(body: str) -> np.ndarray:
+    found = np.lib.format.read_array(io.BytesIO(base64.b64decode(body, validate=True)), allow_pickle=False)
+    if found.dtype.kind not in _NUMBERS:
+        raise ValueError(f"an array of {found.dtype}")
+    return found
+
+
+def is_interval(thing: Any) -> bool:
+    """Whether it is one of codac's."""
+    return type(thing).__name__ == "Interval" and type(thing).__module__.startswith("codac")
