@@ -1,15 +1,17 @@
-"""Pictures of workspaces, and the border in space."""
+"""Pictures of workspaces: maps, and layers in space."""
 
 import numpy as np
 import pytest
+from matplotlib.collections import PolyCollection
 from PIL import Image
+from scipy.spatial import ConvexHull
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
 from cdprlab.view import save_figure
+from cdprlab.view.projection import Projection
 from cdprlab.view.workspace import plot_workspaces, workspace_still
 from cdprlab.workspace import Judgement, position_grid
-from cdprlab.workspace.surface import border_triangles
 from robots import robot_1r2t, robot_3r3t
 
 PLANE = position_grid([-2, -2], [2, 2], 0.2)
@@ -20,30 +22,6 @@ def ball(radius=0.7):
     """Poses within a radius of the middle of the room; the margin is the distance to the border."""
     margin = radius - np.linalg.norm(ROOM.poses.position - [0, 0, 1], axis=1)
     return Judgement(margin >= 0, margin)
-
-
-def enclosed(triangles):
-    """Volume, by the divergence theorem: negative if the surface looks inwards."""
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    return (triangles.mean(axis=1) * normals).sum() / 6
-
-
-@pytest.mark.parametrize("known, close", [(True, 0.02), (False, 0.08)], ids=["margins", "verdicts"])
-def test_the_border_encloses_the_volume(known, close):
-    found = ball()
-    triangles = border_triangles(ROOM, found if known else Judgement(found.inside, np.full(len(ROOM), np.nan)))
-    assert enclosed(triangles) == pytest.approx(4 / 3 * np.pi * 0.7**3, rel=close)
-    # Closed: every edge belongs to two triangles that run along it in opposite directions.
-    ends = np.round(np.concatenate([triangles[:, [a, (a + 1) % 3]] for a in range(3)]), 9)
-    there, back = ({tuple(edge.ravel()) for edge in way} for way in (ends, ends[:, ::-1]))
-    assert there == back
-    if known:   # linear interpolation of a distance
-        assert np.abs(np.linalg.norm(triangles - [0, 0, 1], axis=2) - 0.7).max() < 0.01
-
-
-def test_a_workspace_that_fills_its_grid_is_closed_at_the_ends():
-    assert enclosed(border_triangles(ROOM, ball(9.0))) == pytest.approx(8.0, rel=1e-4)
-    assert border_triangles(ROOM, ball(-1.0)).shape == (0, 3, 3)
 
 
 def test_maps_say_what_they_show(tmp_path):
@@ -79,11 +57,30 @@ def test_space_is_drawn_as_a_still(tmp_path):
         assert len(np.unique(np.asarray(picture).reshape(-1, 3), axis=0)) > 50
 
 
+def test_layers_cover_what_is_inside_and_nothing_else(tmp_path, monkeypatch):
+    """Of a ball: each layer a disk, in which one of the poses inside it is seen; none where nothing is inside."""
+    layers = []
+    keep = PolyCollection.set_verts_and_codes
+    monkeypatch.setattr(PolyCollection, "set_verts_and_codes", lambda self, verts, codes: (
+        layers.append((verts, codes)), keep(self, verts, codes)))
+    monkeypatch.setattr(Projection, "flat", lambda self, points: 1.0 * points[..., :2])   # from straight above
+    world = cl.load_world("caroca")
+    for radius in (0.7, -1.0):
+        workspace_still(world, ROOM, ball(radius), tmp_path / "still.png", width=64)
+    (verts, codes), (nothing, _) = layers
+    inside = ROOM.field(ball().inside)
+    areas = [ConvexHull(corners).volume if len(corners) else 0.0 for corners in verts]
+    assert len(verts) == len(codes) == inside.shape[2]
+    np.testing.assert_allclose(areas, 0.01 * inside.sum(axis=(0, 1)), atol=0.05)
+    assert sum(areas) * 0.1 == pytest.approx(4 / 3 * np.pi * 0.7**3, rel=0.08)
+    assert not any(len(corners) for corners in nothing)
+
+
 def test_what_cannot_be_drawn_is_said(tmp_path):
     robot, found = robot_3r3t(), ball()
     with pytest.raises(InvalidInput, match="over two axes"):
         plot_workspaces(robot, ROOM, {"": found})
     with pytest.raises(InvalidInput, match="over x, y and z"):
-        border_triangles(PLANE, found)
+        workspace_still(cl.load_world("caroca"), PLANE, found, tmp_path / "still.png")
     with pytest.raises(InvalidInput, match=r"\.png"):
         workspace_still(cl.load_world("caroca"), ROOM, found, tmp_path / "still.gif")

@@ -22,7 +22,7 @@ from .frame import Frame, affine_hull
 from .listing import SAME, Planes, asked_hull, candidates, hull, meet, meetings, without_superfluous
 from .simplex import SPREAD, TOLERANCE, Program, maximize
 from .subspace import RANK, null_space, solve
-from .zonotope import ALONG, MOST_COMBINATIONS, hyperplane_shifting, products, zonotope_volume
+from .zonotope import ALONG, MOST_COMBINATIONS, hyperplane_shifting, products
 
 _MOST_SIGNS = 12
 """Generators up to which a zonotope's corners are sought among all 2ᵏ sign combinations."""
@@ -388,13 +388,6 @@ class Zonotope(Polytope):
         flat = np.arange(len(normals)) >= len(normals) - 2 * self._frame.missing.shape[1]
         room = TOLERANCE * reach + np.where(flat, TOLERANCE, ALONG) * far
         return np.asarray((points @ normals.T <= offsets + room).all(axis=-1))[()]
-
-    @property
-    def volume(self) -> float:
-        n, k = self.generators.shape
-        if self.dimension == n and comb(k, n) <= MOST_COMBINATIONS:
-            return zonotope_volume(self.generators)
-        return super().volume
 
     @cached_property
     def _edges(self) -> Array:

@@ -72,20 +72,6 @@ def products(directions: Array, generators: Array) -> Array:
     return np.where(np.abs(found) > ALONG * sizes, found, 0.0)
 
 
-def zonotope_volume(generators: Array) -> float:
-    """2ⁿ Σ |det of n generators| over all choices.
-
-    generators : (n, k)
-    Source: McMullen 1984, Volumes of projections of unit cubes.
-
-    >>> zonotope_volume(np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]))
-    12.0
-    """
-    n, k = generators.shape
-    chosen = generators.T[choices(k, n)]
-    return float(2.0 ** n * np.abs(np.linalg.det(chosen)).sum())
-
-
 @lru_cache(maxsize=16)
 def choices(k: int, size: int) -> Indices:
     """(…, size) every choice among 0 to k − 1."""

@@ -1,4 +1,4 @@
-"""Pictures of workspaces: maps with contours of the margin, and the border in space."""
+"""Pictures of workspaces: maps with contours of the margin, and layers in space."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -7,17 +7,16 @@ from typing import Any
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap, to_rgb
+from matplotlib.colors import ListedColormap
 
 from ..errors import InvalidInput
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..workspace import Judgement, PoseGrid
 from ..workspace.grids import axis_names
-from ..workspace.surface import border_triangles
 from ..world import World
 from ..world.files import checked_path
-from .depth import Blocks, lightness
+from .depth import Blocks
 from .drawing import RobotDrawing
 from .film import save_png
 from .outlines import box_corners, surroundings
@@ -103,29 +102,37 @@ def _draw_map(axes: Axes, robot: Robot, grid: PoseGrid, judgement: Judgement, la
 
 
 def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: str | Path, width: int = 960) -> Path:
-    """A PNG of the border of a workspace in space, around the robot at its start; its description goes into the file.
+    """A PNG of a workspace in space, layer upon layer, around the robot at its start, with a description inside.
+
+    A layer ends half-way between poses inside and outside.
 
     grid : over x, y and z; judgement : of its poses
     path : ends in .png; width : [pixels]
+    Raises InvalidInput for a grid that is no volume.
     """
-    target, corners = checked_path(path, ".png"), border_triangles(grid, judgement)
+    target = checked_path(path, ".png")
+    if len(grid.axes) != 3:
+        raise InvalidInput(f"layers need a grid over x, y and z, this one is over {', '.join(grid.axes)}")
     figure = sized_figure(width, 3 * width // 4)
     drawing = RobotDrawing(robot_axes(figure, 3), world.robot, world.scene, world.pose,
                            solid=True)
-    view = drawing.view
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True).clip(1e-300)
-    middles = corners.mean(axis=1)
-    seen = np.flatnonzero((normals * (view.eye - middles)).sum(axis=1) > 0)
-    order = seen[np.argsort(-np.linalg.norm(middles[seen] - view.eye, axis=1))]
-    colors = np.clip(np.outer(lightness(normals[order]), to_rgb(_SURFACE)), 0, 1)
-    drawing.faces(5.4, facecolors=colors, edgecolors=colors, linewidths=0.5).set_verts(view.flat(corners[order]))
+    x, y, heights = grid.axes.values()
+    slate = Figure().add_subplot()
+    corners, codes = [], []
+    for height, inside in zip(heights, grid.field(judgement.inside).T):
+        outline = slate.contourf(x, y, inside, [0.5, 1.5]).get_paths()[0]
+        corners.append(drawing.view.flat(np.insert(outline.vertices, 2, height, axis=1)))
+        codes.append(outline.codes)
+    drawing.faces(5.4, facecolors=_SURFACE, edgecolors=INK,
+                  linewidths=0.4).set_verts_and_codes(corners, codes)
     # What stands around it is painted once more, as far as it is not behind the workspace.
-    low, high = middles.min(axis=0), middles.max(axis=0)
-    space = Blocks(box_corners(high - low, Pose((low + high) / 2))[None], view.eye)
-    drawing.paint(drawing.faces(5.5), [solid for solid in surroundings(world.robot, world.scene)
-                                      if not space.hides(solid.corners).any()])
-    title = f"Border of a workspace of {world.title or world.name}."
+    places = grid.poses.position[judgement.inside]
+    if len(places):
+        low, high = places.min(axis=0), places.max(axis=0)
+        space = Blocks(box_corners(high - low, Pose((low + high) / 2))[None], drawing.view.eye)
+        drawing.paint(drawing.faces(5.5), [solid for solid in surroundings(world.robot, world.scene)
+                                          if not space.hides(solid.corners).any()])
+    title = f"Layers of a workspace of {world.title or world.name}."
     return save_png(Picture(figure).pixels(), target, f"{title} {describe(grid, judgement)}")
 
 
