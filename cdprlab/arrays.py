@@ -1,5 +1,6 @@
 """The one gate for what comes from outside: arguments of the right kind; numbers float64, finite, shaped, read-only."""
 
+import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache, wraps
 from inspect import isfunction, signature
@@ -29,12 +30,14 @@ _FLOAT64 = np.dtype(np.float64)
 
 
 def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: str = "",
-             batch: bool = False, limit: float = LARGEST, *, location: Location = ()) -> Array:
+             batch: bool = False, limit: float = LARGEST, *, minimum: float = -np.inf,
+             positive: bool = False, location: Location = ()) -> Array:
     """A read-only float64 copy of ``value``, checked.
 
     shape : the trailing shape; an int must match, a letter stands for any length, an empty list for no rows
     batch : whether further axes may stand in front
     limit : of each number's size; inf where infinity is one
+    minimum, positive : of each number
     Raises InvalidInput for anything that is no number, not finite or of another shape.
 
     >>> as_array([1, 2], "position", (2,), "m")
@@ -54,6 +57,12 @@ def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: st
     if not (np.abs(array) <= limit).all():   # nor is NaN
         raise InvalidInput(f"{name} must be {'no NaN' if limit == np.inf else f'finite and at most {limit:g}'}, "
                            f"got {quoted(value)}", location)
+    least = array.min(initial=np.inf)
+    if positive and least < 1 / LARGEST:
+        words = "positive" if least <= 0 else f"at least {1 / LARGEST:g}"
+        raise InvalidInput(f"{name} must be {words}{_in(unit)}, got {quoted(value)}", location)
+    if least < minimum:
+        raise InvalidInput(f"{name} must be at least {minimum:g}{_in(unit)}, got {quoted(value)}", location)
     return frozen(array)
 
 
@@ -149,20 +158,13 @@ def common_batch(name: str, batch: tuple[int, ...], other: str, other_batch: tup
                            "do not fit together") from None
 
 
-def as_number(value: Any, name: str, unit: str = "", *, minimum: float | None = None,
-              positive: bool = False, location: Location = ()) -> float:
-    """A finite float, optionally positive or at least ``minimum``.
+def as_number(value: Any, name: str, unit: str = "", **bounds: Any) -> float:
+    """A finite float; bounds and location as `as_array` takes them.
 
     >>> as_number(2, "mass", "kg", positive=True)
     2.0
     """
-    number = float(as_array(value, name, (), unit, location=location))
-    if positive and number < 1 / LARGEST:
-        least = "positive" if number <= 0 else f"at least {1 / LARGEST:g}"
-        raise InvalidInput(f"{name} must be {least}{_in(unit)}, got {number:g}", location)
-    if minimum is not None and number < minimum:
-        raise InvalidInput(f"{name} must be at least {minimum:g}{_in(unit)}, got {number:g}", location)
-    return number
+    return float(as_array(value, name, (), unit, **bounds))
 
 
 def as_count(value: Any, name: str, minimum: int = 1, maximum: int = 1_000_000) -> int:
@@ -201,9 +203,10 @@ def data_frame(columns: Mapping[str, Any]) -> Any:
 def checked(public: Public) -> Public:
     """A public function, or all of a class, that refuses arguments of another kind than its annotations say.
 
-    A number is neither text nor a truth value nor NaN. What is annotated with a shape as docstrings tell it,
-    ``Annotated[ArrayLike, "(…, k, 2) [m] or inf"]``, becomes what `as_array` makes of it; other arrays are left to
-    that, and ranges to `as_number` and `as_count`, which the function asks itself. Raises InvalidInput.
+    A number is neither text nor a truth value nor NaN. What is annotated with a shape, a unit or a bound as
+    docstrings tell them, ``Annotated[ArrayLike, "(…, k, 2) [m] or inf"]`` or ``Annotated[float, "[kg] > 0"]``,
+    becomes what `as_array` makes of it; other arrays are left to that, which the function asks itself.
+    Raises InvalidInput.
 
     >>> @checked
     ... def half(x: float) -> float:
@@ -226,15 +229,15 @@ def checked(public: Public) -> Public:
     @wraps(public)
     def checking(*arguments: Any, **options: Any) -> Any:
         wanted = kinds()
-        shaped = False
+        gated = False
         for name, value in chain(zip(wanted, arguments), options.items()):
             kind = wanted.get(name, Any)
-            if type(kind) is tuple:
-                shaped = True
+            if isfunction(kind):
+                gated = True
             elif not _is(value, kind):
                 raise InvalidInput(f"{name} must be {_words(kind)}, got {quoted(value)}")
-        if shaped:
-            return public(**{name: as_array(value, name, *kind) if type(kind := wanted.get(name)) is tuple else value
+        if gated:
+            return public(**{name: gate(value, name) if isfunction(gate := wanted.get(name)) else value
                              for name, value in chain(zip(wanted, arguments), options.items())})
         return public(*arguments, **options)
 
@@ -242,20 +245,35 @@ def checked(public: Public) -> Public:
 
 
 def _evaluated(annotation: Any, names: dict[str, Any]) -> Any:
-    """What an annotation stands for, its shape if it has one; where only the type checker imports it, its name."""
+    """What an annotation stands for, its gate if it has one; where only the type checker imports it, its name."""
     try:
         kind = eval(annotation, names) if isinstance(annotation, str) else annotation
     except NameError:
         return annotation
-    return _shape(kind.__metadata__[0]) if get_origin(kind) is Annotated else kind
+    options = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
+    for one in options:
+        if get_origin(one) is Annotated:
+            return _gate(one, type(None) in options)
+    return kind
 
 
-def _shape(text: str) -> tuple[Any, ...]:
-    """What `as_array` takes after value and name, from such a text: shape, unit, batch, limit."""
-    axes, _, unit = text.partition(")")
-    names = axes.strip("(").replace(",", " ").split()
-    shape = tuple(int(name) if name.isdigit() else name for name in names if name != "…")
-    return shape, unit[2:].partition("]")[0], "…" in names, np.inf if unit.endswith("inf") else LARGEST
+def _gate(told: Any, optional: bool) -> Callable[[Any, str], Any]:
+    """``(value, name) → value`` if it is of the shape, unit and bound that a text tells; its name is also its place."""
+    kind, text = get_args(told)
+    axes, unit, bound, unlimited = _TOLD.fullmatch(text).groups("")   # type: ignore[union-attr]
+    shape = tuple(int(axis) if axis.isdigit() else axis for axis in re.findall(r"\w+", axes))
+
+    def gate(value: Any, name: str) -> Any:
+        if value is None and optional:
+            return None
+        array = as_array(value, name, shape, unit, "…" in axes, np.inf if unlimited else LARGEST, location=(name,),
+                         positive=bound == ">", minimum=0.0 if bound else -np.inf)
+        return float(array) if kind is float else array
+
+    return gate
+
+
+_TOLD = re.compile(r"(?:\(([^)]*)\))? ?(?:\[([^]]*)\])? ?(?:([>≥]) 0)?(?: ?(or inf))?")
 
 
 def _is(value: Any, kind: Any) -> bool:

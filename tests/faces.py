@@ -283,7 +283,7 @@ def of_course() -> dict[str, tuple[Any, Words]]:
         "error_decay": (course.error_decay, {"kp": 100.0, "kd": 20.0, "times": [0, 0.1]}),
         "follow_sequence": (course.follow_sequence, {
             "world": MARIONET, "sequence": sequence, "slack": 0.05, "speed": 0.2, "reeling": 0.05,
-            "real": None, "cables": "length"}),
+            "real": None}),
         "hanging_position": (course.hanging_position, {"robot": MARIONET.robot, "lengths": np.full(m, 2.0)}),
         "plot_flight": (course.plot_flight, {"run": made("flat"), "planned": np.ones((20, m), bool),
                                              "taut": np.ones((20, m), bool)}),
@@ -311,7 +311,7 @@ def of_course() -> dict[str, tuple[Any, Words]]:
             "world": MARIONET, "sequence": sequence, "trials": 1, "slack": 0.05, "speed": 0.2, "reeling": 0.05,
             "length_error": 0.001, "exit_error": 0.002, "seed": 0}),
         "winding_plan": (course.winding_plan, {"robot": MARIONET.robot, "sequence": sequence, "slack": 0.2,
-                                               "speed": 0.2, "reeling": 0.05, "dt": 1e-3}),
+                                               "speed": 0.2, "reeling": 0.05}),
         "without_cable": (course.without_cable, {"robot": CAROCA.robot, "index": 0}),
         "workshop_brief": (course.workshop_brief, {"most_cables": 8}),
         "Brief.judge": (brief.judge, {"design": CAROCA, "poses": GRID}),

@@ -115,7 +115,7 @@ STAR = [[np.cos(a), np.sin(a)] for a in 4 * np.pi / 5 * np.arange(5)]
     (lambda: cl.Cable([0, 0], [0, 0], 1, 2, 0.0), "speed"),
     (lambda: cl.Base("b", [0, 0], 0, 1, [0, 0, 0], STAR, [0, 0, 0]), "convex"),
     (lambda: cl.Base("b", [0, 0], 0, 1, [0, 0, 0], [[0, 0], [1, 0], [2, 0]], [0, 0, 0]), "convex"),
-    (lambda: cl.Base("b", [0, 0], 0, 1, [0, 0, 0], SQUARE, [-1, 0, 0]), "negative"),
+    (lambda: cl.Base("b", [0, 0], 0, 1, [0, 0, 0], SQUARE, [-1, 0, 0]), "at least 0"),
     (lambda: cl.Base("b", [0, 0], 0, 1, [0, 0], [[1, 0], [1, 0]], [0, 0, 0]), "different x"),
     (lambda: cl.Platform(1, np.diag([1, 1, 3]), [0] * 3, [1] * 3, [0] * 3), "no rigid body"),
     (lambda: cl.Platform(1, np.eye(3) + np.eye(3, k=1) / 9, [0] * 3, [1] * 3, [0] * 3), "symmetric"),

@@ -352,7 +352,7 @@ def test_joint_space_control_is_for_every_robot(name):
 
 
 def test_gains_are_checked():
-    with pytest.raises(InvalidInput, match="negative"):
+    with pytest.raises(InvalidInput, match="at least 0"):
         cl.LengthControl(-1, 0)
     with pytest.raises(InvalidInput, match="a cable one"):
         cl.run(cl.load_world("caroca"), controller=cl.LengthControl([1, 2], 3), duration=0.1)

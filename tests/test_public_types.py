@@ -10,7 +10,8 @@ import pytest
 
 import cdprlab as cl
 
-FOREIGN = {"Any", "ArrayLike", "Callable", "Figure", "Iterable", "Mapping", "None", "Path", "Sequence"}
+FOREIGN = {"Annotated", "Any", "ArrayLike", "Callable", "Figure", "Iterable", "Mapping", "None", "Optional", "Path",
+           "Sequence", "Union"}
 
 
 def test_annotations_of_public_functions_name_public_types():

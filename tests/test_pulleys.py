@@ -407,7 +407,7 @@ def test_forward_kinematics_that_comes_to_a_wheel_does_not_converge():
 
 
 @pytest.mark.parametrize("radius, axis, words", [
-    (0.0, [0, 0, 1], "radius of a pulley must be positive"), (np.nan, [0, 0, 1], "radius"), (0.1, [0, 0, 0], "unit"),
+    (0.0, [0, 0, 1], "radius must be positive"), (np.nan, [0, 0, 1], "radius"), (0.1, [0, 0, 0], "unit"),
     (0.1, [0, 0, 2], "unit vector.*of length 2"), (0.1, [0, np.nan, 1], "axis"), (0.1, 3.0, "axis")])
 def test_a_pulley_that_is_none(radius, axis, words):
     with pytest.raises(cl.errors.InvalidInput, match=words):

@@ -128,7 +128,7 @@ def test_a_controller_that_makes_no_sense_is_named(caroca, wrench, message):
 def test_gains_that_do_not_fit_are_named(caroca):
     with pytest.raises(InvalidInput, match="numbers or 6 of them"):
         cl.run(caroca, duration=0.01, controller=cl.ComputedTorque(np.ones(3), 100))
-    with pytest.raises(InvalidInput, match="kd must not be negative"):
+    with pytest.raises(InvalidInput, match="kd must be at least 0"):
         cl.ComputedTorque(100, -1)
 
 

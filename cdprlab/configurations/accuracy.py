@@ -11,13 +11,14 @@ from typing import Annotated
 
 import numpy as np
 
-from ..arrays import Array, as_number, checked
+from ..arrays import Array, checked
+from .configuration import HalfWidth
 from .region import Triangle
 
 
 @checked
 def position_sensitivity(exits: Triangle, position: Annotated[Array, "(…, 3) [m]"],
-                         position_uncertainty: float = 0.0, exit_uncertainty: float = 0.0) -> Array:
+                         position_uncertainty: HalfWidth = 0.0, exit_uncertainty: HalfWidth = 0.0) -> Array:
     """Largest |Δx|, |Δy| or |Δz| for cable lengths that are each off by one: max_i diam(Δx_i) / diam(Δρ) [m/m].
 
     exits : (3, 3) exit points [m]; position : (…, 3) [m]
@@ -29,8 +30,7 @@ def position_sensitivity(exits: Triangle, position: Annotated[Array, "(…, 3) [
     >>> float(position_sensitivity(at_right_angles, np.zeros(3)))
     1.0
     """
-    low, high = _direction_range(exits - position[..., None, :],
-                                 as_number(position_uncertainty + exit_uncertainty, "uncertainty", "m", minimum=0.0))
+    low, high = _direction_range(exits - position[..., None, :], position_uncertainty + exit_uncertainty)
     center, radius = (low + high) / 2, (high - low) / 2
     regular = np.abs(np.linalg.det(center)) > 1e-12
     inverse = np.abs(np.linalg.inv(np.where(regular[..., None, None], center, np.eye(3))))

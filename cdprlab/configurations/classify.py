@@ -1,13 +1,11 @@
 """Which triplets hold a point mass at a position: certainly, perhaps, or certainly not."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_number, checked
+from ..arrays import Array, checked
 from ..robot import Robot
-from .configuration import Configuration, as_position, counterclockwise, few_cables, triplets
+from .configuration import Configuration, HalfWidth, as_position, counterclockwise, few_cables, triplets
 from .region import region
 from .sides import side_range
 
@@ -16,8 +14,8 @@ INSIDE, UNCERTAIN, OUTSIDE = "inside", "uncertain", "outside"
 
 @checked
 def classify_configurations(robot: Robot, position: ArrayLike,
-                            position_uncertainty: float = 0.05,
-                            exit_uncertainty: float = 0.02, *, form: str = "corners") -> dict[Configuration, str]:
+                            position_uncertainty: HalfWidth = 0.05,
+                            exit_uncertainty: HalfWidth = 0.02, *, form: str = "corners") -> dict[Configuration, str]:
     """Each triplet of cables → "inside", "uncertain" or "outside" at a position.
 
     Inside: for every exit point and position within the uncertainties the three sides
@@ -39,12 +37,10 @@ def classify_configurations(robot: Robot, position: ArrayLike,
     >>> classify_configurations(robot, [0.5, 0.1, 1.0])[1, 2, 3]
     'inside'
     """
-    M = as_position(position)
-    spread = (as_number(position_uncertainty, "position_uncertainty", "m", minimum=0.0),
-              as_number(exit_uncertainty, "exit_uncertainty", "m", minimum=0.0))
-    classes = {}
+    M, classes = as_position(position), {}
     for chosen in triplets(robot):
-        low, high = certainty(robot.exit_points[chosen.indices], M, *spread, form)
+        low, high = certainty(robot.exit_points[chosen.indices], M, position_uncertainty,
+                              exit_uncertainty, form)
         classes[chosen] = INSIDE if low > 0 else OUTSIDE if high < 0 else UNCERTAIN
     return classes
 

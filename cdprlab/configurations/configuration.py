@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +12,9 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, Indices, as_array, checked
 from ..errors import InvalidInput
 from ..robot import Robot
+
+HalfWidth = Annotated[float, "[m] ≥ 0"]
+"""Of a box around what is uncertain."""
 
 
 class Configuration(tuple[int, ...]):

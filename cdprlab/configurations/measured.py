@@ -6,16 +6,17 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Indices, as_array, as_number, checked
+from ..arrays import Array, Indices, as_array, checked
 from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from .accuracy import position_sensitivity
 from .classify import certainty
-from .configuration import Configuration, few_cables
+from .configuration import Configuration, HalfWidth, few_cables
 
 
-def compatible_configurations(robot: Robot, lengths: ArrayLike, length_error: float = 0.01, *,
-                              exit_uncertainty: float = 0.0) -> tuple[Configuration, ...]:
+@checked
+def compatible_configurations(robot: Robot, lengths: ArrayLike, length_error: HalfWidth = 0.01, *,
+                              exit_uncertainty: HalfWidth = 0.0) -> tuple[Configuration, ...]:
     """Every configuration of one, two or three taut cables that measured lengths ± error do not exclude.
 
     Taut cables give the position: ‖M − A_i‖ = ρ_i; the others must reach it, ρ_l ≥ ‖M − A_l‖,
@@ -36,8 +37,7 @@ def compatible_configurations(robot: Robot, lengths: ArrayLike, length_error: fl
     candidates = few_cables(robot)
     rho = as_array(lengths, "lengths", (robot.n_cables,), "m")
     # A displaced exit point shows as a length error of at most the diagonal of its box.
-    error = as_number(length_error, "length_error", "m") + np.sqrt(3) * as_number(exit_uncertainty,
-                                                                                  "exit_uncertainty", "m")
+    error = length_error + np.sqrt(3) * exit_uncertainty
     return tuple(chosen for chosen in candidates
                  if _possible(robot.exit_points, rho, chosen.indices, error, exit_uncertainty))
 

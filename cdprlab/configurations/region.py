@@ -14,7 +14,7 @@ from typing import Annotated
 import numpy as np
 
 from ..arrays import Array, checked
-from .configuration import counterclockwise
+from .configuration import HalfWidth, counterclockwise
 
 Triangle = Annotated[Array, "(3, 3) [m]"]
 """Three exit points."""
@@ -98,7 +98,7 @@ def _cut(corners: Array, n: Array, c: float) -> Array:
 
 
 @checked
-def region(exits: Triangle, exit_uncertainty: float = 0.0, position_uncertainty: float = 0.0) -> Region:
+def region(exits: Triangle, exit_uncertainty: HalfWidth = 0.0, position_uncertainty: HalfWidth = 0.0) -> Region:
     """The region of one triplet.
 
     exits : (3, 3) exit points [m]

@@ -1,7 +1,5 @@
 """Sequences of cable configurations along a straight way: where to change, how good each is, which is safest."""
 
-from __future__ import annotations
-
 import logging
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,11 +9,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_number, checked, frozen, lasting
+from ..arrays import Array, checked, frozen, lasting
 from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from .accuracy import position_sensitivity
-from .configuration import Configuration, as_position, triplets
+from .configuration import Configuration, HalfWidth, as_position, triplets
 from .region import region
 
 METHODS = ("stability", "accuracy")
@@ -154,7 +152,7 @@ class _Way:
 @checked
 def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike,
                         method: str = "stability", *,
-                        position_uncertainty: float = 0.05, exit_uncertainty: float = 0.02
+                        position_uncertainty: HalfWidth = 0.05, exit_uncertainty: HalfWidth = 0.02
                         ) -> list[ConfigurationSequence]:
     """Ranked sequences of configurations from S straight to G with the fewest changes; best first.
 
@@ -180,9 +178,8 @@ def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike,
     """
     if method not in METHODS:
         raise InvalidInput(f"method must be one of {', '.join(METHODS)}, got {quoted(method)}")
-    way = _Way(robot, as_position(start), as_position(goal),
-               as_number(position_uncertainty, "position_uncertainty", "m", minimum=0.0),
-               as_number(exit_uncertainty, "exit_uncertainty", "m", minimum=0.0), method)
+    way = _Way(robot, as_position(start), as_position(goal), position_uncertainty, exit_uncertainty,
+               method)
     for name, end in (("start", 0), ("goal", 1)):
         if not way.ends(way.nominal, end):
             place = (way.start, way.end)[end].tolist()

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from ..arrays import Array, Flags, as_number, checked
+from ..arrays import Array, Flags, checked
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
 from ..mechanics.trajectory import PEAK_SPEED, rest_to_rest
@@ -30,13 +31,18 @@ class Winding:
     taut: Flags
 
 
+STEP = 1e-3
+"""[s] between two rows of a plan."""
+
 _MOST_STEPS = 1_000_000
+
+Speed = Annotated[float, "[m/s] > 0"]
 
 
 @checked
-def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0.2,
-                 speed: float = 0.2,
-                 reeling: float = 0.05, dt: float = 1e-3) -> Winding:
+def winding_plan(robot: Robot, sequence: ConfigurationSequence,
+                 slack: Annotated[float, "[m] ≥ 0"] = 0.2, speed: Speed = 0.2,
+                 reeling: Speed = 0.05) -> Winding:
     """Rope lengths that lead a point mass along a sequence.
 
     The cables that shall not carry are first let out by ``slack``; then the load moves from
@@ -49,7 +55,6 @@ def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0
     speed : the load's largest [m/s]
     reeling : of slack taken up and let out, slow enough for the load to follow without swinging
         [m/s]
-    dt : [s]
     Raises InvalidInput for numbers that are not positive (slack: negative), or speeds above a
     winch's limit.
     Source: Ramadour and Merlet 2014, sections II and VI (slack of 0.20 m); the order of the
@@ -61,24 +66,19 @@ def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0
     >>> winding_plan(robot, best).lengths.shape[1]
     4
     """
-    pace, step = as_number(speed, "speed", "m/s", positive=True), as_number(dt, "dt", "s",
-                                                                            positive=True)
-    reel = as_number(reeling, "reeling", "m/s", positive=True)
-    if not 0 <= slack < np.inf:
-        raise InvalidInput(f"slack must be zero or more [m], got {slack}")
-    if max(pace, reel) > robot.speed_max.min():
+    if max(speed, reeling) > robot.speed_max.min():
         raise InvalidInput(f"speed and reeling must not exceed the winches' {robot.speed_max.min():g} m/s, "
-                           f"got {pace:g} and {reel:g} m/s")
+                           f"got {speed:g} and {reeling:g} m/s")
     rows, flags = [], []
     at = np.append(sequence.steps[0][0], np.zeros(robot.n_cables))
-    for end, taut in _legs(robot.n_cables, sequence, float(slack)):
+    for end, taut in _legs(robot.n_cables, sequence, slack):
         way = end - at
-        duration = PEAK_SPEED * max(np.linalg.norm(way[:3]) / pace,
-                                    np.abs(way[3:]).max() / reel)
-        if duration / step > _MOST_STEPS:
-            raise InvalidInput(f"a leg takes {duration:.3g} s, more than {_MOST_STEPS} steps of {step:g} s: "
-                               "give less slack, more speed or a larger dt")
-        count = int(np.ceil(duration / step))
+        duration = PEAK_SPEED * max(np.linalg.norm(way[:3]) / speed,
+                                    np.abs(way[3:]).max() / reeling)
+        if duration / STEP > _MOST_STEPS:
+            raise InvalidInput(f"a leg takes {duration:.3g} s, more than {_MOST_STEPS} steps of {STEP:g} s: "
+                               "give less slack or more speed")
+        count = int(np.ceil(duration / STEP))
         # Rest to rest: a rope that is a little off becomes taut, or slack, while the winch is
         # slow, and jerks nothing.
         rows.append(at + rest_to_rest(np.arange(1, count + 1)[:, None] / max(count, 1)) * way)
@@ -86,7 +86,7 @@ def winding_plan(robot: Robot, sequence: ConfigurationSequence, slack: float = 0
         at = end
     positions, loose = np.split(np.concatenate(rows), [3], axis=1)
     lengths = cable_lengths(robot, Pose(positions)) + loose
-    return Winding(np.arange(1.0, len(positions) + 1) * step, positions, lengths,
+    return Winding(np.arange(1.0, len(positions) + 1) * STEP, positions, lengths,
                    np.concatenate(flags))
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Indices, as_array, as_number, checked, frozen, lasting
+from ..arrays import Array, Indices, as_array, checked, frozen, lasting
 from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -57,7 +58,7 @@ class Calibration:
 @checked
 def calibrate(robot: Robot, poses: Pose, lengths: ArrayLike,
               unknown: Sequence[str] = ("exit_points", "length_offsets"), tensions: ArrayLike | None = None,
-              length_noise: float = 1e-4) -> Calibration:
+              length_noise: Annotated[float, "[m] > 0"] = 1e-4) -> Calibration:
     """min Σ (l(pose) + offset − l_measured)² over what is unknown of a robot.
 
     Mass and center of mass then follow from min Σ ‖W⁺ (W τ + w_g)‖², the noise of tensions from
@@ -88,7 +89,6 @@ def calibrate(robot: Robot, poses: Pose, lengths: ArrayLike,
     as_array([poses.position, *np.moveaxis(poses.rotation, -1, 0)], "poses", ("k", "N", "d"))
     shape, kinds = (len(poses), robot.n_cables), list(unknown)
     measured = as_array(lengths, "lengths", shape, "m")
-    noise = as_number(length_noise, "length_noise", "m", positive=True)
     pulls = None if tensions is None else as_array(tensions, "tensions", shape, "N")
     if pulls is not None and not {*kinds} & {*_PLATFORM}:
         kinds += _PLATFORM
@@ -105,7 +105,7 @@ def calibrate(robot: Robot, poses: Pose, lengths: ArrayLike,
         return ((cable_lengths(changed, poses) + table[:, -2] - measured).ravel(),
                 length_slopes(changed, poses).reshape(measured.size, -1)[:, own])
 
-    x, covariance, told = _fit(too_long, table.flat[own], noise, names)
+    x, covariance, told = _fit(too_long, table.flat[own], length_noise, names)
     left, found = -too_long(x)[0], _rebuilt(robot, table)
     if pulls is not None:
         body = np.concatenate([[1.0], robot.platform.center_of_mass])   # 1 % of the mass counts as 10 mm

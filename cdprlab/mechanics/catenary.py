@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_count, as_number, checked, common_batch, frozen, lasting
+from ..arrays import Array, as_array, as_count, checked, common_batch, frozen, lasting
 from ..errors import InfeasibleTensions, InvalidInput
 from ..robot import STANDARD_GRAVITY, Robot
 from ..robot.pose import Pose, cross
@@ -62,8 +62,10 @@ class SaggingCable:
 
 
 @checked
-def sagging_cable(span: ArrayLike, length: ArrayLike, linear_density: ArrayLike,
-                  axial_stiffness: ArrayLike, gravity: float = STANDARD_GRAVITY) -> SaggingCable:
+def sagging_cable(span: Annotated[ArrayLike, "(…, d) [m]"], length: Annotated[ArrayLike, "(…) [m] > 0"],
+                  linear_density: Annotated[ArrayLike, "(…) [kg/m] > 0"],
+                  axial_stiffness: Annotated[ArrayLike, "(…) [N] > 0"],
+                  gravity: Annotated[float, "[m/s²] > 0"] = STANDARD_GRAVITY) -> SaggingCable:
     """The elastic catenary: T(s) = (h, v + w s), dr/ds = T / |T| + T / EA, from A at s = 0 to B at s = length.
 
     x = h L (1 / EA + κ / T̄), z = v̄ L (1 / EA + 1 / T̄), where T̄ and v̄ are the means of |T| and v at
@@ -84,21 +86,15 @@ def sagging_cable(span: ArrayLike, length: ArrayLike, linear_density: ArrayLike,
     >>> (cable.force_at_exit + cable.force_at_anchor).round(9) + 0.0   # its weight
     array([ 0.     , -2.10915])
     """
-    chord = as_array(span, "span", (), "m", batch=True)
-    if chord.ndim < 1 or chord.shape[-1] not in (2, 3):
+    chord, L, density, ea = map(np.asarray, (span, length, linear_density, axial_stiffness))
+    if chord.shape[-1] not in (2, 3):
         raise InvalidInput(f"span must be 2 or 3 numbers [m], got shape {chord.shape}")
-    given = {"length": (length, "m"), "linear_density": (linear_density, "kg/m"),
-             "axial_stiffness": (axial_stiffness, "N"), "gravity": (gravity, "m/s²")}
-    numbers, batch = [], chord.shape[:-1]
-    for name, (value, unit) in given.items():
-        number = as_array(value, name, (), unit, batch=True)
-        if not (number > 0).all():
-            raise InvalidInput(f"{name} must be positive [{unit}], got {float(number.min()):g}")
+    batch = chord.shape[:-1]
+    for name, number in (("length", L), ("linear_density", density), ("axial_stiffness", ea)):
         batch = common_batch("spans", batch, name, number.shape)
-        numbers.append(number)
-    L, density, ea, g = (np.broadcast_to(number, batch) for number in numbers)
+    L, density, ea = (np.broadcast_to(number, batch) for number in (L, density, ea))
     chord = np.broadcast_to(chord, (*batch, chord.shape[-1]))
-    level, weight = np.linalg.norm(chord[..., :-1], axis=-1), density * g
+    level, weight = np.linalg.norm(chord[..., :-1], axis=-1), density * gravity
     h, v, hung = _hanging(level, chord[..., -1], L, weight, ea)
     strain = np.max(np.maximum(hung.at_exit, hung.at_anchor) / ea, initial=0.0)
     if not strain <= _MOST_STRAIN:
@@ -210,7 +206,7 @@ def _pulled(spans: tuple[Any, ...], lengths: Any) -> tuple[Any, Any, Any, Any]:
 
 
 @checked
-def straight_tensions(robot: Robot, pose: Pose, angle: float = 0.01) -> Array:
+def straight_tensions(robot: Robot, pose: Pose, angle: Annotated[float, "[rad] > 0"] = 0.01) -> Array:
     """τ = ρ g d / 2 α: from there on a cable's ends turn away from the straight line by less than α.
 
     d is the level distance between its ends. A reason for a smallest tension: below it W, lengths and
@@ -225,9 +221,8 @@ def straight_tensions(robot: Robot, pose: Pose, angle: float = 0.01) -> Array:
     >>> straight_tensions(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).max()   # it says no weight
     np.float64(0.0)
     """
-    allowed = as_number(angle, "angle", "rad", positive=True)
     level = np.linalg.norm(cable_vectors(robot, pose)[..., :-1], axis=-1)
-    return level * (robot.linear_density * robot.gravity / 2 / allowed)
+    return level * (robot.linear_density * robot.gravity / 2 / angle)
 
 
 def drawn_lengths(robot: Robot, pose: Pose, tensions: ArrayLike) -> Array:

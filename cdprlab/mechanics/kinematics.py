@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Literal, overload
+from typing import Annotated, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, checked, common_batch
-from ..errors import InvalidInput, NoConvergence, quoted
+from ..errors import InvalidInput, NoConvergence
 from ..robot import Robot
 from ..robot.pose import Pose, cross, rotation_from_vector, rotation_vector_jacobian
 from .cables import Cables, cable_directions, cables_at, check_dimension, tangent_points
@@ -84,7 +84,8 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance:
 
 
 @checked
-def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance: float = 1e-9, *,
+def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose,
+                       tolerance: Annotated[float, "[m] > 0 or inf"] = 1e-9, *,
                        all_solutions: bool = False) -> Pose | list[Pose]:
     """The pose whose cable lengths fit best: min ‖l(pose) − l‖², from a guess (Levenberg–Marquardt, analytic J).
 
@@ -106,11 +107,7 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose, tolerance:
     >>> np.allclose(found.position, pose.position, atol=1e-9)
     True
     """
-    measured = as_array(lengths, "lengths", (robot.n_cables,), "m", batch=True)
-    if (measured <= 0).any():
-        raise InvalidInput(f"cable lengths must be positive [m], got {float(measured.min()):g}")
-    if not tolerance > 0:
-        raise InvalidInput(f"tolerance must be positive [m], got {quoted(tolerance)}")
+    measured = as_array(lengths, "lengths", (robot.n_cables,), "m", batch=True, positive=True)
     check_dimension(robot, guess)
     batch = common_batch("lengths", measured.shape[:-1], "a guess", guess.batch_shape)
     if all_solutions:

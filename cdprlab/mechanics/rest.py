@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, checked, frozen, lasting
+from ..arrays import Array, as_array, checked, frozen, lasting
 from ..errors import InvalidInput, NoConvergence
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -36,7 +36,7 @@ class AtRest(NamedTuple):
 
 @checked
 def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
-                axial_stiffness: float | None = None) -> AtRest:
+                axial_stiffness: Annotated[float, "[N] > 0"] | None = None) -> AtRest:
     """Where the load hangs still: the least potential energy min −w_g · x with l(x) ≤ lengths, near a guess.
 
     At rest W τ + w_g = 0 with τ ≥ 0, and τ_i = 0 where l_i is below its length: cables do not
@@ -59,9 +59,7 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
     """
     from scipy.optimize import minimize, nnls
 
-    allowed = as_array(lengths, "lengths", (robot.n_cables,), "m")
-    if (allowed <= 0).any():
-        raise InvalidInput(f"cable lengths must be positive [m], got {float(allowed.min()):g}")
+    allowed = as_array(lengths, "lengths", (robot.n_cables,), "m", positive=True)
     check_dimension(robot, guess)
     if guess.batch_shape:
         raise InvalidInput("equilibrium descends from one pose, not from a batch")
@@ -69,8 +67,7 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
         raise InvalidInput("without gravity nothing hangs: the robot's gravity must be positive [m/s²]")
     weight, n = robot.mass * robot.gravity, robot.n_dof
     if axial_stiffness is not None:
-        stiffness = as_number(axial_stiffness, "axial_stiffness", "N", positive=True)
-        return _stretched(robot, allowed, guess, stiffness)
+        return _stretched(robot, allowed, guess, axial_stiffness)
 
     def height(x: Array) -> float:
         return _height(robot, moved(robot, guess, x))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,7 +48,8 @@ def gravity_wrench(robot: Robot, pose: Pose) -> Array:
 
 
 @checked
-def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: ArrayLike, *,
+def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike,
+              axial_stiffness: Annotated[ArrayLike, "(…) [N] ≥ 0"], *,
               weight: bool = False) -> Array:
     """K with dw = −K dx for the cables' wrench w = W τ at constant unstrained lengths.
 
@@ -72,11 +73,9 @@ def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike, axial_stiffness: Ar
     (6, 6)
     """
     tau = _tensions(robot, pose, tensions)
-    ea = as_array(axial_stiffness, "axial_stiffness", (), "N", batch=True)
+    ea = np.asarray(axial_stiffness)
     if ea.shape not in ((), (robot.n_cables,)):
         raise InvalidInput(f"axial_stiffness must be a number or {robot.n_cables} numbers [N], got shape {ea.shape}")
-    if (ea < 0).any():
-        raise InvalidInput(f"axial_stiffness must not be negative [N], got {float(ea.min()):g}")
     directions, lengths, W = cables_at(robot, pose)
     elastic = (W * ((ea + tau) / lengths)[..., None, :]) @ np.swapaxes(W, -1, -2)
     basis = robot.pattern.basis(pose.rotation)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, checked, frozen, lasting
+from ..arrays import Array, as_array, checked, frozen, lasting
 from ..errors import InvalidInput
 from ..robot.pose import (
     Pose,
@@ -75,7 +75,7 @@ class Trajectory:
 
 
 @checked
-def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike | None = None,
+def quintic(start: Pose, end: Pose, duration: Annotated[float, "[s] > 0"], *, start_twist: ArrayLike | None = None,
             end_twist: ArrayLike | None = None, start_acceleration: ArrayLike | None = None,
             end_acceleration: ArrayLike | None = None) -> Trajectory:
     """Fifth-degree polynomial between two poses; rest to rest x = x₀ + (x₁ − x₀)(10 s³ − 15 s⁴ + 6 s⁵), s = t/T.
@@ -96,7 +96,6 @@ def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike |
     >>> path(1.0).pose.position
     array([0.5, 0. , 1. ])
     """
-    period = as_number(duration, "duration", "s", positive=True)
     if start.batch_shape or end.batch_shape:
         raise InvalidInput("a trajectory runs between two single poses, not batches")
     if start.dimension != end.dimension:
@@ -113,12 +112,12 @@ def quintic(start: Pose, end: Pose, duration: float, *, start_twist: ArrayLike |
     # From 0 to the step with these rates and second derivatives at the ends: three powers are
     # known, three are not.
     powers = np.arange(3, 6)
-    at_end = np.stack([period**powers, powers * period**(powers - 1),
-                       powers * (powers - 1) * period**(powers - 2)])
-    missing = np.stack([step - rate0 * period - bend0 * period**2 / 2,
-                        rate1 - rate0 - bend0 * period, bend1 - bend0])
+    at_end = np.stack([duration**powers, powers * duration**(powers - 1),
+                       powers * (powers - 1) * duration**(powers - 2)])
+    missing = np.stack([step - rate0 * duration - bend0 * duration**2 / 2,
+                        rate1 - rate0 - bend0 * duration, bend1 - bend0])
     known = [np.zeros_like(step), rate0, bend0 / 2]
-    return Trajectory(start, end, period,
+    return Trajectory(start, end, duration,
                       np.concatenate([known, np.linalg.solve(at_end, missing)]))
 
 
@@ -135,7 +134,7 @@ def rest_to_rest(share: ArrayLike) -> Array:
 
 
 @checked
-def hold(pose: Pose, duration: float) -> Trajectory:
+def hold(pose: Pose, duration: Annotated[float, "[s] > 0"]) -> Trajectory:
     """Rest at one pose.
 
     pose : single

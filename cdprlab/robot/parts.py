@@ -1,17 +1,19 @@
 """The parts of a robot: frozen `Cable`, `Pulley`, `Platform`, `Base`, …, each checked as it is made."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, checked, frozen, lasting
-from ..errors import InvalidInput, Location
+from ..arrays import Array, as_array, checked, frozen, lasting
+from ..errors import InvalidInput
 from .pose import cross, turned_to
 
 DECK_HEIGHT = 0.25
 """[m] Up to which a mobile base is drawn and, in the plane, solid."""
+
+Vector = Annotated[Array, "(d,) [m]"]
 
 _UNIT = 1e-3
 """How far from 1 a unit vector's length may be written."""
@@ -30,16 +32,14 @@ class Pulley:
     axis : (d,) unit, the way the cable travels towards A, in the frame of its exit point
     """
 
-    radius: float
-    axis: Array
+    radius: Annotated[float, "[m] > 0"]
+    axis: Annotated[Array, "(d,)"]
 
     def __post_init__(self) -> None:
-        _keep_number(self, "radius", "radius of a pulley", "m", positive=True, location=("pulley", "radius"))
-        _keep_array(self, "axis", ("d",), "", ("pulley", "axis"))
         size = float(np.linalg.norm(self.axis))
         if abs(size - 1) > _UNIT:
             raise InvalidInput("axis of a pulley must be a unit vector, the way the cable travels towards its exit "
-                               f"point, got {self.axis.tolist()}, of length {size:.4g}", ("pulley", "axis"))
+                               f"point, got {self.axis.tolist()}, of length {size:.4g}", ("axis",))
         object.__setattr__(self, "axis", frozen(self.axis / size))
 
 
@@ -58,28 +58,20 @@ class Cable:
     length_offset : what its winch's encoder reads, minus the length there is [m]
     """
 
-    exit_point: Array
-    anchor_point: Array
-    tension_min: float
-    tension_max: float
-    speed_max: float = float("inf")
+    exit_point: Vector
+    anchor_point: Vector
+    tension_min: Annotated[float, "[N] ≥ 0"]
+    tension_max: Annotated[float, "[N] ≥ 0"]
+    speed_max: Annotated[float, "[m/s] > 0 or inf"] = float("inf")
     base: str | None = None
     pulley: Pulley | None = None
-    length_offset: float = 0.0
+    length_offset: Annotated[float, "[m]"] = 0.0
 
     def __post_init__(self) -> None:
-        _keep_array(self, "exit_point", ("d",), "m")
-        _keep_array(self, "anchor_point", self.exit_point.shape, "m")
-        _keep_number(self, "tension_min", "smallest tension", "N", minimum=0.0,
-                     location=("tension",))
-        _keep_number(self, "tension_max", "largest tension", "N", minimum=0.0,
-                     location=("tension",))
         check_order(self.tension_min, self.tension_max)
-        if self.speed_max != float("inf"):
-            _keep_number(self, "speed_max", "speed", "m/s", positive=True, location=("speed",))
+        _check_size(self.anchor_point, "anchor_point", self.exit_point)
         if self.pulley is not None:
             as_array(self.pulley.axis, "axis of a pulley", self.exit_point.shape, location=("pulley", "axis"))
-        _keep_number(self, "length_offset", "length_offset", "m", location=("length_offset",))
 
 
 @lasting
@@ -96,20 +88,16 @@ class Platform:
     center : (d,) where that box's center lies in the platform frame [m]
     """
 
-    mass: float
+    mass: Annotated[float, "[kg] > 0"]
     inertia: Array
-    center_of_mass: Array
-    size: Array
-    center: Array
+    center_of_mass: Vector
+    size: Annotated[Array, "(d,) [m] > 0"]
+    center: Vector
 
     def __post_init__(self) -> None:
-        _keep_number(self, "mass", "mass", "kg", positive=True, location=("mass",))
-        _keep_array(self, "center_of_mass", ("d",), "m")
-        _keep_array(self, "size", self.center_of_mass.shape, "m")
-        _keep_array(self, "center", self.center_of_mass.shape, "m")
+        _check_size(self.size, "size", self.center_of_mass)
+        _check_size(self.center, "center", self.center_of_mass)
         object.__setattr__(self, "inertia", _checked_inertia(self.inertia, self.size.size))
-        if (self.size <= 0).any():
-            raise InvalidInput(f"size must be positive along every edge [m], got {self.size.tolist()}", ("size",))
 
 
 @lasting
@@ -128,23 +116,16 @@ class Base:
     """
 
     name: str
-    position: Array
-    heading: float
-    mass: float
-    center_of_mass: Array
+    position: Annotated[Array, "(2,) [m]"]
+    heading: Annotated[float, "[rad]"]
+    mass: Annotated[float, "[kg] > 0"]
+    center_of_mass: Vector
     footprint: Array
-    speed_max: Array
+    speed_max: Annotated[Array, "(3,) [rad/s, m/s] ≥ 0"]
 
     def __post_init__(self) -> None:
-        _keep_array(self, "position", (2,), "m", ("pose", "position"))
-        _keep_number(self, "heading", "heading", "rad", location=("pose", "heading"))
-        _keep_number(self, "mass", "mass", "kg", positive=True, location=("mass",))
-        _keep_array(self, "center_of_mass", ("d",), "m")
         object.__setattr__(self, "footprint",
                            _counter_clockwise(self.footprint, self.center_of_mass.size))
-        _keep_array(self, "speed_max", (3,), "", ("speed",))
-        if (self.speed_max < 0).any():
-            raise InvalidInput(f"speed limits must not be negative, got {self.speed_max.tolist()}", ("speed",))
 
     @property
     def pose(self) -> tuple[float, float, float]:
@@ -263,15 +244,9 @@ def inertia_matrix(values: ArrayLike) -> Array:
     return frozen(matrix)
 
 
-def _keep_array(part: Any, field: str, shape: tuple[int | str, ...], unit: str, location: Location = ()) -> None:
-    """Check an array of a part as it is made; the world file has it at ``location``, by default under its own name."""
-    location = location or (field,)
-    object.__setattr__(part, field, as_array(getattr(part, field), str(location[-1]), shape,
-                                             unit, location=location))
-
-
-def _keep_number(part: Any, field: str, name: str, unit: str, **checks: Any) -> None:
-    object.__setattr__(part, field, as_number(getattr(part, field), name, unit, **checks))
+def _check_size(vector: Array, name: str, other: Array) -> None:
+    """Raises InvalidInput unless two vectors of a part are of the same dimension."""
+    as_array(vector, name, other.shape, "m", location=(name,))
 
 
 def _checked_inertia(inertia: ArrayLike, d: int) -> Array:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, checked, frozen, lasting
+from ..arrays import Array, as_array, checked, frozen, lasting
 from ..errors import InvalidInput, quoted, under
 from .parts import Base, Cable, Elasticity, Platform, Winch
 from .pattern import MotionPattern
@@ -38,19 +39,14 @@ class Robot:
     platform: Platform
     cables: tuple[Cable, ...]
     bases: tuple[Base, ...] = ()
-    gravity: float = STANDARD_GRAVITY
+    gravity: Annotated[float, "[m/s²] ≥ 0"] = STANDARD_GRAVITY
     winch: Winch | None = None
     elasticity: Elasticity | None = None
-    linear_density: float = 0.0
+    linear_density: Annotated[float, "[kg/m] ≥ 0"] = 0.0
 
     def __post_init__(self) -> None:
-        set_ = object.__setattr__
-        set_(self, "cables", tuple(self.cables))
-        set_(self, "bases", tuple(self.bases))
-        set_(self, "gravity", as_number(self.gravity, "gravity", "m/s²", minimum=0.0,
-                                        location=("gravity",)))
-        set_(self, "linear_density", as_number(self.linear_density, "linear_density", "kg/m", minimum=0.0,
-                                               location=("cable", "linear_density")))
+        object.__setattr__(self, "cables", tuple(self.cables))
+        object.__setattr__(self, "bases", tuple(self.bases))
         self._check_parts()
 
     # --- counts -----------------------------------------------------------------------------------
@@ -162,7 +158,7 @@ class Robot:
                                   heading=float(heading))
         return replace(self, bases=tuple(moved.values()))
 
-    def with_payload(self, mass: float, position: ArrayLike) -> Robot:
+    def with_payload(self, mass: Annotated[float, "[kg] ≥ 0"], position: ArrayLike) -> Robot:
         """A copy that carries a point mass; mass, center of mass and inertia follow (parallel axes).
 
         mass : [kg]
@@ -172,13 +168,12 @@ class Robot:
         >>> cl.load_world("caroca").robot.with_payload(50.0, [0, 0, -0.4]).platform.center_of_mass
         array([ 0. ,  0. , -0.1])
         """
-        load = as_number(mass, "payload mass", "kg", minimum=0.0)
         place = as_array(position, "payload position", (self.dimension,), "m")
         body = self.platform
-        total = body.mass + load
-        center = (body.mass * body.center_of_mass + load * place) / total
+        total = body.mass + mass
+        center = (body.mass * body.center_of_mass + mass * place) / total
         inertia = (body.inertia + _point_inertia(body.mass, body.center_of_mass - center)
-                   + _point_inertia(load, place - center))
+                   + _point_inertia(mass, place - center))
         return replace(self, platform=replace(body, mass=total, center_of_mass=center,
                                               inertia=inertia))
 

@@ -3,11 +3,11 @@
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..arrays import Array, as_count, as_number, checked, data_frame, frozen, lasting
+from ..arrays import Array, as_count, checked, data_frame, frozen, lasting
 from ..errors import InvalidInput
 from ..mechanics.dynamics import inverse_dynamics
 from ..mechanics.statics import wrench_matrix
@@ -88,7 +88,7 @@ class TensionComparison:
 @checked
 def compare_tensions(world: World, task: str = "default",
                      methods: str | Sequence[str] | None = None, *,
-                     time_step: float | None = None,
+                     time_step: Annotated[float, "[s] > 0"] | None = None,
                      progress: Callable[[int, int], Any] | None = None) -> TensionComparison:
     """Each method's tensions for W τ = M a + C v − f_g along a task's reference, without an engine.
 
@@ -105,8 +105,7 @@ def compare_tensions(world: World, task: str = "default",
     (('quadratic_program', 'pseudo_inverse'), (2, 401, 8))
     """
     job, robot = world.task(task), world.robot
-    step = job.duration / 400 if time_step is None else as_number(time_step, "time_step", "s",
-                                                                  positive=True)
+    step = job.duration / 400 if time_step is None else time_step
     names = _names(methods, robot)
     count = as_count(round(job.duration / step) + 1, "duration / time_step")
     times = np.linspace(0.0, job.duration, max(2, count))

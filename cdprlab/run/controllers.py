@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from ..arrays import Array, as_array, checked, lasting
-from ..errors import InvalidInput, quoted
+from ..arrays import Array, checked, lasting
+from ..errors import InvalidInput
 from ..mechanics.cables import cables_at
 from ..mechanics.dynamics import inverse_dynamics, pose_error
 from ..mechanics.trajectory import Reference
@@ -18,6 +18,8 @@ from ..simulate.state import State
 
 Controller = Callable[[float, State, Reference], Array]
 """W τ of the cables, weight not subtracted: at rest it is minus the gravity wrench."""
+
+Gain = Annotated[float | Array, "(…) ≥ 0"]
 
 
 @lasting
@@ -41,14 +43,11 @@ class ComputedTorque:
     array(100.)
     """
 
-    kp: float | Array = 100.0
-    kd: float | Array = 100.0
-    ki: float | Array = 0.0
+    kp: Gain = 100.0
+    kd: Gain = 100.0
+    ki: Gain = 0.0
     _known: dict[str, tuple[Any, ...]] = field(default_factory=dict, init=False, repr=False)
     _integral: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        _keep_gains(self, "kp", "kd", "ki")
 
     @cached_property
     def _law(self) -> Callable[..., Array]:   # looked up once: an import in the loop takes 1 % of it
@@ -105,11 +104,8 @@ class LengthControl:
     array(20.)
     """
 
-    kp: float | Array = 100.0
-    kd: float | Array = 20.0
-
-    def __post_init__(self) -> None:
-        _keep_gains(self, "kp", "kd")
+    kp: Gain = 100.0
+    kd: Gain = 20.0
 
     def __call__(self, t: float, state: State, reference: Reference) -> Array:
         robot, pose = state.robot, reference.pose
@@ -124,14 +120,6 @@ class LengthControl:
         return inverse_dynamics(robot, pose.rotation, reference.twist, acceleration)
 
 
-def _keep_gains(law: Any, *names: str) -> None:
-    for name in names:
-        gain = as_array(getattr(law, name), name, (), batch=True)
-        if (gain < 0).any():
-            raise InvalidInput(f"{name} must not be negative, got {quoted(gain.tolist())}")
-        object.__setattr__(law, name, gain)
-
-
 def described(controller: Any) -> str:
     """A controller in words: its name, and its gains if it has such.
 
@@ -141,5 +129,6 @@ def described(controller: Any) -> str:
     name = getattr(controller, "__name__", type(controller).__name__)
     if isinstance(controller, ComputedTorque | LengthControl):
         gains = {key: getattr(controller, key, None) for key in ("kp", "kd", "ki")}
-        name += f"({', '.join(f'{key}={gain.tolist()}' for key, gain in gains.items() if gain is not None)})"
+        told = (f"{key}={np.asarray(gain).tolist()}" for key, gain in gains.items() if gain is not None)
+        name += f"({', '.join(told)})"
     return str(name)

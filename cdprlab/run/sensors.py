@@ -2,11 +2,11 @@
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, as_array, as_number, as_seed, checked, frozen, lasting
+from ..arrays import Array, as_array, as_seed, checked, frozen, lasting
 from ..errors import InvalidInput, quoted
 from ..mechanics.cables import Cables, cables_at
 from ..mechanics.dynamics import mass_and_bias, pose_error
@@ -16,6 +16,8 @@ from ..robot.pose import Pose, rotation_from_vector
 from ..simulate.state import State
 from ..world import World
 from .log import Columns
+
+Meters = Annotated[float, "[m] ≥ 0"]
 
 
 @lasting
@@ -41,28 +43,20 @@ class Sensors:
     """
 
     pose: str = "true"
-    position_noise: float = 0.0
-    rotation_noise: float = 0.0
-    length_noise: float = 0.0
-    length_offset: float | Array = 0.0
-    tension_noise: float = 0.0
-    quantization: float = 0.0
-    rate: float | None = None
-    delay: float = 0.0
+    position_noise: Meters = 0.0
+    rotation_noise: Annotated[float, "[rad] ≥ 0"] = 0.0
+    length_noise: Meters = 0.0
+    length_offset: Annotated[float | Array, "(…) [m]"] = 0.0
+    tension_noise: Annotated[float, "[N] ≥ 0"] = 0.0
+    quantization: Meters = 0.0
+    rate: Annotated[float, "[1/s] > 0"] | None = None
+    delay: Annotated[float, "[s] ≥ 0"] = 0.0
     seed: int = 0
-    observer_frequency: float = 3.0
+    observer_frequency: Annotated[float, "[Hz] > 0"] = 3.0
 
     def __post_init__(self) -> None:
         if self.pose not in ("true", "from_lengths"):
             raise InvalidInput(f"pose must be 'true' or 'from_lengths', got {quoted(self.pose)}")
-        for name, unit in (("position_noise", "m"), ("rotation_noise", "rad"), ("length_noise", "m"),
-                           ("tension_noise", "N"), ("quantization", "m"), ("delay", "s")):
-            as_number(getattr(self, name), name, unit, minimum=0.0)
-        if self.rate is not None:
-            as_number(self.rate, "rate", "1/s", positive=True)
-        as_number(self.observer_frequency, "observer_frequency", "Hz", positive=True)
-        object.__setattr__(self, "length_offset",
-                           as_array(self.length_offset, "length_offset", (), "m", batch=True))
         as_seed(self.seed)
 
 _SOON = 1e-9   # s: what rounding leaves of a time

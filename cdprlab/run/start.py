@@ -1,11 +1,9 @@
 """A run from its request: checked, given an engine, commanded, and logged."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import chain
-from typing import Any
+from typing import Annotated, Any
 from warnings import warn
 
 import numpy as np
@@ -34,6 +32,8 @@ from .winches import TorqueControl, VelocityControl, WinchControl
 Cuts = Mapping[float, ArrayLike]
 """Time [s] → the cables cut then, by index from 0."""
 
+Seconds = Annotated[float, "[s] > 0"]
+
 _WOUND = 1e-9   # m: what rounding leaves of a rope's length
 
 _MOST_STEPS = 10_000_000
@@ -44,10 +44,10 @@ _MOST_STEPS = 10_000_000
 def run(world: World, task: str = "default",
         method: str | Callable[..., Any] = "quadratic_program",
         cables: str = "tension",
-        controller: Controller | TorqueControl | VelocityControl | None = None, dt: float = 1e-3,
-        control_period: float | None = None, infeasible: str = "relax",
+        controller: Controller | TorqueControl | VelocityControl | None = None, dt: Seconds = 1e-3,
+        control_period: Seconds | None = None, infeasible: str = "relax",
         external_wrench: Any = None,
-        duration: float | None = None, seed: int = 0, *, base_speeds: Any = None,
+        duration: Seconds | None = None, seed: int = 0, *, base_speeds: Any = None,
         cut: Cuts | None = None, winch: str = "real",
         real: World | None = None, sensors: Sensors | None = None,
         progress: Progress | None = None, simulator: Simulator | None = None, **engine_options: Any) -> Run:
@@ -113,8 +113,7 @@ def run(world: World, task: str = "default",
     wound = cables in WOUND
     distributor = Distributor(robot, method, infeasible)
     substeps, period = control_steps(dt, control_period)
-    length = job.duration + job.hold if duration is None else as_number(duration, "duration",
-                                                                        "s", positive=True)
+    length = job.duration + job.hold if duration is None else duration
     if length > _MOST_STEPS * period:
         raise InvalidInput(f"a run of {length:g} s has more than {_MOST_STEPS} control steps of {period:g} s: "
                            "shorten it or take longer steps")
@@ -254,19 +253,18 @@ def _at_rest(engine: Any, body: Simulator, command: Command, begin: Reference) -
     yield from ()
 
 
-def control_steps(dt: float, control_period: float | None) -> tuple[int, float]:
+@checked
+def control_steps(dt: Seconds, control_period: Seconds | None) -> tuple[int, float]:
     """Engine steps in a control step, and its length [s]; the second must be a multiple of the first.
 
     >>> control_steps(1e-3, 4e-3)
     (4, 0.004)
     """
-    step = as_number(dt, "dt", "s", positive=True)
-    period = step if control_period is None else as_number(control_period, "control_period",
-                                                           "s", positive=True)
-    substeps = round(period / step)
-    if not 1 <= substeps <= _MOST_STEPS or abs(substeps * step - period) > 1e-9 * period:
-        raise InvalidInput(f"control_period must be a whole multiple of dt, got {period:g} s and {step:g} s")
-    return substeps, substeps * step
+    period = dt if control_period is None else control_period
+    substeps = round(period / dt)
+    if not 1 <= substeps <= _MOST_STEPS or abs(substeps * dt - period) > 1e-9 * period:
+        raise InvalidInput(f"control_period must be a whole multiple of dt, got {period:g} s and {dt:g} s")
+    return substeps, substeps * dt
 
 
 def _allowed(run: Run, robot: Robot, lengths: Array) -> Any:

@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -25,7 +25,8 @@ from .log import Columns
 from .loop import Command
 from .motors import Motors
 
-_MARGIN = 1.5   # N: what friction leaves
+_MARGIN = 1.5   # N: kept from the cables' limits for what friction leaves
+_RESERVE = 5.0   # N m: kept from tipping
 
 
 class WinchControl(Command):
@@ -35,8 +36,6 @@ class WinchControl(Command):
     the limits, and the winches reached their lengths. What its commands come to is the motors'
     affair: see `Motors`.
 
-    margin : kept from the cables' limits, None: 1.5 N where there are winches [N]
-    reserve : kept from tipping [N m]
     standing : whether tipping rows are in the quadratic program
     toward : tension the distribution stays near, 0 for the least norm [N]
     """
@@ -44,10 +43,8 @@ class WinchControl(Command):
     name: ClassVar[str]
     feasible: bool
 
-    def __init__(self, margin: float | None, reserve: float, standing: bool = True,
-                 toward: float = 0.0) -> None:
-        self.margin, self.reserve = margin, float(reserve)
-        self.standing, self.toward = standing, float(toward)
+    def __init__(self, standing: bool = True, toward: float = 0.0) -> None:
+        self.standing, self.toward = standing, toward
 
     @abstractmethod
     def cables(self, world: World, asked: str = "tension") -> str:
@@ -56,7 +53,7 @@ class WinchControl(Command):
     def start(self, engine: Any, substeps: int) -> Columns:   # a Simulator, or what is believed of one
         robot = engine.world.robot
         self.period = engine.dt * substeps
-        margin = (_MARGIN if robot.winch else 0.0) if self.margin is None else self.margin
+        margin = _MARGIN if robot.winch else 0.0
         self.low, self.high = robot.tension_min + margin, robot.tension_max - margin
         self.footings = footings(robot) if self.standing else []
         self.motors = engine if isinstance(engine, Motors) else None
@@ -73,7 +70,7 @@ class WinchControl(Command):
             turn = turned_to(engine.base_poses[footing.base, 2], engine.world.robot.dimension)
             edges = footing.rows(engine.directions, turn, engine.shifts)
             rows.append(edges.matrix)
-            offsets.append(edges.offset + self.reserve)
+            offsets.append(edges.offset + _RESERVE)
         tau, reason = standing_tensions(W, -wrench, self.low, self.high, np.concatenate(rows),
                                         np.concatenate(offsets), toward=self.toward)
         return None if reason else tau
@@ -96,18 +93,14 @@ class TorqueControl(WinchControl):
     kp, kd : gains, as those of `ComputedTorque` [1/s², 1/s]
     standing : whether tipping rows are in the quadratic program
     toward : tension the distribution stays near, 0 for the least norm [N]
-    margin : kept from the cables' limits for what friction leaves; default 1.5 where there are
-        winches [N]
-    reserve : kept from tipping [N m]
     friction : believed, such as `identify_friction` finds; default: the winches' own
     """
 
     name = "torque"
 
     def __init__(self, kp: float = 900.0, kd: float = 60.0, *, standing: bool = True,
-                 toward: float = 0.0, margin: float | None = None, reserve: float = 5.0,
-                 friction: Friction | None = None) -> None:
-        super().__init__(margin, reserve, standing, toward)
+                 toward: float = 0.0, friction: Friction | None = None) -> None:
+        super().__init__(standing, toward)
         self.law, self.friction = ComputedTorque(kp, kd), friction
 
     def cables(self, world: World, asked: str = "tension") -> str:
@@ -151,19 +144,15 @@ class VelocityControl(WinchControl):
     them would hang slack.
 
     gain : of the length error [1/s]
-    margin, reserve : as those of `TorqueControl` [N, N m]
     Source: Pedemonte et al. 2020, section 2.3; B_b q̇_b, which `base_jacobian` gives, is read
     off the exit points.
     """
 
     name = "velocity"
 
-    def __init__(self, gain: float = 20.0, *, margin: float | None = None,
-                 reserve: float = 5.0) -> None:
-        if gain < 0:
-            raise InvalidInput(f"gain must not be negative [1/s], got {gain:g}")
-        super().__init__(margin, reserve)
-        self.gain = float(gain)
+    def __init__(self, gain: Annotated[float, "[1/s] ≥ 0"] = 20.0) -> None:
+        super().__init__()
+        self.gain = gain
 
     def cables(self, world: World, asked: str = "tension") -> str:
         return asked if asked in WOUND else "length" if world.robot.elasticity is None else "elastic"

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
-from ..arrays import Array, as_array, as_number, checked, lasting
+from ..arrays import Array, checked, lasting
 from ..errors import InvalidInput, Location, quoted, under
 from ..mechanics.trajectory import Trajectory, quintic
 from ..robot import Robot
@@ -21,15 +21,11 @@ NAME = re.compile(r"[A-Za-z0-9_\-]+")
 class Box:
     """A solid, upright box of the scene: center, edges [m], turn about the vertical [rad], "box" or "obstacle"."""
 
-    position: Array
-    size: Array
+    position: Annotated[Array, "(d,) [m]"]
+    size: Annotated[Array, "(d,) [m]"]
     yaw: float = 0.0
     kind: str = "box"
     name: str = ""
-
-    def __post_init__(self) -> None:
-        for name in ("position", "size"):
-            object.__setattr__(self, name, as_array(getattr(self, name), name, ("d",), "m"))
 
     @property
     def pose(self) -> Pose:
@@ -67,16 +63,14 @@ class Task:
     kind: str
     start: Pose
     end: Pose
-    duration: float
-    hold: float = 0.0
+    duration: Annotated[float, "[s] > 0"]
+    hold: Annotated[float, "[s] ≥ 0"] = 0.0
 
     kinds: ClassVar[tuple[str, ...]] = ("quintic", "hold")
 
     def __post_init__(self) -> None:
         if self.kind not in self.kinds:
             raise InvalidInput(f"kind must be {' or '.join(self.kinds)}, got {quoted(self.kind)}", ("kind",))
-        as_number(self.duration, "duration", "s", positive=True, location=("duration",))
-        as_number(self.hold, "hold", "s", minimum=0.0, location=("hold",))
 
     def check(self, robot: Robot) -> None:
         """Raises InvalidInput for a robot that cannot do it."""
@@ -108,9 +102,9 @@ class PickAndPlace(Task):
     aside : how far it keeps aside on its way, along its own y axis [m]
     """
 
-    duration: float = 1.0
+    duration: Annotated[float, "[s] > 0"] = 1.0
     box_size: Spot
-    box_mass: float
+    box_mass: Annotated[float, "[kg] > 0"]
     box_position: Spot
     place: Spot
     seat: Spot
@@ -123,7 +117,6 @@ class PickAndPlace(Task):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        as_number(self.box_mass, "box_mass", "kg", positive=True)
         if not self.stroke.any():
             raise InvalidInput("the stroke must not be zero", ("gripper", "stroke"))
 

@@ -1,17 +1,20 @@
 """Robots that are not what their model says: each number off by a small error, drawn from a seed."""
 
 from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
 
-from ..arrays import as_number, as_seed, checked, frozen
+from ..arrays import as_seed, checked, frozen
 from ..errors import InvalidInput
 from .world import World
 
+Size = Annotated[float, "[m] ≥ 0"]
+
 
 @checked
-def perturbed(world: World, exit_points: float = 0.0, anchor_points: float = 0.0,
-              mass: float = 0.0, center_of_mass: float = 0.0, lengths: float = 0.0,
+def perturbed(world: World, exit_points: Size = 0.0, anchor_points: Size = 0.0,
+              mass: Annotated[float, "≥ 0"] = 0.0, center_of_mass: Size = 0.0, lengths: Size = 0.0,
               seed: int = 0) -> World:
     """A world like it, each number off by an error drawn evenly from ± the one given.
 
@@ -34,8 +37,6 @@ def perturbed(world: World, exit_points: float = 0.0, anchor_points: float = 0.0
     m, d = robot.n_cables, robot.dimension
     sizes = {"exit_points": (exit_points, (m, d)), "anchor_points": (anchor_points, (m, d)), "mass": (mass, ()),
              "center_of_mass": (center_of_mass, (d,)), "lengths": (lengths, (m,))}
-    for name, (size, _) in sizes.items():
-        as_number(size, name, "" if name == "mass" else "m", minimum=0.0)
     if mass >= 1:
         raise InvalidInput(f"mass must be a fraction below 1, got {mass:g}")
     if anchor_points and not robot.pattern.turns:
