@@ -1,5 +1,6 @@
 """The pictures of docs/mission.md: a mission at whatever time, and what its drives asked of wheels and cables."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,6 @@ import numpy as np
 from cdprlab.arrays import Array
 from cdprlab.fastkit import Journey, Mission, carried, draw_hall, draw_way, least_edge_loads
 from cdprlab.fastkit.mission.guards import LEANS
-from cdprlab.fastkit.mission.scenery import without_hall
 from cdprlab.fastkit.pictures.job_figure import BASE_STYLES, TIPS, JobScreen
 from cdprlab.view.drawing import HALO
 from cdprlab.view.film import Frame, index_at
@@ -15,6 +15,7 @@ from cdprlab.view.plots import Figure, draw_lines, mark_level
 from cdprlab.view.screen import Screen
 from cdprlab.view.style import BLUE, GREEN, GREY, INK, PURPLE, house_style
 from cdprlab.world import World
+from cdprlab.world.model import Scene
 
 _WORDS = {"navigation": "the coupled pair drives to the shelf",
           "home": "coupled again, the pair drives home", "done": "where it began",
@@ -33,7 +34,7 @@ class MissionFilm:
         for part in mission.parts.values():
             self.screens.append(PlanScreen(part, mission.world, width)
                                 if isinstance(part, Journey) else
-                                JobScreen(part, width, without_hall(part.world).scene,
+                                JobScreen(part, width, without_hall(part.world.scene),
                                           captioned=True))
         self.begins = np.cumsum([0.0, *(part.time[-1] for part in mission.parts.values())])[:-1]
 
@@ -44,6 +45,12 @@ class MissionFilm:
         words = screen.move(t - self.begins[which]) or _WORDS.get(event.state, "")
         return screen.show(t, f"STOPPED {event.why}"
                            if event.why else f"{event.state}: {words}")
+
+
+def without_hall(scene: Scene) -> Scene:
+    """The scene without walls and pallets: in pictures they would stand between the eye and the work."""
+    boxes = tuple(box for box in scene.boxes if not box.name.endswith(" wall") and not box.name.startswith("pallet "))
+    return replace(scene, boxes=boxes)
 
 
 class PlanScreen(Screen):

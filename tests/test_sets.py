@@ -134,7 +134,7 @@ def test_submatrices_are_exact_where_every_base_moves_by_itself(name):
     for pivot in ("base", "world"):
         J, B = cl.jacobian(robot, pose), cl.base_jacobian(robot, pose, pivot)
         found = submatrix_twist_set(J, B, robot.speed_max, base_speeds(robot))
-        assert found.exact, found.reason
+        assert found.exact
         d = np.random.default_rng(7).normal(size=(5, robot.n_dof))
         exact = cl.available_twist_set(robot, pose, pivot=pivot).support(d)
         np.testing.assert_allclose(found.set.support(d), exact, rtol=0, atol=1e-8)
@@ -142,7 +142,7 @@ def test_submatrices_are_exact_where_every_base_moves_by_itself(name):
 
 def test_submatrices_are_too_generous_with_a_shared_actuator():
     found = submatrix_twist_set([[1], [1]], [[1], [-1]], [2, 2], [0.8])
-    assert not found.exact and "cables 1, 2" in found.reason
+    assert not found.exact
     assert found.set.support([1.0]) == pytest.approx(2.8)
     assert twist_set([[1], [1]], [[1], [-1]], [2, 2], [0.8]).support([1.0]) == pytest.approx(2.0)
     with pytest.raises(InvalidInput, match="regular"):

@@ -1,5 +1,7 @@
 """Pure Gauss–Newton from lengths to a planar pose, every step kept; and a robot of three to six cables to try it on."""
 
+import pathlib
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,15 +10,11 @@ from ...arrays import Array, as_array, checked
 from ...errors import InvalidInput, quoted
 from ...mechanics.cables import cable_lengths
 from ...mechanics.kinematics import jacobian
-from ...robot import MOTION_PATTERNS, Cable, Platform, Robot
+from ...robot import Robot
 from ...robot.pose import Pose
+from ...world import load_world
 
-EXIT_POINTS = ((-2.0, 3.0), (2.0, 3.0), (2.0, 0.0), (-2.0, 0.0), (-2.0, 1.5), (2.0, 1.5))
-"""Of the planar robot, cables 1 to 6 [m]."""
-
-ANCHOR_POINTS = ((-0.4, -0.25), (0.4, -0.25), (0.4, 0.25), (-0.4, 0.25), (0.4, 0.25),
-                 (-0.4, -0.25))
-"""Cables from above hold the lower corners and those from below the upper ones, which fixes the angle well [m]."""
+_ROBOT = load_world(pathlib.Path(__file__).with_name("six_cables.yaml")).robot
 
 _STEPS = 60
 """Where the residuals do not vanish the steps shrink only by a factor each; this many reach 1e-9 m."""
@@ -50,10 +48,7 @@ def six_cables(count: int = 6) -> Robot:
     """
     if count not in (3, 4, 5, 6):
         raise InvalidInput(f"this robot has 3, 4, 5 or 6 cables, got {quoted(count)}")
-    cables = tuple(Cable(np.array(a), np.array(b), 10.0, 1000.0)
-                   for a, b in zip(EXIT_POINTS, ANCHOR_POINTS))
-    platform = Platform(10.0, np.array(0.75), np.zeros(2), np.array([0.8, 0.5]), np.zeros(2))
-    return Robot(MOTION_PATTERNS["1R2T"], platform, cables[:count])
+    return replace(_ROBOT, cables=_ROBOT.cables[:count])
 
 
 def gauss_newton_path(robot: Robot, lengths: Any, guess: Pose) -> Path:

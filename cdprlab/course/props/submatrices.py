@@ -19,12 +19,10 @@ class SubmatrixTwistSet(NamedTuple):
 
     set : Polytope
     exact : whether it is certain to equal `twist_set`
-    reason : why it is not; '' when exact
     """
 
     set: Polytope
     exact: bool
-    reason: str
 
 
 def submatrix_twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
@@ -57,23 +55,20 @@ def submatrix_twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
     if not rows:
         raise InvalidInput(f"no {n} of the {m} cables determine the twist: J has no regular sub-matrix here, so the "
                            "construction says nothing; use available_twist_set")
-    reason = _why_not_exact(j, b * base)
     return SubmatrixTwistSet(Polytope.from_rows(np.concatenate(rows), np.concatenate(limits)),
-                             not reason, reason)
+                             not null_space(j).shape[1] and _bases_move_by_themselves(j, b * base))
 
 
-def _why_not_exact(J: Array, B: Array) -> str:
-    if null_space(J).shape[1]:
-        return "J has no full column rank"
+def _bases_move_by_themselves(J: Array, B: Array) -> bool:
+    """Whether actuators that share cables move those cables' exits like one base does."""
     m, a = B.shape
     shared = np.zeros((m + a, m + a))
     shared[:m, m:] = B != 0
     count, part = connected_components(shared, directed=False)   # cables and actuators that have to do with each other
     for k in range(count):
-        rows, columns = np.flatnonzero(part[:m] == k), np.flatnonzero(part[m:] == k)
-        moves = B[np.ix_(rows, columns)]
+        rows, columns = part[:m] == k, part[m:] == k
+        moves = B[rows][:, columns]
         left = moves - J[rows] @ np.linalg.lstsq(J[rows], moves, rcond=None)[0]
         if np.abs(left).max(initial=0.0) > 1e-9 * np.abs(moves).max(initial=0.0):
-            return (f"cables {', '.join(str(i + 1) for i in rows)} share actuators that do not move their exits like "
-                    "one base")
-    return ""
+            return False
+    return True

@@ -1,6 +1,5 @@
 """The hall around a world's shelf: walls and pallets as parts of its scene."""
 
-from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -10,8 +9,7 @@ from ...arrays import as_array, checked
 from ...world import World
 from ..navigation.hall import walls
 
-_WALLS, _PALLET = ("north wall", "south wall", "west wall", "east wall"), "pallet"
-_HEIGHT = 1.2      # m: of both
+_HEIGHT = 1.2      # m: of walls and pallets
 
 
 @checked
@@ -27,7 +25,8 @@ def in_hall(world: World, bounds: ArrayLike, pallets: Annotated[ArrayLike, "(k, 
     5
     """
     rows = [*walls(as_array(bounds, "bounds", (2, 2), "m")), *np.reshape(pallets, (-1, 5))]
-    names = [*_WALLS, *(f"{_PALLET} {k}" for k in range(1, len(rows) - 3))]
+    names = ["north wall", "south wall", "west wall", "east wall",
+             *(f"pallet {k}" for k in range(1, len(rows) - 3))]
     document = world.to_dict()
     scene = document.setdefault("scene", {})
     scene.setdefault("boxes", []).extend(
@@ -35,10 +34,3 @@ def in_hall(world: World, bounds: ArrayLike, pallets: Annotated[ArrayLike, "(k, 
          "yaw": yaw}
         for name, (x, y, along, across, yaw) in zip(names, np.array(rows).tolist()))
     return World.from_dict(document)
-
-
-def without_hall(world: World) -> World:
-    """The world without what `in_hall` put there: in pictures it would stand between the eye and the work."""
-    boxes = tuple(box for box in world.scene.boxes
-                  if box.name not in _WALLS and not box.name.startswith(f"{_PALLET} "))
-    return replace(world, scene=replace(world.scene, boxes=boxes))
