@@ -7,7 +7,7 @@ import numpy as np
 
 from cdprlab.arrays import Array
 from cdprlab.fastkit import Journey, Mission, carried, draw_hall, draw_way, least_edge_loads
-from cdprlab.fastkit.mission.guards import LEANS
+from cdprlab.fastkit.mission.states import LEANS
 from cdprlab.fastkit.pictures.job_figure import BASE_STYLES, TIPS, JobScreen
 from cdprlab.view.drawing import HALO
 from cdprlab.view.film import Frame, index_at

@@ -34,7 +34,7 @@ from cdprlab.fastkit import (
 )
 from cdprlab.fastkit.job.phases import job_phases
 from cdprlab.fastkit.mission.engine_pair import moved_pair
-from cdprlab.fastkit.mission.guards import at_the_shelf
+from cdprlab.fastkit.mission.states import at_the_shelf
 from cdprlab.fastkit.plane import turn
 from cdprlab.view import save_scene
 

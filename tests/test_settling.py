@@ -5,10 +5,9 @@ import pytest
 from scipy.optimize import minimize
 
 import cdprlab as cl
-from cdprlab.course.props.letting_go import let_go
+from cdprlab.course.props.experiments import hang, let_go
 from cdprlab.course.props.point_load import circle_crossings, point_load
 from cdprlab.course.props.pose_search import six_cables
-from cdprlab.course.props.settling import hang
 from cdprlab.errors import InvalidInput
 
 AT_REST = 1e-6     # m: `equilibrium` finds cables taut to this

@@ -15,12 +15,11 @@ from .job.job_record import Job, least_edge_loads
 from .job.machine import Machine, Phase, Readings
 from .mission.engine_pair import EnginePair, pair_pose
 from .mission.mission_record import Mission
-from .mission.scenery import in_hall
 from .mission.states import Stage, mission_states, run_mission, walk_through
 from .mission.trip import Trip
 from .navigation.driving import KinematicPair, Walker
 from .navigation.follower import Follower
-from .navigation.hall import Hall
+from .navigation.hall import Hall, in_hall
 from .navigation.journey import ARRIVED, Journey, navigate
 from .navigation.laser import Scanner, cast
 from .navigation.localization import Localization, Odometry

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...compiled.columns import cables
-from ...fastkit.mission.guards import sure_of_being_at
+from ...fastkit.mission.states import sure_of_being_at
 from ...mechanics.trajectory import Reference
 from ...run.controllers import ComputedTorque
 from ...simulate.state import State

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from ...arrays import checked
 from ...robot.pose import Pose
 from ..pictures.equilibrium import draw_panels, panels
-from ..props.letting_go import Motion, let_go
+from ..props.experiments import Motion, let_go
 from ..props.point_load import EXIT_POINTS, MASS, Equilibrium, equilibrium, point_load
 from ..text_table import in_brackets
 from .explorer import Choice, Explorer, Slider, Values, once_a_move

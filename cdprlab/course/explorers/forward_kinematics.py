@@ -21,8 +21,8 @@ from ...view.style import BLUE, GREY, INK, SKY, VERMILION, cable_style
 from ..pictures.panels import draw_exit_points
 from ..pictures.pose_estimates import outline
 from ..props.changed_cables import without_cable
+from ..props.experiments import hang
 from ..props.pose_search import gauss_newton_path, six_cables
-from ..props.settling import hang
 from ..text_table import cable_table, fixed
 from .explorer import Choice, Explorer, Slider, Values
 

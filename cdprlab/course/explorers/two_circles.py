@@ -15,8 +15,8 @@ from ...robot.pose import Pose
 from ...view.outlines import hanging
 from ...view.style import INK, SKY, cable_style
 from ..pictures.panels import draw_exit_points
+from ..props.experiments import hang
 from ..props.point_load import circle_crossings, lower_crossing, point_load
-from ..props.settling import hang
 from ..text_table import in_brackets
 from .explorer import Choice, Explorer, Slider, Values
 

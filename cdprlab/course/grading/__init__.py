@@ -1,6 +1,6 @@
 """Grading for credit: checks run where no student's code can reach, student code where it can reach nothing.
 
-`submission` reads what was handed in, `lesson` what it is judged by, `cells` and `slices` how notebooks hang together;
+`submission` reads what was handed in, `cells` that and what it is judged by, `slices` how a notebook hangs together;
 `judge` runs the checks and asks, across the wall of `wire` and `split`, a `worker` in its `jail`; `batch` does so for a
 folder, and `feedback` tells everybody.
 """

@@ -23,10 +23,9 @@ from joblib import Parallel, delayed
 
 from ...errors import InvalidInput, quoted
 from ...world.files import write_text
-from .cells import Cell
+from .cells import Cell, Lesson, load_lessons, most_like
 from .jail import PACKAGE, find_jail
 from .judge import Outcome
-from .lesson import Lesson, load_lessons, most_like
 from .submission import Submission, read_cells
 
 CELL, NOTEBOOK = 60, 300

@@ -1,12 +1,19 @@
-"""A notebook's code cells, and what nbgrader's metadata says about them."""
+"""A notebook's code cells, what nbgrader's metadata says about them, and lessons made of them.
+
+An instructor keeps lessons with solutions and hidden checks as `DIR/NAME/NAME.ipynb`, older versions beside.
+"""
 
 from __future__ import annotations
 
 import hashlib
+import json
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
+
+from ...errors import InvalidInput
 
 _HIDDEN = re.compile(r"^[^\n]*BEGIN\sHIDDEN\sTESTS.*?END\sHIDDEN\sTESTS[^\n]*\n?", re.MULTILINE | re.DOTALL)
 
@@ -85,3 +92,62 @@ def _cell(raw: dict[str, Any]) -> Cell:
 
 def _mapping(thing: Any) -> dict[str, Any]:
     return thing if isinstance(thing, dict) else {}
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """One version of a lesson.
+
+    edition : hash of its file; hidden checks and solutions included
+    """
+
+    name: str
+    cells: Sequence[Cell]
+    edition: str
+
+    @property
+    def checks(self) -> list[Cell]:
+        """In order."""
+        return [cell for cell in self.cells if cell.kind == "check"]
+
+    @property
+    def points(self) -> float:
+        """Of all checks."""
+        return sum(check.points for check in self.checks)
+
+    def likeness(self, student: Iterable[Cell]) -> tuple[int, int]:
+        """How many of a student's checks came from this version; how many graded cells it shares with them."""
+        versions, known = {check.version for check in self.checks}, {cell.grade_id for cell in self.cells}
+        graded = [cell for cell in student if cell.grade_id in known - {""}]
+        return sum(cell.checksum in versions for cell in graded), len(graded)
+
+
+def load_lessons(source: Path) -> dict[str, list[Lesson]]:
+    """Every lesson of a folder, its present version first.
+
+    source : its folders NAME hold NAME.ipynb, and earlier versions under any other name
+    Raises InvalidInput where there is none, and naming a file that is no notebook.
+    """
+    found = {}
+    for present in sorted(source.glob("*/*.ipynb")):
+        name = present.stem
+        if name == present.parent.name:
+            earlier = sorted(set(present.parent.glob("*.ipynb")) - {present}, reverse=True)
+            found[name] = [_lesson(name, path) for path in [present, *earlier]]
+    if not found:
+        raise InvalidInput(f"no lessons in {source}: it must hold NAME/NAME.ipynb with solutions; see --source")
+    return found
+
+
+def most_like(lessons: Iterable[Lesson], student: Sequence[Cell]) -> Lesson:
+    """The lesson and version that a student's copy came from, the first where several are as like."""
+    return max(lessons, key=lambda lesson: lesson.likeness(student))
+
+
+def _lesson(name: str, path: Path) -> Lesson:
+    text = path.read_bytes()
+    try:
+        cells = code_cells(json.loads(text))
+    except (ValueError, TypeError, KeyError):
+        raise InvalidInput(f"{path} is no notebook") from None
+    return Lesson(name, cells, hashlib.sha256(text).hexdigest()[:16])

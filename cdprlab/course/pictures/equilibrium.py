@@ -12,7 +12,7 @@ from ...arrays import Array, checked
 from ...robot import Robot
 from ...view.plots import Figure
 from ...view.style import GREY, INK, ORANGE, SKY, cable_style
-from ..props.letting_go import Motion
+from ..props.experiments import Motion
 from ..props.point_load import MASS, Equilibrium, decimal, equilibrium
 from .panels import arrow, draw_exit_points, drawn, label, round_up, show_square
 

@@ -19,8 +19,10 @@ from ..navigation.journey import Journey, navigate
 from ..navigation.vehicle import Vehicle
 from ..plane import placed
 from .engine_pair import EnginePair, pair_pose, shifted
-from .guards import COUPLED
 from .mission_record import Mission
+
+COUPLED = 0.01
+"""As far as the bases may be off their places to each other as the link closes: its magnets pull no farther [m]."""
 
 Work = Callable[[World, str], Job]
 """What is done once the pair stands at the shelf: deploys, picks, places, returns, folds."""

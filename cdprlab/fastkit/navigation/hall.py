@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +16,7 @@ from ..plane import Spots, edges, point_distance, rectangle
 from .laser import Scanner
 
 _TALLEST = 2.4     # m: of the bases
+_HEIGHT = 1.2      # m: of walls and pallets
 
 
 @lasting
@@ -96,3 +98,27 @@ def walls(bounds: ArrayLike) -> Array:
                      [x, south - half, east - west, thickness, 0],
                      [west - half, y, thickness, north - south, 0],
                      [east + half, y, thickness, north - south, 0]])
+
+
+@checked
+def in_hall(world: World, bounds: ArrayLike, pallets: Annotated[ArrayLike, "(k, 5) [m, rad]"] = ()) -> World:
+    """A world with walls around the floor and pallets on it.
+
+    bounds : (2, 2) of the floor, the walls just outside [m]
+    pallets : (k, 5) center, edges [m], heading [rad]
+
+    >>> import cdprlab as cl
+    >>> fastkit = cl.load_world("fastkit_suspended")
+    >>> len(in_hall(fastkit, [[-5, -6], [7, 2]], [[3, -3, 0.8, 1.2, 0.3]]).scene.boxes) - len(fastkit.scene.boxes)
+    5
+    """
+    rows = [*walls(as_array(bounds, "bounds", (2, 2), "m")), *np.reshape(pallets, (-1, 5))]
+    names = ["north wall", "south wall", "west wall", "east wall",
+             *(f"pallet {k}" for k in range(1, len(rows) - 3))]
+    document = world.to_dict()
+    scene = document.setdefault("scene", {})
+    scene.setdefault("boxes", []).extend(
+        {"name": name, "position": [x, y, _HEIGHT / 2], "size": [along, across, _HEIGHT],
+         "yaw": yaw}
+        for name, (x, y, along, across, yaw) in zip(names, np.array(rows).tolist()))
+    return World.from_dict(document)

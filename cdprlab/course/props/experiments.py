@@ -1,4 +1,4 @@
-"""Hold constant tensions on a planar robot at rest, let it go, and see whether it stays: statics put to the test."""
+"""Statics put to the test: hold tensions on a planar robot and let it go, or hang one on ropes of given lengths."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array, as_number
-from ...errors import InvalidInput, quoted
+from ...errors import InvalidInput, NoConvergence, quoted
+from ...mechanics.cables import cable_lengths
+from ...mechanics.rest import equilibrium
 from ...robot import Robot
 from ...robot.pose import Pose
 from ...simulate import open_simulator
@@ -15,6 +17,10 @@ from ...world.model import Scene
 
 _DEEP = -1e3
 """Of the floor, which no experiment of seconds reaches [m]."""
+
+
+_LOOSE = 1e-5
+"""A rope with more than this to spare is slack [m]."""
 
 
 class Motion(NamedTuple):
@@ -68,3 +74,34 @@ def let_go(robot: Robot, pose: Pose, tensions: ArrayLike, push: ArrayLike | None
             if k == 0:
                 acceleration = engine.twist[:robot.n_dof] / dt
     return Motion(np.arange(steps + 1.0) * dt, np.array(places), acceleration)
+
+
+class Settled(NamedTuple):
+    """A robot at rest on its ropes.
+
+    pose : of the platform
+    spare : (m,) rope let out beyond the distance it spans [m]
+    """
+
+    pose: Pose
+    spare: Array
+
+    @property
+    def slack(self) -> Array:
+        """(m,) True where a rope hangs through."""
+        return np.asarray(self.spare > _LOOSE)
+
+
+def hang(robot: Robot, lengths: Array, start: Pose) -> Settled | None:
+    """The lowest place near ``start`` that the ropes allow, l_i(x) ≤ l_i, by `equilibrium`; None where there is none.
+
+    >>> from cdprlab.course.props.point_load import point_load
+    >>> settled = hang(point_load(2), np.array([2.5, 2.5]), Pose([0, 2], angle=0))
+    >>> settled.pose.position.round(6) + 0.0
+    array([0. , 1.5])
+    """
+    try:
+        pose = equilibrium(robot, lengths, start).pose
+    except NoConvergence:
+        return None
+    return Settled(pose, lengths - cable_lengths(robot, pose))
