@@ -204,6 +204,7 @@ def of_fastkit() -> dict[str, tuple[Any, Words]]:
         "run_mission": (fastkit.run_mission, {
             **world, "start": [5, -3.5, 1.8], "task": "pick_and_place", "station": (0.2, -0.4, 0), "walkers": (),
             "seed": 0, "beams": 11, "work": None, "progress": None}),
+        "save_job_film": (fastkit.save_job_film, {"job": job, "path": "j.gif", "seconds": 0.2, "fps": 8, "width": 64}),
         "walk_through": (lambda **words: list(fastkit.walk_through(**words)), {"mission": mission, "states": ()}),
         "Follower": (fastkit.Follower, {"vehicle": vehicle, "poses": [HERE, HERE]}),
         "Follower.arrived": (_follower().arrived, {"pose": HERE}),

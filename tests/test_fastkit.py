@@ -189,6 +189,16 @@ def test_a_job_is_a_run(flown):
     assert "FASTKIT" in cl.plot(flown).alt_text
 
 
+def test_the_film_shows_every_phase(flown):
+    from cdprlab.fastkit.pictures.job_figure import film_moments
+
+    moments = np.array(film_moments(flown, 128))
+    assert moments[0] == 0 and moments[-1] == flown.time[-1] and (np.diff(moments) > 0).all()
+    shown = [int((flown.states[np.searchsorted(flown.time, moments - 1e-9)] == k).sum())
+             for k in range(len(flown.events))]
+    assert min(shown) >= 4  # of 128 in 16 s: half a second
+
+
 def test_a_job_is_pictured(flown, tmp_path):
     from cdprlab.fastkit.pictures.job_figure import frame_at, plot_job
 

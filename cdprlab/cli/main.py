@@ -152,7 +152,7 @@ def _compare(options: argparse.Namespace, world: World) -> None:
 
 
 def _pick_and_place(options: argparse.Namespace, world: World) -> None:
-    from ..fastkit import pick_and_place, plot_job
+    from ..fastkit import pick_and_place, plot_job, save_job_film
 
     refuse(options, (*_ENGINES, "method"),
            "--{} has no say in a pick_and_place task, which flies under --control")
@@ -166,7 +166,7 @@ def _pick_and_place(options: argparse.Namespace, world: World) -> None:
             print_table(job.table())
 
         write(job.save, tell, {"job.png": figure(plot_job, job),
-                               "film.gif": lambda path: view.save_film(job, path),
+                               "film.gif": lambda path: save_job_film(job, path),
                                "scene.html": lambda path: view.save_scene(job, path)})
 
 

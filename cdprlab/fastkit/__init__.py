@@ -34,7 +34,7 @@ difference = checked(_difference)
 
 _PICTURES = {"draw_hall": "hall_figure", "draw_way": "hall_figure",
              "plot_journey": "hall_figure", "frame_at": "job_figure", "plot_job": "job_figure",
-             "mission_scene": "mission_scene"}
+             "save_job_film": "job_figure", "mission_scene": "mission_scene"}
 """Name → its file among the pictures."""
 
 __all__ = [

@@ -1,13 +1,14 @@
-"""Pictures of a job: what platform, cables, bases and wheels did in which phase, and a moment of it with a caption."""
+"""Pictures of a job: what platform, cables, bases and wheels did in which phase, and a film with captions."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from ...arrays import Array, checked
-from ...view.film import Frame, RunScreen
+from ...view.film import Frame, RunScreen, picture_count, save_gif
 from ...view.plots import Figure, draw_lines, label_ends, mark_level, spread_apart
 from ...view.style import AXIS_STYLES, BLUE, GREY, INK, VERMILION, LineStyle, cable_style, house_style
 from ...world.model import Scene
@@ -49,8 +50,33 @@ def plot_job(job: Job) -> Figure:
         return figure
 
 
+@checked
+def save_job_film(job: Job, path: str | Path, seconds: float = 16.0, fps: int = 8,
+                  width: int = 640) -> Path:
+    """An animated GIF of a job, below 3 MB, each picture with what is being done in words.
+
+    Phases are shown as long as they take, short ones more slowly, or their captions could not
+    be read.
+
+    path : ends in .gif
+    seconds : length of the film [s]; fps : pictures per second; width : [pixels]
+    """
+    moments = film_moments(job, picture_count(seconds, fps))
+    return save_gif(map(JobScreen(job, width, captioned=True).at, moments), path, 1 / fps,
+                    _caption(job))
+
+
+def film_moments(job: Job, frames: int) -> list[float]:
+    """Times of a film's pictures: each phase takes what it takes, but at least 6 % of the job's time [s]."""
+    bounds = np.array([event.time for event in job.events] + [float(job.time[-1])])
+    shown = np.maximum(np.diff(bounds), 0.06 * bounds[-1])
+    moments: list[float] = np.interp(np.linspace(0.0, shown.sum(), frames),
+                                     [0.0, *np.cumsum(shown)], bounds).tolist()
+    return moments
+
+
 class JobScreen(RunScreen):
-    """Pictures of a job: a run's, and in words what is done."""
+    """The pictures of a job's film: a run's, with the box and in words what is done."""
 
     def words(self, index: int) -> str:
         state = self.run.state_at(index)
@@ -62,7 +88,7 @@ class JobScreen(RunScreen):
 
 @checked
 def frame_at(job: Job, t: float, width: int = 640, scene: Scene | None = None) -> Frame:
-    """(height, width, 3) a job at a time, with what is being done in words.
+    """(height, width, 3) one picture of the film.
 
     t : [s]; width : [pixels]; scene : instead of the job's own
     """
