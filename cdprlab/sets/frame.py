@@ -1,17 +1,11 @@
 """Where a convex set lies and how large it is: the coordinates in which its facets and vertices are listed."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array, frozen
-
-_FLAT = 1e-9
-"""A set is flat across a direction in which it is narrower than this share of its size."""
-
-_SOLID = 1e-3
-"""Points spread in all directions by more than this leave no doubt that the set is not flat."""
+from .subspace import RANK
 
 
 class Frame(NamedTuple):
@@ -54,39 +48,13 @@ class Frame(NamedTuple):
                 np.concatenate([offsets / size + n @ self.center, level, -level]))
 
 
-def affine_hull(ends: Array, support_point: Callable[[Array], Array]) -> Frame:
-    """The affine hull of a bounded set, found by asking how wide it is: n directions, each extends it or is missing.
+def affine_hull(center: Array, scales: Array, directions: Array) -> Frame:
+    """The frame of a set that extends along some directions, and no other.
 
-    ends : (2, n, n) its points farthest along −e_i and e_i; support_point : d → its point
-        farthest along d
+    center : (n,) inside; scales : (n,); directions : (n, k)
     """
-    n = ends.shape[-1]
-    reach = np.diagonal(ends, axis1=1, axis2=2).T
-    half = (reach[:, 1] - reach[:, 0]) / 2
-    scales = np.where(half > _FLAT * np.abs(reach).max(axis=1), half, 1.0)
-    points = ends.reshape(-1, n)
-    basis, missing, seen = np.zeros((n, 0)), np.zeros((n, 0)), [points]
-    if np.linalg.svd((points - points.mean(axis=0)) / scales, compute_uv=False)[-1] > _SOLID:
-        basis = np.eye(n)
-    else:
-        size = max(1.0, float(np.abs(reach / scales[:, None]).max()))
-        seen = []
-        while basis.shape[1] + missing.shape[1] < n:
-            way = _unused(np.concatenate([basis, missing], axis=1))
-            seen.append(support_point(np.stack([way, -way]) / scales))
-            step = (seen[-1][0] - seen[-1][1]) / scales
-            if abs(way @ step) > _FLAT * size:
-                step = step - basis @ (basis.T @ step)
-                basis = np.concatenate([basis, (step / np.linalg.norm(step))[:, None]], axis=1)
-            else:
-                missing = np.concatenate([missing, way[:, None]], axis=1)
-    across = np.linalg.qr(missing / scales[:, None])[0]
-    return Frame(frozen(np.concatenate(seen).mean(axis=0)), frozen(scales), frozen(basis),
-                 frozen(across))
-
-
-def _unused(directions: Array) -> Array:
-    """A unit vector orthogonal to all columns, as close to an axis as there is."""
-    left = np.eye(len(directions)) - directions @ directions.T
-    way = left[np.linalg.norm(left, axis=1).argmax()]
-    return np.asarray(way / np.linalg.norm(way))
+    u, s, _ = np.linalg.svd(directions / scales[:, None])
+    u[:, -1] *= np.sign(np.linalg.det(u))   # no mirror: what runs round the one way does so in the frame
+    rank = int((s > RANK * s.max(initial=0.0)).sum())
+    across = np.linalg.qr(u[:, rank:] / scales[:, None])[0]
+    return Frame(frozen(center), frozen(scales), frozen(u[:, :rank]), frozen(across))

@@ -24,6 +24,9 @@ from .simplex import SPREAD, TOLERANCE, Program, maximize
 from .subspace import RANK, null_space, solve
 from .zonotope import ALONG, MOST_COMBINATIONS, hyperplane_shifting, products
 
+_FLAT = 1e-9
+"""A set is flat across a direction in which it is narrower than this share of its size."""
+
 _MOST_SIGNS = 12
 """Generators up to which a zonotope's corners are sought among all 2ᵏ sign combinations."""
 
@@ -249,27 +252,28 @@ class Polytope:
     # --- inside -----------------------------------------------------------------------------------
     @cached_property
     def _frame(self) -> Frame:
-        eye = np.eye(self.n)
-        ends = self.support_point(np.stack([-eye, eye]))
-        if not self._is_listable:
+        """Around the middle of the points that are farthest along rows and axes and against them."""
+        ways = np.concatenate([self.rows, -self.rows, self.map, -self.map])
+        values, points = self._program.maximize(ways)
+        if np.isneginf(values).any():
+            return affine_hull(np.zeros(self.n), np.ones(self.n), np.zeros((self.n, 0)))
+        along, reach = np.split(values, [2 * len(self.rows)])
+        lengths = np.linalg.norm(self.rows, axis=1)
+        widths = along.reshape(2, -1).sum(axis=0) / np.where(lengths > 0, lengths, 1.0)
+        chosen = widths[widths > TOLERANCE * np.abs(self.limits)]   # without those that have no choice
+        if self._program.spread > SPREAD and np.isfinite(chosen).all() and \
+                chosen.max(initial=0.0) > 1e-2 / SAME * chosen.min(initial=np.inf):   # of what listing forgives
             raise NotListable("some limits are so much larger than others that facets cannot be told apart; ask "
                               "contains, support or axis_section, or give limits that a machine has")
-        if not np.isnan(ends).any():
-            return affine_hull(ends, self.support_point)
-        if self.is_empty:
-            return Frame(np.zeros(self.n), np.ones(self.n), np.zeros((self.n, 0)), eye)
-        raise NotListable("the set is unbounded (a cable without a speed limit, or too few cables), so it has no list "
-                          "of vertices and facets; contains, support and the ranges still answer")
-
-    @property
-    def _is_listable(self) -> bool:
-        """Whether the narrowest of all rows' slabs is seen beside the widest, of which listing forgives `SAME`."""
-        if self._program.spread < SPREAD:
-            return True
-        ways = np.concatenate([self.rows, -self.rows])
-        widths = self._program.maximize(ways).values.reshape(2, -1).sum(axis=0) / np.linalg.norm(self.rows, axis=1)
-        widths = widths[widths > TOLERANCE * np.abs(self.limits)]   # without those that have no choice
-        return not np.isfinite(widths).all() or widths.max(initial=0.0) <= 1e-2 / SAME * widths.min(initial=np.inf)
+        if np.isinf(reach).any():
+            raise NotListable("the set is unbounded (a cable without a speed limit, or too few cables), so it has no "
+                              "list of vertices and facets; contains, support and the ranges still answer")
+        half = reach.reshape(2, -1).sum(axis=0) / 2
+        sizes = np.abs(reach.reshape(2, -1)).max(axis=0) + np.abs(self.shift)
+        scales = np.where(half > _FLAT * sizes, half, 1.0)
+        widest = widths.max(where=np.isfinite(widths), initial=0.0)
+        free = null_space(self.rows[widths <= _FLAT * widest])
+        return affine_hull(self.shift + self.map @ np.nanmean(points, axis=0), scales, self.map @ free)
 
     @cached_property
     def _planes(self) -> Planes:
@@ -402,10 +406,7 @@ class Zonotope(Polytope):
         unit = self._edges / np.linalg.norm(self._edges, axis=0)
         sizes = np.linalg.norm(unit, axis=1)
         scales = np.where(sizes > RANK * sizes.max(initial=0.0), sizes, 1.0)
-        u, s, _ = np.linalg.svd(unit / scales[:, None])
-        rank = int((s > RANK * s.max(initial=0.0)).sum())
-        return Frame(*map(frozen, (self.shift + self.map @ self._box[0], scales, u[:, :rank],
-                                   np.linalg.qr(u[:, rank:] / scales[:, None])[0])))
+        return affine_hull(self.shift + self.map @ self._box[0], scales, unit)
 
     def _list(self, at: Frame) -> Planes:
         return Planes(*hyperplane_shifting(at.back @ self._edges, least=0.0))
