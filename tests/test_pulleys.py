@@ -327,7 +327,7 @@ def test_exits_of_bases_that_turn_and_drive_go_as_the_base_jacobian_says(name):
                 simulator.wind(simulator.lengths)
         robot, pose = simulator.robot, simulator.state().pose
         np.testing.assert_allclose(simulator.lengths, cl.cable_lengths(robot, pose), atol=1e-5)
-        velocities = simulator.exit_velocities if name == "spatial" else simulator.bases.reel_velocities()
+        velocities = simulator.exit_velocities if name == "spatial" else simulator.bases.reel_velocities
         rates = (cl.cable_directions(robot, pose) * velocities).sum(axis=-1)
         np.testing.assert_allclose(rates, -cl.base_jacobian(robot, pose) @ speeds, atol=off)
 

@@ -44,22 +44,27 @@ def over_pulley(vx: float, vy: float, vz: float, pulley: Array) -> tuple[float, 
 def put_cables(exit_points: Array, anchor_points: Array, p: Array, R: Array, pulleys: Array,
                lengths: Array, W: Array) -> None:
     """Lengths and whole wrench matrix of `cables` at one pose, written into ``lengths`` and ``W``."""
-    d = p.size
-    rz = vz = 0.0   # in the plane
+    d, over = p.size, pulleys.shape[0] > 0
+    # Numbers of their own: an array that is written into might be the one that is read.
+    x, y, xx, xy, yx, yy = p[0], p[1], R[0, 0], R[0, 1], R[1, 0], R[1, 1]
+    z = xz = yz = zx = zy = zz = rz = vz = 0.0   # in the plane
+    if d == 3:
+        z, xz, yz, zx, zy, zz = p[2], R[0, 2], R[1, 2], R[2, 0], R[2, 1], R[2, 2]
     for i in range(exit_points.shape[0]):
-        A, B = exit_points[i], anchor_points[i]
+        bx, by = anchor_points[i, 0], anchor_points[i, 1]
         # r = R B
-        rx = R[0, 0] * B[0] + R[0, 1] * B[1]
-        ry = R[1, 0] * B[0] + R[1, 1] * B[1]
+        rx = xx * bx + xy * by
+        ry = yx * bx + yy * by
         if d == 3:
-            rx += R[0, 2] * B[2]
-            ry += R[1, 2] * B[2]
-            rz = R[2, 0] * B[0] + R[2, 1] * B[1] + R[2, 2] * B[2]
-            vz = A[2] - p[2] - rz
+            bz = anchor_points[i, 2]
+            rx += xz * bz
+            ry += yz * bz
+            rz = zx * bx + zy * by + zz * bz
+            vz = exit_points[i, 2] - z - rz
         # v = A − p − r, l = ‖v‖, u = v / l
-        vx = A[0] - p[0] - rx
-        vy = A[1] - p[1] - ry
-        if pulleys.shape[0] and pulleys[i, 0] > 0:
+        vx = exit_points[i, 0] - x - rx
+        vy = exit_points[i, 1] - y - ry
+        if over and pulleys[i, 0] > 0:
             length, ux, uy, uz = over_pulley(vx, vy, vz, pulleys[i])
         else:
             length = np.sqrt(vx * vx + vy * vy + vz * vz)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,6 +34,10 @@ class Reference(NamedTuple):
     pose: Pose
     twist: Array
     acceleration: Array
+
+    def rows(self, index: Any) -> Reference:
+        """Some of a batch."""
+        return Reference(*(part[index] for part in self))
 
 
 @lasting

@@ -76,7 +76,7 @@ class LengthCommand(Command):
         return {"commanded_lengths": ((robot.n_cables,), "m"), "feasible": ((), "")}
 
     def step(self, wish: list[float]) -> Iterable[float]:
-        return *wish, self.engine.wind(wish, self.substeps)
+        return *wish, self.engine.bring(wish, self.substeps)
 
 
 class StretchedLengths(Command):
@@ -93,7 +93,7 @@ class StretchedLengths(Command):
 
     def step(self, wish: Reference) -> Iterable[float]:
         wound = self.wound(wish).tolist()
-        return *self.wanted.tolist(), *wound, self.engine.wind(wound, self.substeps)
+        return *self.wanted.tolist(), *wound, self.engine.bring(wound, self.substeps)
 
     def wound(self, wish: Reference) -> Array:
         """(m,) rope that the winches let out where the ``wanted`` tensions stretch it [m]."""

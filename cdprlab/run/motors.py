@@ -76,7 +76,7 @@ class Motors:
         self._keep(pulled, torques, speed, asked - torques)
         self.engine.pull(pulled, substeps)
 
-    def wind(self, lengths: list[float], substeps: int = 1) -> bool:
+    def bring(self, lengths: list[float], substeps: int) -> bool:
         """Rope lengths as far as the motors can bring them: a rope that pulls harder slips."""
         winch, body = self.winch, self.body
         self._watch(motor_speed(winch, cable_rates(body)[0]))
@@ -87,7 +87,7 @@ class Motors:
         spare = winch.torque - motor_torque(winch, 0.0, rates, turning)
         body.strongest = np.clip(spare / gear_torque(winch, 1.0, motor_speed(winch, rates)),
                                  0.0, winch.torque * winch.gear_ratio / winch.drum_radius)
-        reached = self.engine.wind(lengths, substeps)
+        reached = self.engine.bring(lengths, substeps)
         torques = motor_torque(winch, body.tensions, rates, turning)
         self._keep(body.tensions, torques, motor_speed(winch, rates), body.slipping)
         return reached

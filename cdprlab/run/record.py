@@ -96,8 +96,7 @@ class Run:
         """
         log, steps = flight.log, flight.steps
         rows = slice(1, None) if at_end else slice(steps)
-        reference = Reference(reference.pose[:steps], reference.twist[:steps],
-                              reference.acceleration[:steps])
+        reference = reference.rows(slice(steps))
         poses = Pose.of(log["position"][rows], log["rotation"][rows])
         if "sensed_position" in log:
             about |= {"estimates": Pose.of(log["sensed_position"][rows], log["sensed_rotation"][rows]),

@@ -161,9 +161,9 @@ class Belief:
         self._wrench = self.wrench_matrix @ tensions
         self.engine.step(tensions, substeps)
 
-    def wind(self, lengths: Any, substeps: int = 1) -> bool:
+    def bring(self, lengths: list[float], substeps: int) -> bool:
         """As the engine does; the lengths are what encoders shall read."""
-        return self.engine.wind((np.asarray(lengths) - self.offsets).tolist(), substeps)
+        return self.engine.bring((np.array(lengths) - self.offsets).tolist(), substeps)
 
     # --- what is seen -----------------------------------------------------------------------------
     @property

@@ -119,16 +119,16 @@ def run(world: World, task: str = "default",
                            "shorten it or take longer steps")
     if length < period * (1 - 1e-9):
         raise InvalidInput(f"duration must be at least one control step, {period:g} s, got {length:g} s")
-    times: Array = np.arange(round(length / period), dtype=float) * period
-    law = ComputedTorque() if controller is None else controller
+    moments: Array = np.arange(round(length / period) + 1, dtype=float) * period
+    times = moments[:-1]
     name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
-    ruler = described(law)
     ahead = wound and controller is None   # a wish is of where the platform is by a step's end
     command: Command
-    if isinstance(law, WinchControl):
-        command, name = law, law.name
+    if isinstance(controller, WinchControl):
+        command, name, ruler = controller, controller.name, described(controller)
     elif not wound:
-        command = TensionCommand(law, distributor)
+        law = ComputedTorque() if controller is None else controller
+        command, ruler = TensionCommand(law, distributor), described(law)
     elif controller is not None:
         raise InvalidInput(f"cables={quoted(cables)} winds by inverse kinematics and takes no controller but "
                            "VelocityControl")
@@ -138,10 +138,10 @@ def run(world: World, task: str = "default",
         name, ruler = ("inverse_kinematics",) * 2
     cuts = _cut_steps(cut or {}, robot.n_cables, times.size, period)
     drive = None if base_speeds is None else Drive(base_speeds, period)
-    path = job.trajectory()
-    reference = path(times)
-    frozen(reference.twist)   # a controller is handed its rows
-    frozen(reference.acceleration)
+    path = job.trajectory()(moments)
+    frozen(path.twist)   # a controller is handed its rows
+    frozen(path.acceleration)
+    reference = path.rows(slice(-1))
     if real is not None and simulator is not None and simulator.world is not real:
         raise InvalidInput("the simulator must be one of the real world: open_simulator(real)")
     settings = {"dt": dt, "control_period": period, "controller": ruler,
@@ -172,7 +172,7 @@ def run(world: World, task: str = "default",
         if ahead:
             # By each step's end the lengths of where the platform should then be, from where
             # its bases then stand.
-            ends = path(times + period)
+            ends = path.rows(slice(1, None))
             if isinstance(command, StretchedLengths):
                 wishes = map(Reference, *ends)
             elif drive is None:
@@ -180,7 +180,7 @@ def run(world: World, task: str = "default",
             else:
                 wishes = (cable_lengths(drive.step(engine), pose).tolist() for pose in ends.pose)
         if wound:
-            wishes = chain(_at_rest(engine, body, command, path(0.0)), wishes)
+            wishes = chain(_at_rest(engine, body, command, path.rows(0)), wishes)
         if external_wrench is not None and not callable(external_wrench):
             engine.push(external_wrench)
 

@@ -188,7 +188,7 @@ class VelocityControl(WinchControl):
         rates = (after - before) / self.period + self.paid(directions) + self.gain * missing
         kept = np.clip(rates, -self.fastest, self.fastest)
         wound = (ropes + kept * self.period).tolist()
-        reached = (self.motors or engine).wind(wound, self.substeps) and (kept == rates).all()
+        reached = (self.motors or engine).bring(wound, self.substeps) and (kept == rates).all()
         self.feasible = bool(reached) and self.feasible
         return *self.wanted.tolist(), self.feasible, *wound
 

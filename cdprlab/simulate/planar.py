@@ -13,7 +13,7 @@ length zero to a reel, a static body whose speed (a conveyor belt's: it goes now
 along the rope what the joint would correct: what remains is l(t + dt) ≤ the winch's length.
 """
 
-from functools import cache
+from functools import cache, partial
 from struct import Struct
 from typing import Any
 
@@ -78,7 +78,13 @@ class PlanarSimulator(Simulator):
         self.space = self._space = PlanarSpace(self._pymunk, self.world, start,
                                                self._iterations,
                                                self._order if self.cables == "length" else ())
-        self.space.place_bases(self.bases, self.dt)
+        # What is asked every step: most of it is always the same, and written into.
+        motion, bases = self.space.motion, self.bases
+        self._see = partial(self._compiled.look, motion, self.dt, self._reach, self._center, bases.exits,
+                            robot.anchor_points, bases.pulleys, self._seen, self._W)
+        self._turn_reels = partial(self._compiled.reel, motion, self._wound, self.dt, self._W,
+                                   bases.reel_velocities, self.space.velocities)
+        self.space.place_bases(bases, self.dt)
         self._look()
         self.paid_out = self.hanging_lengths() if self.is_wound else []
         if self.cables == "elastic":
@@ -104,9 +110,7 @@ class PlanarSimulator(Simulator):
             for rope, most in zip(space.ropes, self.strongest.tolist()):
                 rope.max_force = most
         self._pack(self._wound, 0, *lengths)
-        self._compiled.reel(space.motion, self._wound, dt, self._W,
-                            self.bases.reel_velocities() if self._over_pulleys else self.bases.exit_velocities,
-                            space.velocities)
+        self._turn_reels()
         space.write_velocities()
         self._advance()
         self._pulls = [rope.impulse / dt for rope in space.ropes]
@@ -157,7 +161,7 @@ class PlanarSimulator(Simulator):
 
     @property
     def exit_velocities(self) -> Array:  # type: ignore[override]
-        return self.bases.exit_velocities
+        return frozen(self.bases.exit_velocities.copy())
 
     @property
     def tensions(self) -> Array:  # type: ignore[override]
@@ -205,17 +209,15 @@ class PlanarSimulator(Simulator):
     def _look(self) -> None:
         """Where the platform is about to be, and the cables there."""
         self.space.read_motion()
-        robot, bases = self.world.robot, self.bases
-        if not self._compiled.look(self.space.motion, self.dt, self._reach, self._center, bases.exits,
-                                   robot.anchor_points, bases.pulleys, self._seen, self._W):
+        if not self._see():
             if not self._lengths.all() and np.isfinite(self._position).all():
                 self.jump_off()
             self.diverge()
         if self._over_pulleys:
             # A rope on a pulley pulls as a straight one as long would, from the end of which its reel stands.
-            anchors = self._position + robot.anchor_points @ self._rotation.reshape(2, 2).T
-            bases.reels = anchors + self._lengths[:, None] * self._W[:2].T
-            self.space.place_reels(bases)
+            anchors = self._position + self.world.robot.anchor_points @ self._rotation.reshape(2, 2).T
+            self.bases.lead(anchors + self._lengths[:, None] * self._W[:2].T)
+            self.space.place_reels(self.bases)
 
 
 @cache

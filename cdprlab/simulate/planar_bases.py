@@ -18,15 +18,20 @@ class PlanarBases:
     exit_velocities : (m, 2) their mean velocities over that step [m/s]
     reels : (m, 2) where the ropes' straight parts would begin if they had no arc, without pulleys
         the exit points [m]
+    reel_velocities : (m, 2) theirs as points of the bases, other ones where a base turns [m/s]
     pulleys : (m or 0, 3) as `Robot.pulleys` has them, now
+    Arrays that change are written into, but for the poses.
     """
-
-    _present: Robot | None
 
     def __init__(self, robot: Robot, dt: float) -> None:
         self._start, self._dt = robot, dt
+        self._present: Robot | None = robot
         self.poses = np.array([base.pose for base in robot.bases]).reshape(-1, 3)
-        self.exits, self.reels, self.pulleys = robot.exit_points, robot.exit_points, robot.pulleys
+        self.exits, self.pulleys = robot.exit_points.copy(), robot.pulleys.copy()
+        self.reels = self.exits
+        self.exit_velocities = self.reel_velocities = np.zeros_like(self.exits)
+        if self.pulleys.size:
+            self.reel_velocities = np.zeros_like(self.exits)
         self.drive(np.zeros(self.poses.size))
 
     def drive(self, speeds: ArrayLike) -> Array:
@@ -47,20 +52,21 @@ class PlanarBases:
 
     def advance(self) -> None:
         """One step on."""
-        self.poses, self.exits, self.reels = self.poses + self.rates * self._dt, self.exits_ahead, self.exits_ahead
+        self.poses = self.poses + self.rates * self._dt
+        self.exits[:], self._present = self.exits_ahead, None
         self._aim()
         if self.pulleys.size and self.rates[:, 2].any():
-            self.pulleys = self.robot.pulleys
+            self.pulleys[:] = self.robot.pulleys
 
-    def reel_velocities(self) -> Array:
-        """(m, 2) of the reels as points of the bases, which differs from `exit_velocities` where a base turns [m/s]."""
+    def lead(self, reels: Array) -> None:
+        """Over pulleys: the ropes come from these (m, 2) points of the bases [m]."""
         spins = np.array([self.rates[k, 2] if k >= 0 else 0.0 for k in self._start.base_indices])
-        x, y = (self.reels - self.exits).T
-        return self.exit_velocities + np.stack([-spins * y, spins * x], axis=1)
+        x, y = (reels - self.exits).T
+        self.reels = reels
+        self.reel_velocities[:] = self.exit_velocities + np.stack([-spins * y, spins * x], axis=1)
 
     def _aim(self) -> None:
         """What the present speeds, in the bases' own axes, come to in the world."""
-        self._present = None
         spin, along, across = self._speeds.T
         c, s = np.cos(self.poses[:, 2]), np.sin(self.poses[:, 2])
         self.rates = np.stack([c * along - s * across, s * along + c * across, spin], axis=1)
@@ -70,4 +76,6 @@ class PlanarBases:
             for cable, k, place in zip(self._start.cables, self._start.base_indices,
                                        self.exits)])
         # What stands still does so exactly, not to rounding.
-        self.exit_velocities = self.moving * (self.exits_ahead - self.exits) / self._dt
+        self.exit_velocities[:] = self.moving * (self.exits_ahead - self.exits) / self._dt
+        if self.pulleys.size:
+            self.lead(self.reels)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from functools import reduce
+from functools import partial, reduce
 from itertools import permutations
 from types import SimpleNamespace
 from typing import Any
@@ -36,7 +36,8 @@ class PlanarSpace:
     order : in which the solver takes the ropes, a rope of length zero each from a reel to the
         platform; empty: no ropes
     motion : (6,) the platform's x, y, angle and their rates [m, rad, m/s, rad/s], as last read
-    velocities : x and y of one body after the other, the reels last, as next written [m/s]
+    velocities : x and y of one body after the other, the reels last [m/s]: what `write_velocities`
+        lets the bodies have
     """
 
     def __init__(self, pymunk: Any, world: World, start: Pose, iterations: int, order: Sequence[int]) -> None:
@@ -76,6 +77,7 @@ class PlanarSpace:
         # The platform, the ground, bases (which `place_bases` drives) and reels.
         self.velocities = np.zeros(2 * (2 + len(self._bases) + len(self.ropes)))
         self._set.set_float_buf(self.velocities)
+        self.write_velocities = partial(self._batch.set_space_bodies, space, self._velocity, self._set)
 
     def clear(self) -> None:
         """Take everything out of the space. pymunk aborts where Python frees a body while pymunk frees its space."""
@@ -99,10 +101,6 @@ class PlanarSpace:
         """Bring `motion` up to date."""
         self._seen.clear()
         self._batch.get_space_bodies(self.space, self._motion, self._seen)
-
-    def write_velocities(self) -> None:
-        """Let the bodies have their `velocities`."""
-        self._batch.set_space_bodies(self.space, self._velocity, self._set)
 
     def contact_force(self, dt: float) -> float:
         """Sum of the normal forces on the platform during the last step [N]."""

@@ -66,6 +66,7 @@ class Simulator(ABC):
         self.is_wound = cables in WOUND
         self.paid_out: list[float] = []
         self._most = (world.robot.speed_max * self.dt).tolist()   # wound in one step
+        self._surely = min(self._most)
 
     # --- what each engine does in its own way
     # --------------------------------------------------------
@@ -136,23 +137,24 @@ class Simulator(ABC):
         if not self.is_wound:
             raise InvalidInput(f"cables={self.cables!r} takes tensions: use step(tensions), or open the simulator "
                                "with cables=\"length\"")
-        as_count(substeps, "substeps")
-        before = self.paid_out
-        wanted = lengths if isinstance(lengths, list) else as_answer(
-            lengths, "rope lengths", len(before), "m", self.time).tolist()
-        try:
-            after = self._reachable(wanted, substeps)
-        except TypeError:   # a list of something else
-            raise InvalidInput(f"rope lengths must be {len(before)} positive numbers [m], "
-                               f"got {quoted(wanted)}") from None
-        for k in range(1, substeps + 1):
-            held = after if k == substeps else [a + k / substeps * (b - a)
-                                                for a, b in zip(before, after)]
+        wanted = as_answer(lengths, "rope lengths", len(self.paid_out), "m", self.time)
+        return self.bring(wanted.tolist(), as_count(substeps, "substeps"))
+
+    def bring(self, lengths: list[float], substeps: int) -> bool:
+        """What `wind` does with (m,) numbers; a loop asks for nothing else."""
+        before, after = self.paid_out, lengths
+        # Mostly all ropes together change by less than any one of them may.
+        if not (math.dist(lengths, before) < self._surely * substeps and min(lengths) > 0):
+            after = self._reachable(lengths, substeps)
+        ways = [after]
+        if substeps > 1:
+            ways = [[a + k / substeps * (b - a) for a, b in zip(before, after)] for k in range(1, substeps)] + ways
+        for held in ways:
             self.reel(held)
             self.paid_out = held
             if self.strongest is not None:
                 self._slip(self.strongest)
-        return after is wanted and (self.strongest is None or not self.slipping.any())
+        return after is lengths and (self.strongest is None or not self.slipping.any())
 
     def rope_tensions(self, lengths: list[float], W: Array) -> Array:
         """(m,) of ropes let out to these lengths by the step's end, as `ropes` has them; W : in all rows [N]."""
@@ -179,13 +181,7 @@ class Simulator(ABC):
     def _reachable(self, wanted: list[float], substeps: int) -> list[float]:
         """The wanted lengths as far as the winches' speed limits allow; the same list if they all do."""
         now = self.paid_out
-        if len(wanted) == len(now):
-            for wish, rope, most in zip(wanted, now, self._most):   # quicker than all([…])
-                if not (wish > 0 and abs(wish - rope) <= most * substeps):
-                    break
-            else:
-                return wanted
-        if len(wanted) != len(now) or not all(0 < wish < math.inf for wish in wanted):
+        if not all(0 < wish < math.inf for wish in wanted):
             raise InvalidInput(f"rope lengths must be {len(now)} positive numbers [m], got {quoted(wanted)}")
         # A winch exactly at its limit must not fail by rounding.
         farthest = [most * substeps + 1e-9 for most in self._most]
