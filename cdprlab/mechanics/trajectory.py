@@ -37,7 +37,7 @@ class Reference(NamedTuple):
 
     def rows(self, index: Any) -> Reference:
         """Some of a batch."""
-        return Reference(*(part[index] for part in self))
+        return Reference(self.pose[index], self.twist[index], self.acceleration[index])
 
 
 @lasting
