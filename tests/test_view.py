@@ -55,6 +55,13 @@ class Log:
     def estimates(self) -> cl.Pose:
         return self.poses   # no sensors: what was is what was seen
 
+    @property
+    def twists(self) -> Any:
+        return self.reference.twist
+
+    def robot_at(self, index: int) -> cl.Robot:
+        return self.world.robot
+
     def boxes_at(self, index: int) -> tuple[()]:
         return ()
 
@@ -144,9 +151,11 @@ def test_limits_are_drawn_in_range_and_told_off_scale(flown):
 
 
 def test_infeasible_steps_are_shaded(flown):
-    from cdprlab.view.plots import infeasible_spans
-
-    assert infeasible_spans(flown) == [pytest.approx((1.0, 1.2))]
+    for panel in view.plot_tensions(flown).axes:
+        (shade,) = panel.collections
+        left, right = shade.get_paths()[0].vertices[:, 0].min(), shade.get_paths()[0].vertices[:, 0].max()
+        assert len(shade.get_paths()) == 1 and (left, right) == pytest.approx((1.0, 1.2))
+        assert shade.get_linewidth()[0] > 0   # a single step is seen, too
     labels = [text.get_text() for text in view.plot_tensions(flown).axes[0].get_legend().get_texts()]
     assert labels == ["commanded", "measured", "infeasible"]
 

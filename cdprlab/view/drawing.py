@@ -10,9 +10,8 @@ from matplotlib.colors import to_rgb
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array
 from ..mechanics.cables import anchor_offsets
-from ..mechanics.catenary import drawn_lengths
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world.model import Scene
@@ -22,9 +21,9 @@ from .outlines import (
     Solid,
     box_corners,
     box_faces,
+    cable_lines,
     floor_height,
     floor_tiles,
-    hanging,
     landmarks,
     platform_corners,
     platform_solids,
@@ -158,16 +157,11 @@ class RobotDrawing:
     def _place_cables(self, anchors: Array, arcs: Array, tensions: ArrayLike | None,
                       rope_lengths: ArrayLike | None) -> None:
         ends, m = self._starts, self.robot.n_cables
-        lengths = np.zeros(m)
+        tau = np.broadcast_to(np.inf if tensions is None else np.asarray(tensions, dtype=float), (m,))
         if tensions is not None:
-            tau = np.broadcast_to(np.asarray(tensions, dtype=float), (m,))
             self.cables.set_color(tension_colors(tau, self.limits) / 255)
             self.cables.set_linestyle(["solid" if pull > 0 else SLACK_DASHES for pull in tau])
-            lengths = drawn_lengths(self.robot, self.pose, tau)
-            if rope_lengths is not None and self.robot.gravity > 0:
-                lengths = np.where(tau > 0, lengths,
-                                   as_array(rope_lengths, "rope_lengths", (m,), "m") - arcs)
-        lines = np.stack([hanging(*cable) for cable in zip(ends, anchors, lengths)])
+        lines = cable_lines(self.robot, self.pose, tau, rope_lengths, ends, arcs)
         self.cables.set_segments(self._in_sight(lines.reshape(-1, self.robot.dimension)).reshape(*lines.shape[:2], 2))
         flat_ends, flat_anchors = self.view.flat(ends), self.view.flat(anchors)
         for label, start, end, part in zip(self.numbers, flat_ends, flat_anchors,

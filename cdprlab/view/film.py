@@ -113,10 +113,10 @@ class RunScreen(RobotScreen):
     def move(self, t: float) -> str:
         """The robot at a time of the run [s]; returns what it does."""
         run, k = self.run, index_at(self.run.time, t)
+        state = state_at(run, k)
         if run.base_poses is not None:
-            self.drawing.drive(run.robot_at(k))
-        self.drawing.move(run.poses[k], run.measured_tensions[k], _rope_lengths(run, k),
-                          run.boxes_at(k),
+            self.drawing.drive(state.robot)
+        self.drawing.move(state.pose, state.tensions, state.rope_lengths, state.boxes,
                           run.poses.position[np.unique(np.linspace(0, k, 50).astype(int))])
         return self.words(k)
 
@@ -130,11 +130,15 @@ def index_at(times: Array, t: float) -> int:
     return min(int(np.searchsorted(times, t - 1e-9)), len(times) - 1)
 
 
-def _rope_lengths(run: Any, index: int) -> Array | None:
-    """What is let out as a control step begins, None where tensions are commanded."""
-    if run.commanded_lengths is None:
-        return None
-    return np.asarray(run.commanded_lengths[index - 1] if index else run.lengths[0])
+def state_at(run: Any, k: int) -> State:
+    """A run's step as its engine told it; rope lengths are what is let out as it begins.
+
+    run : Run
+    """
+    wound = run.commanded_lengths
+    let_out = None if wound is None else wound[k - 1] if k else run.lengths[0]
+    return State(float(run.time[k]), run.robot_at(k), run.poses.position[k], run.poses.rotation[k], run.twists[k],
+                 run.measured_tensions[k], run.world.scene, let_out, run.boxes_at(k))
 
 
 def _caption(run: Any) -> str:

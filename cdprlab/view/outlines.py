@@ -5,9 +5,11 @@ from itertools import combinations, product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arrays import Array
+from ..arrays import Array, as_array
 from ..mechanics.cables import anchor_offsets, cable_lengths, cable_vectors, have_directions, tangent_points
+from ..mechanics.catenary import drawn_lengths
 from ..robot import Platform, Robot
 from ..robot.parts import DECK_HEIGHT, Base
 from ..robot.pose import Pose
@@ -87,17 +89,36 @@ def hanging(start: Array, end: Array, length: float, pieces: int = 96) -> Array:
     >>> float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum().round(6))
     3.0
     """
+    from scipy.optimize import brentq
+
     shares = np.linspace(0, 1, pieces + 1)[:, None]
     line = (1 - shares) * start + shares * end
-    low, high = 0.0, float(length)
     if length <= np.linalg.norm(end - start) * (1 + 1e-6):
         return line
     bow = 4 * shares * (1 - shares) * -np.eye(start.size)[-1]
-    for _ in range(40):
-        sag = (low + high) / 2
-        longer = np.linalg.norm(np.diff(line + sag * bow, axis=0), axis=1).sum() > length
-        low, high = (low, sag) if longer else (sag, high)
-    return line + low * bow
+
+    def excess(sag: float) -> float:
+        return float(np.linalg.norm(np.diff(line + sag * bow, axis=0), axis=1).sum() - length)
+
+    return line + brentq(excess, 0.0, float(length)) * bow
+
+
+def cable_lines(robot: Robot, pose: Pose, tensions: ArrayLike, rope_lengths: ArrayLike | None, starts: Array,
+                arcs: Array, pieces: int = 96, loose: float = 1.0) -> Array:
+    """(m, pieces + 1, d) the cables: those that pull sag by the weight that the world gives them, others hang through.
+
+    tensions : (m,) [N], NaN of a cut cable; rope_lengths : (m,) let out, None where nobody knows [m]
+    starts, arcs : where the straight parts begin, and what lies on wheels, see `strung`
+    loose : how much longer than straight a cable without tension is whose length nobody knows
+    """
+    anchors = pose.position + anchor_offsets(robot, pose)
+    lengths = drawn_lengths(robot, pose, tensions)
+    if robot.gravity > 0:
+        rest = loose * np.linalg.norm(anchors - starts, axis=1)
+        if rope_lengths is not None:
+            rest = as_array(rope_lengths, "rope_lengths", arcs.shape, "m") - arcs
+        lengths = np.where(np.greater(tensions, 0), lengths, rest)
+    return np.stack([hanging(*cable, pieces) for cable in zip(starts, anchors, lengths)])
 
 
 def strung(robot: Robot, pose: Pose) -> tuple[Array, Array, Array]:

@@ -118,7 +118,7 @@ def plot_glance(run: Run) -> Figure:
             _share_time([panel], run)
         _error_panel(left, run.time, 1e3 * run.errors[:, :d], axis_names(d), "error [mm]",
                      "Position error")
-        _cable_lines(right, run, _shown(run))
+        draw_cables(right, run.time, _shown(run))
         _cable_numbers(right, run)
         right.set(ylabel="tension [N]", title="Tensions")
     figure.alt_text = f"{_tracking_in_words(run)} {_tensions_in_words(run)}"
@@ -223,8 +223,8 @@ def _tension_panels(axes: Sequence[Axes], run: Run) -> None:
     _share_time(axes, run)
     wound = run.commanded_lengths is not None
     every = max(1, len(run.time) // _MARKERS)
-    _cable_lines(above, run, _shown(run))
-    _cable_lines(below, run, _below(run), linewidth=1.2)
+    draw_cables(above, run.time, _shown(run))
+    draw_cables(below, run.time, _below(run), linewidth=1.2)
     for cable, measured in enumerate(run.measured_tensions.T if not wound else ()):
         above.plot(run.time, measured, color=cable_style(cable).color, linestyle="none", marker="o",
                    markersize=4.2, markeredgecolor="white", markeredgewidth=0.5,
@@ -242,8 +242,7 @@ def _tension_panels(axes: Sequence[Axes], run: Run) -> None:
     if not np.all(run.feasible):
         handles.append(Patch(color=WARNING, label="not held" if wound else "infeasible"))
     for panel in axes:
-        for start, end in infeasible_spans(run):
-            panel.axvspan(start, end, color=WARNING, zorder=0, linewidth=0)
+        shade(panel, run.time, run.feasible)
     _draw_limits(above, run)
     _legend_above(above, handles)
     # The differences all but coincide: names pushed apart would point nowhere, so the panel
@@ -251,10 +250,10 @@ def _tension_panels(axes: Sequence[Axes], run: Run) -> None:
     _cable_numbers(above, run)
 
 
-def _cable_lines(panel: Axes, run: Run, lines: Array, **options: Any) -> None:
+def draw_cables(panel: Axes, time: Array, lines: Array, **options: Any) -> None:
     """Columns (N, m) over time, each in its cable's style."""
     cables = range(lines.shape[1])
-    draw_lines(panel, run.time, lines, [f"cable {k + 1}" for k in cables], [cable_style(k) for k in cables], **options)
+    draw_lines(panel, time, lines, [f"cable {k + 1}" for k in cables], [cable_style(k) for k in cables], **options)
 
 
 def _cable_numbers(panel: Axes, run: Run) -> None:
@@ -277,12 +276,12 @@ def _below(run: Run) -> Array:
     return slack
 
 
-def infeasible_spans(run: Run) -> list[tuple[float, float]]:
-    """Times at which no feasible tensions were found [s]; single steps stay visible."""
-    bad = np.concatenate([[False], ~np.asarray(run.feasible), [False]])
-    edges = np.flatnonzero(bad[1:] != bad[:-1])
-    starts, ends = run.time[edges[::2]], run.time[np.minimum(edges[1::2], len(run.time) - 1)]
-    return list(zip(starts.tolist(), np.maximum(ends, starts + 0.003 * run.time[-1]).tolist()))
+def shade(panel: Axes, time: Array, feasible: Any) -> None:
+    """Behind the lines, where no feasible tensions were found; single steps stay visible."""
+    bad = ~np.asarray(feasible)
+    bad[1:] |= bad[:-1]   # a step lasts until the next one
+    panel.fill_between(time, 0, 1, where=bad, color=WARNING, zorder=0, linewidth=0.6,
+                       transform=panel.get_xaxis_transform())
 
 
 def _draw_limits(panel: Axes, run: Run) -> None:

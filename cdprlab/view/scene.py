@@ -13,18 +13,16 @@ from PIL import Image, ImageColor
 
 from ..arrays import Array, checked
 from ..errors import InvalidInput, needed_by
-from ..mechanics.cables import anchor_offsets
-from ..mechanics.catenary import drawn_lengths
 from ..simulate.state import State
 from ..world.files import checked_path, replaced
-from .film import draw
+from .film import draw, state_at
 from .outlines import (
     EMPTY,
     Solid,
     box_faces,
+    cable_lines,
     floor_height,
     floor_tiles,
-    hanging,
     landmarks,
     leaned,
     platform_solids,
@@ -189,10 +187,7 @@ def states_of(run: Any) -> list[State]:
 
     run : Run
     """
-    wound = run.commanded_lengths
-    return [State(float(run.time[k]), run.robot_at(k), run.poses.position[k], run.poses.rotation[k], run.twists[k],
-                  run.measured_tensions[k], run.world.scene, None if wound is None else wound[k], run.boxes_at(k))
-            for k in _some(len(run.time))]
+    return [state_at(run, k) for k in _some(len(run.time))]
 
 
 @checked
@@ -229,18 +224,9 @@ def _some(count: int) -> list[int]:
 
 def _lines(state: State) -> Array:
     """(m, pieces + 1, 3) cables from exit to anchor; slack ones hang through."""
-    robot, lines = state.robot, []
-    anchors = state.position + anchor_offsets(robot, state.pose)
-    sagging = drawn_lengths(robot, state.pose, state.tensions)
-    starts, arcs, _ = strung(robot, state.pose)
-    for i, (start, end) in enumerate(zip(_leaned(state, starts), anchors)):
-        length = float(sagging[i])
-        if not state.tensions[i] > 0 and robot.gravity > 0:   # NaN: a cut cable
-            length = _LOOSE * float(np.linalg.norm(end - start))
-            if state.rope_lengths is not None:
-                length = float(state.rope_lengths[i] - arcs[i])
-        lines.append(_raised(hanging(start, end, length, _PIECES)))
-    return np.stack(lines)
+    starts, arcs, _ = strung(state.robot, state.pose)
+    return _raised(cable_lines(state.robot, state.pose, state.tensions, state.rope_lengths,
+                               _leaned(state, starts), arcs, _PIECES, _LOOSE))
 
 
 def _leaned(state: State, points: Array) -> Array:

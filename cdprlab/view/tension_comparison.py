@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from ..run.compare import TensionComparison
-from .plots import Figure, fitted_title
-from .style import INK, SKY, VERMILION, WARNING, cable_style, house_style
+from .plots import Figure, draw_cables, fitted_title, shade
+from .style import INK, SKY, VERMILION, WARNING, house_style
 
 _COLUMNS = 3
 _NUMBERS = (("energy", "∫‖τ‖² dt [N² s]", 1.0),
@@ -60,19 +60,14 @@ def plot_tension_comparison(table: TensionComparison) -> Figure:
 
 
 def _tensions(panel: Axes, table: TensionComparison, k: int) -> None:
-    for cable, tensions in enumerate(table.tensions[k].T):
-        color, dashes = cable_style(cable)
-        panel.plot(table.time, tensions, color=color, linestyle=dashes, linewidth=1.2,
-                   label=f"{cable + 1}")
+    draw_cables(panel, table.time, table.tensions[k], linewidth=1.2)
     panel.axhline(float(table.world.robot.tension_min.max()), color=INK, linewidth=1.0,
                   linestyle=(0, (1, 2)),
                   label=r"$\tau_\mathrm{min}$")
-    bad = ~table.feasible[k]
-    if bad.any():
-        panel.fill_between(table.time, 0, 1, where=bad, step="mid", color=WARNING, zorder=0,
-                           linewidth=0,
-                           transform=panel.get_xaxis_transform())
-        panel.set_title(f"infeasible {100 * bad.mean():.0f} %", loc="right", fontsize=9,
+    shade(panel, table.time, table.feasible[k])
+    bad = 1 - table.feasible[k].mean()
+    if bad:
+        panel.set_title(f"infeasible {100 * bad:.0f} %", loc="right", fontsize=9,
                         fontweight="normal",
                         color=VERMILION)
 
