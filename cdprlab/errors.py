@@ -6,8 +6,9 @@ import copyreg
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from reprlib import Repr
 from typing import TYPE_CHECKING, Any
@@ -182,6 +183,21 @@ def needed_by(feature: str, otherwise: str = "") -> Iterator[None]:
         still = f" ({otherwise})" if otherwise else ""
         raise MissingDependency(f"{feature} needs {module}, which is not installed; type: "
                                 f"{install_command(module)}{still}") from None
+
+
+def door(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
+    """A package's ``__getattr__``: what it hands on loads when first asked for.
+
+    homes : name → its file, as seen from the package; a file that is called so itself is what is meant
+    """
+    def look_up(name: str) -> Any:
+        if name not in homes:
+            raise AttributeError(f"{package} has no {name!r}; it has {', '.join(homes)}")
+        with needed_by(f"{package}.{name}"):
+            home = import_module(homes[name], package)
+        return getattr(home, name, home)
+
+    return look_up
 
 
 def requirements(**machine: str) -> dict[str, tuple[str, str]]:

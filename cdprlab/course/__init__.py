@@ -8,10 +8,9 @@ Lessons import ``cdprlab`` and from here, and nothing deeper. Everything loads w
 """
 
 import sys
-from importlib import import_module
 from typing import Any
 
-from ..errors import needed_by
+from ..errors import door
 from .shown import figure_bundle
 
 _EXPORTS = {
@@ -72,16 +71,16 @@ _HOMES = {name: file if file.startswith("..") else f".{file}"
 __all__ = sorted(_HOMES)
 
 
+_look_up = door(__name__, _HOMES)
+
+
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"cdprlab.course has no {name!r}; it has {', '.join(__all__)}")
-    with needed_by(f"cdprlab.course.{name}"):
-        home = import_module(_HOMES[name], __name__)
+    found = _look_up(name)
     if "matplotlib.figure" in sys.modules:  # in a lesson: what plt.show() shows, screen readers can tell
         figure = sys.modules["matplotlib.figure"].Figure
         if not hasattr(figure, "_repr_mimebundle_"):  # the book has set it to None
             figure._repr_mimebundle_ = figure_bundle
-    return getattr(home, name, home)
+    return found
 
 
 def __dir__() -> list[str]:

@@ -4,11 +4,8 @@ The library knows nothing of it. This is its one door; the folders behind it hav
 own. Drawing libraries load when a picture is first asked for.
 """
 
-from importlib import import_module
-from typing import Any
-
 from ..arrays import checked
-from ..errors import needed_by
+from ..errors import door
 from .events import DONE, STOPPED, Event
 from .job.job import pick_and_place
 from .job.job_record import Job, least_edge_loads
@@ -32,10 +29,13 @@ from .plane import difference as _difference
 carried = checked(_carried)   # here, for inside all goes through them
 difference = checked(_difference)
 
-_PICTURES = {"draw_hall": "hall_figure", "draw_way": "hall_figure",
-             "plot_journey": "hall_figure", "frame_at": "job_figure", "plot_job": "job_figure",
-             "save_job_film": "job_figure", "mission_scene": "mission_scene"}
-"""Name → its file among the pictures."""
+_PICTURES = {"draw_hall": ".pictures.hall_figure", "draw_way": ".pictures.hall_figure",
+             "plot_journey": ".pictures.hall_figure", "frame_at": ".pictures.job_figure",
+             "plot_job": ".pictures.job_figure", "save_job_film": ".pictures.job_figure",
+             "mission_scene": ".pictures.mission_scene"}
+"""Name → its file."""
+
+__getattr__ = door(__name__, _PICTURES)
 
 __all__ = [
     "ARRIVED",
@@ -76,10 +76,3 @@ __all__ = [
     "walk_through",
     *_PICTURES,
 ]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _PICTURES:
-        raise AttributeError(f"cdprlab.fastkit has no {name!r}; it has {', '.join(__all__)}")
-    with needed_by(f"cdprlab.fastkit.{name}"):
-        return getattr(import_module(f".pictures.{_PICTURES[name]}", __name__), name)

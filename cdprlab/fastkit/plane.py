@@ -12,12 +12,14 @@ from ..workspace.distances import box_distance
 
 Place = Annotated[ArrayLike, "(3,) [m, m, rad]"]
 Places = Annotated[ArrayLike, "(…, 3) [m, m, rad]"]
+Bounds = Annotated[ArrayLike, "(2, 2) [m]"]
 Motion = Annotated[ArrayLike, "(3,) [m, m, rad; or a second]"]
 Points = Annotated[ArrayLike, "(…, k, 2) [m]"]
 Scan = Annotated[Array, "(h, 2) [m]"]
 Way = Annotated[Array, "(n, 3) [m, m, rad]"]
 Spots = Annotated[ArrayLike, "(…, 2) [m]"]
-"""What public functions take: poses, motions (v or d of x, y, θ), points in a list, scanned, along a way, anywhere."""
+"""What public functions take: poses, a floor's corners, motions (v or d of x, y, θ), points in a list, scanned, along
+a way, anywhere."""
 
 NO_POINTS = frozen(np.zeros((0, 2)))
 _CORNERS = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) / 2

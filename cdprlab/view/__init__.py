@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InvalidInput, needed_by, quoted
+from ..errors import InvalidInput, door, needed_by, quoted
 from ..run.compare import TensionComparison
 from . import notebook as notebook  # from here on the library's objects show themselves
 
@@ -51,8 +50,4 @@ def plot(run_or_table: Any, beside: Any = None) -> Figure:
                        f"got {type(run_or_table).__name__}")
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"cdprlab.view has no {name!r}; it has {', '.join(__all__)}")
-    with needed_by(f"cdprlab.view.{name}"):
-        return getattr(import_module(_HOMES[name], __name__), name)
+__getattr__ = door(__name__, _HOMES)

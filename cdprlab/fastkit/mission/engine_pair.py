@@ -14,7 +14,7 @@ from ...run.log import Log
 from ...simulate.bullet import STRAIGHT
 from ...simulate.spatial import SpatialSimulator
 from ...world import World
-from ..navigation.driving import Pair, Walker
+from ..navigation.driving import KinematicPair, Walker
 from ..navigation.hall import Hall
 from ..navigation.laser import Scanner
 from ..navigation.vehicle import ACTIVE, Vehicle
@@ -26,7 +26,7 @@ _TALL = 1.75      # m: a person
 
 
 @checked
-class EnginePair(Pair):
+class EnginePair(KinematicPair):
     """Two coupled bases in the engine, the platform fixed to the active one, all cables at their least tension.
 
     world : its bases stand coupled, its pose is the platform's between them

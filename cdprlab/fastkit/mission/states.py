@@ -15,16 +15,15 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array, checked
+from ...arrays import Array, checked
 from ...errors import InvalidInput
 from ...world import World
 from ...world.model import PickAndPlace
 from ..events import DONE, STOPPED, Event, as_reason
 from ..navigation.driving import Walker
 from ..navigation.journey import ARRIVED, Journey
-from ..plane import difference
+from ..plane import Bounds, Place, difference
 from .mission_record import Mission
 from .trip import COUPLED, Progress, Trip, Work, watch
 
@@ -56,8 +55,8 @@ class Stage(NamedTuple):
 
 
 @checked
-def run_mission(world: World, bounds: ArrayLike, start: ArrayLike, task: str = "pick_and_place",
-                *, station: ArrayLike = (0.2, -0.4, 0.0), walkers: tuple[Walker, ...] = (),
+def run_mission(world: World, bounds: Bounds, start: Place, task: str = "pick_and_place",
+                *, station: Place = (0.2, -0.4, 0.0), walkers: tuple[Walker, ...] = (),
                 seed: int = 0, beams: int = 271, work: Work | None = None,
                 progress: Progress | None = None) -> Mission:
     """From somewhere in a hall to the shelf, the task there, and back to where it began.
@@ -88,9 +87,7 @@ def run_mission(world: World, bounds: ArrayLike, start: ArrayLike, task: str = "
         raise InvalidInput(f"task {task!r} is of kind {job.kind}: a mission needs one of kind pick_and_place")
     if not job.coupled:
         raise InvalidInput(f"task {task!r} begins deployed: name the `coupled:` base and its pose")
-    trip = Trip(world, job, as_array(bounds, "bounds", (2, 2), "m"),
-                as_array(start, "start", (3,), "m, m, rad"),
-                as_array(station, "station", (3,), "m, m, rad"), walkers, beams, progress)
+    trip = Trip(world, job, np.asarray(bounds), np.asarray(start), np.asarray(station), walkers, beams, progress)
     mission, began = Mission(world, task, seed), time.perf_counter()
     for event in walk_through(mission, mission_states(trip, work)):
         mission.events.append(event)

@@ -1,6 +1,5 @@
-"""What drives: a pair of bases among people, whatever moves it, and one that moves as its kinematics say."""
+"""What drives: a pair of bases among people, as its kinematics say."""
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -84,8 +83,8 @@ class Walker:
 
 
 @checked
-class Pair(ABC):
-    """A coupled pair among people, which can be told to drive, and tells what it notices.
+class KinematicPair:
+    """A coupled pair among people that drives exactly as told, and whose beams end where geometry says.
 
     vehicle : Vehicle; hall : what truly stands there, on the map or not
     pose : (3,) where it truly is: for records and options, not for navigation [m, m, rad]
@@ -103,13 +102,13 @@ class Pair(ABC):
         self.odometry = odometry or Odometry()
         self._random = np.random.default_rng(as_seed(seed))
 
-    @abstractmethod
     def move(self, twist: Motion, period: float) -> None:
         """Drive on at (v_x, v_y, ω) for a while; ``pose`` is then another."""
+        self.pose = moved(self.pose, self.vehicle.within_limits(twist), period)
 
-    @abstractmethod
     def rays(self, scanner: Scanner) -> Array:
         """(beams,) how far the scanner's beams truly go, inf beyond its range [m]."""
+        return cast(*scanner.beams_from(self.pose), self.hall.segments, self.people)
 
     def drive(self, twist: Motion, period: float) -> Array:
         """Drive on for a while, people walking; returns the step (dx, dy, dθ) the wheels say it was."""
@@ -129,18 +128,6 @@ class Pair(ABC):
     def people(self) -> Array:
         """(c, 3) center and radius of who walks about [m]."""
         return np.array([[*walker.place, walker.radius] for walker in self.walkers]).reshape(-1, 3)
-
-
-class KinematicPair(Pair):
-    """A pair that drives exactly as told, and whose beams end where geometry says."""
-
-    @checked
-    def move(self, twist: Motion, period: float) -> None:
-        self.pose = moved(self.pose, self.vehicle.within_limits(twist), period)
-
-    @checked
-    def rays(self, scanner: Scanner) -> Array:
-        return cast(*scanner.beams_from(self.pose), self.hall.segments, self.people)
 
 
 def clearance(vehicle: Vehicle, poses: ArrayLike, hall: Hall, people: ArrayLike = ()) -> Array:

@@ -9,10 +9,10 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, Flags, as_array, checked, frozen, lasting
+from ...arrays import Array, Flags, checked, frozen, lasting
 from ...errors import InvalidInput, quoted
 from ...world import World
-from ..plane import Spots, edges, point_distance, rectangle
+from ..plane import Bounds, Spots, edges, point_distance, rectangle
 from .laser import Scanner
 
 _TALLEST = 2.4     # m: of the bases
@@ -36,7 +36,7 @@ class Hall:
     seen: Flags
 
     @classmethod
-    def of(cls, rectangles: ArrayLike, bounds: ArrayLike, seen: ArrayLike = True) -> Hall:
+    def of(cls, rectangles: Annotated[ArrayLike, "(k, 5) [m, rad]"], bounds: Bounds, seen: ArrayLike = True) -> Hall:
         """A hall of rectangles, by default all as high as the scanners.
 
         rectangles : (k, 5) center x, y, edges along and across [m], heading [rad]; others as
@@ -45,15 +45,15 @@ class Hall:
         >>> Hall.of([[0, 0, 2, 1, 0]], [[-3, -3], [3, 3]]).distance([0, 1.5]).tolist()
         1.0
         """
-        rows = as_array(rectangles, "rectangles", ("k", 5), "m, rad")
+        rows = np.asarray(rectangles)
         if np.shape(seen) not in ((), (len(rows),)):
             raise InvalidInput(f"seen must be one truth value, or one a rectangle, got {quoted(seen)}")
         return cls(frozen(rows[:, [0, 1, 4]]), rows[:, 2:4],
-                   as_array(bounds, "bounds", (2, 2), "m"),
+                   np.asarray(bounds),
                    np.broadcast_to(np.asarray(seen), len(rows)))
 
     @classmethod
-    def of_world(cls, world: World, bounds: ArrayLike) -> Hall:
+    def of_world(cls, world: World, bounds: Bounds) -> Hall:
         """The plan of a world's scene: all that stands between the floor and the tops of the bases.
 
         bounds : (2, 2) [m]
@@ -89,7 +89,7 @@ class Hall:
         return distances.min(axis=-1, initial=np.inf)
 
 
-def walls(bounds: ArrayLike) -> Array:
+def walls(bounds: Bounds) -> Array:
     """(4, 5) rectangles just outside a floor (2, 2): north, south, west and east of it [m]."""
     thickness = 0.1
     (west, south), (east, north) = np.asarray(bounds, dtype=float).tolist()
@@ -101,7 +101,7 @@ def walls(bounds: ArrayLike) -> Array:
 
 
 @checked
-def in_hall(world: World, bounds: ArrayLike, pallets: Annotated[ArrayLike, "(k, 5) [m, rad]"] = ()) -> World:
+def in_hall(world: World, bounds: Bounds, pallets: Annotated[ArrayLike, "(k, 5) [m, rad]"] = ()) -> World:
     """A world with walls around the floor and pallets on it.
 
     bounds : (2, 2) of the floor, the walls just outside [m]
@@ -112,7 +112,7 @@ def in_hall(world: World, bounds: ArrayLike, pallets: Annotated[ArrayLike, "(k, 
     >>> len(in_hall(fastkit, [[-5, -6], [7, 2]], [[3, -3, 0.8, 1.2, 0.3]]).scene.boxes) - len(fastkit.scene.boxes)
     5
     """
-    rows = [*walls(as_array(bounds, "bounds", (2, 2), "m")), *np.reshape(pallets, (-1, 5))]
+    rows = [*walls(bounds), *np.reshape(pallets, (-1, 5))]
     names = ["north wall", "south wall", "west wall", "east wall",
              *(f"pallet {k}" for k in range(1, len(rows) - 3))]
     document = world.to_dict()

@@ -11,7 +11,7 @@ from ...arrays import Array, as_number, checked, frozen, lasting
 from ...run.log import Log
 from ..events import STOPPED
 from ..plane import Place, carried, checked_pose, difference
-from .driving import Pair, clearance
+from .driving import KinematicPair, clearance
 from .follower import Follower
 from .hall import Hall
 from .localization import Localization
@@ -85,7 +85,7 @@ class Journey:
 
 
 @checked
-def navigate(pair: Pair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
+def navigate(pair: KinematicPair, hall: Hall, start: ArrayLike, goal: ArrayLike, *,
              berth: ArrayLike | None = None, leaving: ArrayLike | None = None,
              uncertainty: Place = (0.1, 0.1, 0.05), period: float = 0.1,
              progress: Callable[[float], Any] | None = None) -> Journey:
@@ -127,7 +127,7 @@ def with_berth(hall: Hall, vehicle: Vehicle, plan: Plan, berth: Array,
 class _Driver:
     """A journey under way: what it is told, and what changes from period to period."""
 
-    pair: Pair
+    pair: KinematicPair
     hall: Hall
     stops: list[Array]
     leaving: Array | None

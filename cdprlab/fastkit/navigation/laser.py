@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, checked
+from ...arrays import Array, as_count, checked
 from ...errors import InvalidInput
 from ..plane import Place, carried, cross, turn
 
@@ -32,6 +32,9 @@ class Scanner:
     beams: int = 271
     noise: float = 0.01
     height: float = 0.2
+
+    def __post_init__(self) -> None:
+        as_count(self.beams, "beams", 1, 10_000)
 
     @property
     def directions(self) -> Array:
