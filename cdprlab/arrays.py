@@ -57,7 +57,7 @@ def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: st
     if not (np.abs(array) <= limit).all():   # nor is NaN
         raise InvalidInput(f"{name} must be {'no NaN' if limit == np.inf else f'finite and at most {limit:g}'}, "
                            f"got {quoted(value)}", location)
-    least = array.min(initial=np.inf)
+    least = array.min(initial=np.inf) if positive or minimum > -np.inf else np.inf
     if positive and least < 1 / LARGEST:
         words = "positive" if least <= 0 else f"at least {1 / LARGEST:g}"
         raise InvalidInput(f"{name} must be {words}{_in(unit)}, got {quoted(value)}", location)
@@ -145,17 +145,17 @@ def plain(array: Any) -> Any:
     return frozen(np.ascontiguousarray(array).view())
 
 
-def common_batch(name: str, batch: tuple[int, ...], other: str, other_batch: tuple[int, ...]) -> tuple[int, ...]:
-    """The shape both broadcast to; raises InvalidInput naming both where there is none.
+def common_batch(**shapes: tuple[int, ...]) -> tuple[int, ...]:
+    """The batch shape that all broadcast to; raises InvalidInput naming them where there is none.
 
-    >>> common_batch("positions", (4, 1), "rotations", (3,))
+    >>> common_batch(positions=(4, 1), rotations=(3,))
     (4, 3)
     """
     try:
-        return np.broadcast_shapes(batch, other_batch)
+        return np.broadcast_shapes(*shapes.values())
     except ValueError:
-        raise InvalidInput(f"{name} of batch shape {batch} and {other} of batch shape {other_batch} "
-                           "do not fit together") from None
+        told = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise InvalidInput(f"batch shapes do not fit together: {told}") from None
 
 
 def as_number(value: Any, name: str, unit: str = "", **bounds: Any) -> float:

@@ -89,9 +89,7 @@ def sagging_cable(span: Annotated[ArrayLike, "(…, d) [m]"], length: Annotated[
     chord, L, density, ea = map(np.asarray, (span, length, linear_density, axial_stiffness))
     if chord.shape[-1] not in (2, 3):
         raise InvalidInput(f"span must be 2 or 3 numbers [m], got shape {chord.shape}")
-    batch = chord.shape[:-1]
-    for name, number in (("length", L), ("linear_density", density), ("axial_stiffness", ea)):
-        batch = common_batch("spans", batch, name, number.shape)
+    batch = common_batch(span=chord.shape[:-1], length=L.shape, linear_density=density.shape, axial_stiffness=ea.shape)
     L, density, ea = (np.broadcast_to(number, batch) for number in (L, density, ea))
     chord = np.broadcast_to(chord, (*batch, chord.shape[-1]))
     level, weight = np.linalg.norm(chord[..., :-1], axis=-1), density * gravity

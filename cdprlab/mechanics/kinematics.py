@@ -109,7 +109,7 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose,
     """
     measured = as_array(lengths, "lengths", (robot.n_cables,), "m", batch=True, positive=True)
     check_dimension(robot, guess)
-    batch = common_batch("lengths", measured.shape[:-1], "a guess", guess.batch_shape)
+    batch = common_batch(lengths=measured.shape[:-1], guess=guess.batch_shape)
     if all_solutions:
         if batch:
             raise InvalidInput(f"all_solutions takes one guess and one set of lengths, got a batch of shape {batch}")

@@ -189,7 +189,7 @@ def tipping_moments(robot: Robot, pose: Pose, tensions: ArrayLike) -> dict[str, 
 
 def _tensions(robot: Robot, pose: Pose, tensions: ArrayLike) -> Array:
     tau = as_array(tensions, "tensions", (robot.n_cables,), "N", batch=True)
-    common_batch("tensions", tau.shape[:-1], "poses", pose.batch_shape)
+    common_batch(tensions=tau.shape[:-1], poses=pose.batch_shape)
     return tau
 
 

@@ -39,7 +39,7 @@ class Pose:
         if sum(given is not None for given in (rpy, angle, matrix)) > 1:
             raise InvalidInput("a Pose takes one orientation: rpy, angle or matrix, not several of them")
         rotation = _rotation(d, rpy, angle, matrix)
-        batch = common_batch("positions", place.shape[:-1], "orientations", rotation.shape[:-2])
+        batch = common_batch(positions=place.shape[:-1], orientations=rotation.shape[:-2])
         object.__setattr__(self, "position", frozen(np.broadcast_to(place, (*batch, d))))
         object.__setattr__(self, "rotation", frozen(np.broadcast_to(rotation, (*batch, d, d))))
 
@@ -89,6 +89,11 @@ class Pose:
         if self.dimension != 2:
             raise InvalidInput("a spatial pose has rpy, no single angle")
         return np.arctan2(self.rotation[..., 1, 0], self.rotation[..., 0, 0])
+
+    @property
+    def orientation(self) -> Array:
+        """(…, 3) rpy, or (…, 1) the angle in the plane [rad]."""
+        return self.rpy if self.dimension == 3 else np.asarray(self.angle)[..., None]
 
     def __len__(self) -> int:
         if not self.batch_shape:

@@ -186,23 +186,21 @@ class Robot:
         if len(self._base_of) != len(self.bases):
             raise InvalidInput("two bases have the same name", ("bases",))
         for k, base in enumerate(self.bases):
-            if base.center_of_mass.shape[0] != self.dimension:
-                raise InvalidInput(f"center_of_mass must be {self.dimension} numbers [m] in a "
-                                   f"{self.motion_pattern} robot",
-                                   ("bases", k, "center_of_mass"))
+            with under("bases", k):
+                self._check_size(base.center_of_mass, "center_of_mass")
         if not self.cables:
             raise InvalidInput("a robot needs at least one cable", ("cables",))
-        if self.platform.center_of_mass.shape[0] != self.dimension:
-            raise InvalidInput(f"platform vectors must be {self.dimension} numbers in a {self.motion_pattern} robot",
-                               ("platform",))
+        with under("platform"):
+            self._check_size(self.platform.center_of_mass, "center_of_mass")
         for i, cable in enumerate(self.cables):
             with under("cables", i):
                 self._check_cable(cable)
 
+    def _check_size(self, vector: Array, name: str) -> None:
+        as_array(vector, f"{name} in a {self.motion_pattern} robot", (self.dimension,), "m", location=(name,))
+
     def _check_cable(self, cable: Cable) -> None:
-        if cable.exit_point.shape[0] != self.dimension:
-            raise InvalidInput(f"exit_point must be {self.dimension} numbers [m] in a {self.motion_pattern} robot, "
-                               f"got {cable.exit_point.shape[0]}", ("exit_point",))
+        self._check_size(cable.exit_point, "exit_point")
         if self.winch is not None and self.winch.tension_max < cable.tension_min:
             raise InvalidInput(f"the winch gives at most {self.winch.tension_max:.4g} N, less than this cable's "
                                f"smallest tension of {cable.tension_min:g} N", ("tension",))

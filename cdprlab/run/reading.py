@@ -18,7 +18,7 @@ from ..mechanics.trajectory import Reference
 from ..robot.pose import Pose
 from ..world import World, load_world
 from ..world.files import as_path
-from .record import Run
+from .record import QUANTITIES, Run
 
 _SIZES = {"m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3}, "rad": {"rad": 1.0, "mrad": 1e-3, "deg": np.pi / 180},
           "s": {"s": 1.0, "ms": 1e-3}, "N": {"N": 1.0, "kN": 1e3}}
@@ -60,14 +60,9 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
     world = world or load_world(beside)
     robot, d, m = world.robot, world.robot.dimension, world.robot.n_cables
     turn, full = (1, 3) if d == 2 else (3, 6)
-    known = {"time": (1, "s"), "position": (d, "m"), "rotation": (turn, "rad"), "twist": (full, "m/s, rad/s"),
-             "reference_position": (d, "m"), "reference_rotation": (turn, "rad"),
-             "reference_twist": (full, "m/s, rad/s"), "commanded_tension": (m, "N"),
-             "measured_tension": (m, "N"), "length": (m, "m"), "commanded_length": (m, "m"), "feasible": (1, ""),
-             "estimated_position": (d, "m"), "estimated_rotation": (turn, "rad"),
-             "estimated_twist": (full, "m/s, rad/s"), "sensed_length": (m, "m"), "sensed_tension": (m, "N"),
-             "motor_torque": (m, "N m"), "motor_speed": (m, "rad/s"),
-             "base_pose": (3 * len(robot.bases), "m, m, rad")}
+    widths = {"time": 1, "feasible": 1, "position": d, "rotation": turn, "twist": full, "pose": 3 * len(robot.bases),
+              **dict.fromkeys(("tension", "length", "torque", "speed"), m)}
+    known = {name: (widths[name.rpartition("_")[2]], unit) for name, (_, unit) in QUANTITIES.items() if name != "error"}
     table = _table(file)
     given = _as_saved(table) if columns is None else columns
     count = len(next(iter(table.values())))

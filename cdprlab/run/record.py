@@ -1,6 +1,7 @@
 """What happened in a run: one row a control step, summed up and saved."""
 
 from dataclasses import dataclass, field
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -14,6 +15,20 @@ from ..robot.pose import Pose
 from ..world import World
 from .log import flat_columns, save_record
 from .loop import Flight
+
+QUANTITIES = {
+    "time": ("time", "s"), "position": ("poses.position", "m"), "rotation": ("poses.orientation", "rad"),
+    "twist": ("twists", "m/s, rad/s"), "reference_position": ("reference.pose.position", "m"),
+    "reference_rotation": ("reference.pose.orientation", "rad"),
+    "reference_twist": ("reference.twist", "m/s, rad/s"), "error": ("errors", "m, rad"),
+    "commanded_tension": ("commanded_tensions", "N"), "measured_tension": ("measured_tensions", "N"),
+    "length": ("lengths", "m"), "estimated_position": ("estimates.position", "m"),
+    "estimated_rotation": ("estimates.orientation", "rad"),
+    "estimated_twist": ("estimated_twists", "m/s, rad/s"), "sensed_length": ("sensed_lengths", "m"),
+    "sensed_tension": ("sensed_tensions", "N"), "commanded_length": ("commanded_lengths", "m"),
+    "motor_torque": ("motor_torques", "N m"), "motor_speed": ("motor_speeds", "rad/s"),
+    "base_pose": ("base_poses", "m, m, rad"), "feasible": ("feasible", "")}
+"""Column of log.csv → the field of a `Run` that it tells, and its unit."""
 
 _AS_IT_WAS: Any = None
 
@@ -191,33 +206,6 @@ class Run:
 
     def columns(self) -> dict[str, tuple[Any, str]]:
         """Name → array, unit of each log column group."""
-        spatial = self.world.robot.dimension == 3
-
-        def turn(pose: Pose) -> Array:
-            return pose.rpy if spatial else np.asarray(pose.angle)[:, None]
-
-        return {
-            "time": (self.time, "s"),
-            "position": (self.poses.position, "m"),
-            "rotation": (turn(self.poses), "rad"),
-            "twist": (self.twists, "m/s, rad/s"),
-            "reference_position": (self.reference.pose.position, "m"),
-            "reference_rotation": (turn(self.reference.pose), "rad"),
-            "reference_twist": (self.reference.twist, "m/s, rad/s"),
-            "error": (self.errors, "m, rad"),
-            "commanded_tension": (self.commanded_tensions, "N"),
-            "measured_tension": (self.measured_tensions, "N"),
-            "length": (self.lengths, "m"),
-            **({} if self.estimates is self.poses else {
-                "estimated_position": (self.estimates.position, "m"),
-                "estimated_rotation": (turn(self.estimates), "rad"),
-                "estimated_twist": (self.estimated_twists, "m/s, rad/s"),
-                "sensed_length": (self.sensed_lengths, "m"),
-                "sensed_tension": (self.sensed_tensions, "N")}),
-            **({} if self.commanded_lengths is None else {"commanded_length": (self.commanded_lengths, "m")}),
-            **({} if self.motor_torques is None or self.motor_speeds is None else {
-                "motor_torque": (self.motor_torques, "N m"), "motor_speed": (self.motor_speeds, "rad/s")}),
-            **({} if self.base_poses is None else {"base_pose": (self.base_poses,
-                                                                 "m, m, rad")}),
-            "feasible": (np.asarray(self.feasible), ""),
-        }
+        told = {name: (attrgetter(field)(self), unit) for name, (field, unit) in QUANTITIES.items()
+                if self.estimates is not self.poses or not field.startswith(("estimate", "sensed"))}
+        return {name: column for name, column in told.items() if column[0] is not None}

@@ -88,11 +88,8 @@ class Repetition:
 
     def to_frame(self) -> Any:
         """A row a run, as a pandas DataFrame."""
-        columns = {"final_error": (self.final_errors, "m, rad"), "largest_error": (self.largest_errors, "m"),
-                   "smallest_tension": (self.smallest_tensions, "N"),
-                   "largest_tension": (self.largest_tensions, "N"), "slack": (self.slack, ""),
-                   "overstretched": (self.overstretched, "")}
-        return data_frame(flat_columns(columns))
+        return data_frame(flat_columns({name.removesuffix("s"): (getattr(self, name), unit)
+                                        for name, unit in _COLUMNS.items()}))
 
     def __repr__(self) -> str:
         head = f"Repetition({self.world.name!r}, {len(self.slack)} runs)"
@@ -148,7 +145,8 @@ def repeat(world: World, runs: int, task: str = "default", *,
     return Repetition(world, **columns)
 
 
-_COLUMNS = {"final_errors", "largest_errors", "smallest_tensions", "largest_tensions", "slack", "overstretched"}
+_COLUMNS = {"final_errors": "m, rad", "largest_errors": "m", "smallest_tensions": "N", "largest_tensions": "N",
+            "slack": "", "overstretched": ""}
 
 
 def _flown(world: World, task: str, real: World, sensors: Sensors | None, how: dict[str, Any]) -> dict[str, Any]:

@@ -2,12 +2,12 @@
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array, as_array, as_seed, checked, frozen, lasting
-from ..errors import InvalidInput, quoted
+from ..errors import InvalidInput
 from ..mechanics.cables import Cables, cables_at
 from ..mechanics.dynamics import mass_and_bias, pose_error
 from ..mechanics.kinematics import moved, nearby_pose
@@ -42,7 +42,7 @@ class Sensors:
     'true'
     """
 
-    pose: str = "true"
+    pose: Literal["true", "from_lengths"] = "true"
     position_noise: Meters = 0.0
     rotation_noise: Annotated[float, "[rad] ≥ 0"] = 0.0
     length_noise: Meters = 0.0
@@ -55,8 +55,6 @@ class Sensors:
     observer_frequency: Annotated[float, "[Hz] > 0"] = 3.0
 
     def __post_init__(self) -> None:
-        if self.pose not in ("true", "from_lengths"):
-            raise InvalidInput(f"pose must be 'true' or 'from_lengths', got {quoted(self.pose)}")
         as_seed(self.seed)
 
 _SOON = 1e-9   # s: what rounding leaves of a time
@@ -131,7 +129,9 @@ class Belief:
             self._read_too_much = self.offsets + extra
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self.engine, name)
+        if name in ("position", "rotation", "twist", "tensions"):
+            return getattr(self.state(), name)
+        return getattr(self.cables_now if name in ("directions", "wrench_matrix") else self.engine, name)
 
     # --- what is commanded ------------------------------------------------------------------------
     def reset(self, pose: Pose | None = None) -> State:
@@ -196,30 +196,6 @@ class Belief:
         if self._cables is None:
             self._cables = cables_at(state.robot, state.pose)
         return self._cables
-
-    @property
-    def position(self) -> Array:
-        return self.state().position
-
-    @property
-    def rotation(self) -> Array:
-        return self.state().rotation
-
-    @property
-    def twist(self) -> Array:
-        return self.state().twist
-
-    @property
-    def tensions(self) -> Array:
-        return self.state().tensions
-
-    @property
-    def wrench_matrix(self) -> Array:
-        return self.cables_now.wrench_matrix
-
-    @property
-    def directions(self) -> Array:
-        return self.cables_now.directions
 
     @property
     def rope_lengths(self) -> Array | None:

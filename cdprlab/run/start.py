@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import chain
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 from warnings import warn
 
 import numpy as np
@@ -48,7 +48,7 @@ def run(world: World, task: str = "default",
         control_period: Seconds | None = None, infeasible: str = "relax",
         external_wrench: Any = None,
         duration: Seconds | None = None, seed: int = 0, *, base_speeds: Any = None,
-        cut: Cuts | None = None, winch: str = "real",
+        cut: Cuts | None = None, winch: Literal["real", "ideal"] = "real",
         real: World | None = None, sensors: Sensors | None = None,
         progress: Progress | None = None, simulator: Simulator | None = None, **engine_options: Any) -> Run:
     """Move a world's robot along a task in its engine and log every control step.
@@ -99,8 +99,6 @@ def run(world: World, task: str = "default",
     ...
     cdprlab.errors.WorldError: unknown world 'nowhere'; there are ...
     """
-    if winch not in ("real", "ideal"):
-        raise InvalidInput(f"winch must be real or ideal, got {quoted(winch)}")
     told = world
     flown = world if real is None else real
     if winch == "ideal":

@@ -41,7 +41,10 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike,
     low, high = _limits(tension_min, "tension_min", m), _limits(tension_max, "tension_max", m)
     if low.min() < 0:
         raise InvalidInput(f"tension_min must not be negative [N] (cables only pull), got {float(low.min()):g}")
-    batch = _batch_shape(W, w_e, low, high)
+    batch: tuple[int, ...] = ()
+    if W.ndim > 2 or max(w_e.ndim, low.ndim, high.ndim) > 1:
+        batch = common_batch(W=W.shape[:-2], w_e=w_e.shape[:-1], tension_min=low.shape[:-1],
+                             tension_max=high.shape[:-1])
     _check_order(low, high)
     tensions: Array
     reasons: Any
@@ -77,14 +80,6 @@ def _limits(value: ArrayLike, name: str, m: int) -> Array:
     if given.ndim and given.shape[-1] != 1:
         raise InvalidInput(f"{name} must be a number or {m} numbers [N], got shape {given.shape}")
     return np.broadcast_to(given, (*given.shape[:-1], m))
-
-
-def _batch_shape(W: Array, w_e: Array, low: Array, high: Array) -> tuple[int, ...]:
-    if W.ndim == 2 and w_e.ndim == low.ndim == high.ndim == 1:
-        return ()
-    limits = common_batch("tension_min", low.shape[:-1], "tension_max", high.shape[:-1])
-    wrenches = common_batch("W", W.shape[:-2], "w_e", w_e.shape[:-1])
-    return common_batch("W and w_e", wrenches, "limits", limits)
 
 
 def _check_order(low: Array, high: Array) -> None:

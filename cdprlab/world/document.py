@@ -139,12 +139,7 @@ def own(node: Any, key: str | int) -> Any:
 
 
 def changed(old: Any, value: Any) -> Any:
-    """``value``, as a change of ``old`` where that is a block, or a list as long: its style and comments stay."""
-    if isinstance(old, Mapping) and isinstance(value, dict) and old.yaml_anchor() is None:   # type: ignore[attr-defined]
-        for key, item in value.items():
-            if old.get(key) != item:
-                old[key] = changed(old.get(key), item)   # type: ignore[index]
-        return old
+    """``value``, as a change of ``old`` where both are lists as long: its style and comments stay."""
     both_lists = isinstance(old, list) and isinstance(value, list)
     if not both_lists or len(old) != len(value) or old.yaml_anchor() is not None:
         return styled(value)

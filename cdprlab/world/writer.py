@@ -5,7 +5,7 @@ from typing import Any
 
 from ..robot import Cable
 from .blocks import CableBlock, SceneBlock, TaskBlock, WorldFile
-from .document import changed, copied, overlay, own, styled
+from .document import copied, overlay, own, plain, styled
 from .reader import read
 
 
@@ -47,4 +47,4 @@ def _share(shared: Any, cables: tuple[Cable, ...]) -> None:
         if None in values:
             del shared[key]
         elif values.count(values[0]) == len(values):
-            shared[key] = changed(shared[key], values[0])
+            overlay(shared, {key: plain(shared[key])}, {key: values[0]})
