@@ -29,7 +29,7 @@ def test_both_ends_of_every_slider(name):
 def test_tensions_shown_carry_the_weight(caroca):
     caroca.set(x=-1.0, y=0.5, z=2.0)
     robot, pose = caroca.robot, caroca.pose(caroca.values)
-    shown = np.array([float(label.get_text()) for label in caroca.bars.words])
+    shown = np.array([float(label.get_text()) for label in caroca.words])
     # Labels are rounded to whole newtons: half a newton a cable at most.
     force = cl.cable_directions(robot, pose).T @ shown
     assert np.abs(force - [0, 0, robot.mass * robot.gravity]).max() < 0.5 * robot.n_cables
@@ -42,7 +42,7 @@ def test_tensions_grow_without_bound_toward_the_exit_points(caroca):
         caroca.set(z=height)
         hardest.append(caroca.tensions(caroca.values).tensions.max())
     assert np.all(np.diff(hardest) > 0)
-    assert "→" in caroca.bars.words[0].get_text()  # beyond the scale the number still tells
+    assert "→" in caroca.words[0].get_text()  # beyond the scale the number still tells
 
 
 def test_what_cannot_be_held_is_said_in_words():
@@ -51,7 +51,7 @@ def test_what_cannot_be_held_is_said_in_words():
     explorer.robot = heavy
     explorer.set(z=explorer.controls["z"].high)
     assert "cannot hold" in explorer.text and "no tensions" in explorer.alt_text
-    assert explorer.bars.words[0].get_text() == "?"
+    assert explorer.words[0].get_text() == "?"
 
 
 @pytest.mark.parametrize("subject", ["caroca", None])

@@ -37,7 +37,7 @@ def test_ropes_wound_to_the_model_hold_the_robot_as_built(explorer, size, seed):
     left = cl.wrench_matrix(real, pose) @ tensions + cl.gravity_wrench(real, pose)
     assert np.abs(left).max() < 1e-6
     assert f"slack cables          {int((tensions == 0).sum())}" in explorer.text
-    assert [word.get_text() == "slack" for word in explorer.bars.words] == (tensions == 0).tolist()
+    assert [word.get_text() == "slack" for word in explorer.words] == (tensions == 0).tolist()
 
 
 def test_under_tension_control_it_ends_where_the_engine_s_robot_ends(explorer):

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from PIL import Image
 
 import cdprlab as cl
@@ -241,6 +243,25 @@ def state_of(world, tensions, pose=None, **more):
     more = {"scene": world.scene, "rope_lengths": None, "boxes": ()} | more
     return SimpleNamespace(robot=world.robot, pose=world.pose if pose is None else pose, tensions=np.asarray(tensions),
                            **more)
+
+
+@pytest.mark.parametrize("angle", [0, 90, 37])
+@pytest.mark.parametrize("words", ["Force f_x [N]", "$\\tau_\\mathrm{max}$", "two\nlines, ggg"])
+def test_words_kept_are_where_matplotlib_draws_them(words, angle):
+    figures = [Figure((3.0, 3.0), dpi=110) for _ in range(2)]
+    for figure in figures:
+        figure.text(0.503, 0.487, words, rotation=angle, color="#D55E00", alpha=0.8, ha="center")
+    canvas = FigureCanvasAgg(figures[0])
+    canvas.draw()
+    plain = 255.0 - np.asarray(canvas.buffer_rgba())[..., :3]
+    picture = Picture(figures[1])
+    kept = 255.0 - picture.pixels()
+    assert kept.sum() == pytest.approx(plain.sum(), rel=0.03)   # edges fall between pixels otherwise
+    centers = [np.array([(ink.sum(axis=(1 - axis, 2)) * np.arange(330)).sum() / ink.sum() for axis in (0, 1)])
+               for ink in (plain, kept)]
+    assert np.abs(centers[0] - centers[1]).max() < 0.75         # half a pixel either way, and rounding
+    figures[1].stale = True
+    np.testing.assert_array_equal(255.0 - picture.pixels(), kept)
 
 
 @pytest.mark.parametrize("world", [cl.load_world("caroca"), planar_world()], ids=["spatial", "planar"])

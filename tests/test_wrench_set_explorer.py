@@ -94,9 +94,9 @@ def test_the_payload_is_what_a_linear_program_finds(planar, seed):
         rows = {"A_ub": np.c_[A, np.zeros(len(A))], "b_ub": b} if tipping else {}
         best = linprog([0, 0, 0, 0, -1], A_eq=np.c_[W, [0, -g]], b_eq=-w_g, bounds=bounds, **rows)
         if empty.status == 0:
-            assert found.payload(tipping) == pytest.approx(best.x[-1], abs=1e-6)
+            assert found.payloads[int(tipping)] == pytest.approx(best.x[-1], abs=1e-6)
         else:
-            assert np.isnan(found.payload(tipping))
+            assert np.isnan(found.payloads[int(tipping)])
 
 
 def test_heavy_bases_take_nothing_away(planar):

@@ -1,13 +1,18 @@
 """A robot as matplotlib artists that are made once and then moved: for explorers, stills and films."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
-from matplotlib.patheffects import withStroke
+from matplotlib.font_manager import FontProperties
+from matplotlib.path import Path
+from matplotlib.text import Text
+from matplotlib.textpath import TextPath
+from matplotlib.transforms import Affine2D
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
@@ -33,11 +38,35 @@ from .outlines import (
 from .projection import Projection
 from .style import AXIS_COLORS, FLOOR, INK, SHADOW, STEEL, TRAIL, cable_style, tension_colors, tension_limits
 
-HALO = (withStroke(linewidth=3, foreground="white"),)
+HALO = 3.0
+"""White around words that stand on lines [points]."""
+
 SLACK_DASHES = (0, (2.5, 1.5))
 
 _BEYOND = 1.25
 """How far out the letter of an axis stands, in lengths of its arm."""
+
+
+class Haloed(Text):
+    """A word with a halo about a place; its outline is found once, where matplotlib would at every drawing."""
+
+    def draw(self, renderer: Any) -> None:
+        place = self.get_transform().transform(self.get_position())
+        outline = _outlined(self.get_text(), self.get_fontproperties())
+        to_place = Affine2D().scale(renderer.points_to_pixels(1.0)).translate(*place)
+        gc = renderer.new_gc()
+        for color, width in (("white", HALO), (self.get_color(), 0.0)):
+            gc.set_foreground(color)
+            gc.set_linewidth(renderer.points_to_pixels(width))
+            renderer.draw_path(gc, outline, to_place, to_rgb(color))
+        self.stale = False
+
+
+@lru_cache(200)
+def _outlined(word: str, font: FontProperties) -> Path:
+    """The word's outline about its middle [points]."""
+    outline = TextPath((0, 0), word, prop=font)
+    return Affine2D().translate(*-outline.get_extents().get_points().mean(axis=0)).transform_path(outline)
 
 
 class RobotDrawing:
@@ -235,9 +264,9 @@ class RobotDrawing:
         return marks
 
     def _text(self, words: str, color: str, order: float, **options: Any) -> Any:
-        return self.axes.text(0, 0, words, color=color, ha="center", va="center", fontsize=10,
-                              zorder=order,
-                              animated=True, path_effects=HALO, **options)
+        word = Haloed(0, 0, words, color=color, fontsize=10, zorder=order, animated=True,
+                      transform=self.axes.transData, **options)
+        return self.axes.add_artist(word)
 
     def _make_axes(self, mark: str, width: float) -> tuple[Any, list[Any]]:
         d = self.robot.dimension

@@ -1,5 +1,7 @@
 """The picture of a design: the robot at its start, the edited cable marked."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -16,30 +18,34 @@ SIZE = (6.6, 3.7)
 
 
 class DesignPicture:
-    """One design drawn; another one is another picture.
+    """Designs drawn one after the other.
 
-    world : what is drawn
+    dimension : of them all
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, dimension: int) -> None:
         figure = Figure(figsize=SIZE, dpi=100)
         with house_style():
-            axes = figure.add_axes((0.0, 0.0, 1.0, 1.0)
-                                   if world.robot.dimension == 3 else (0.11, 0.12, 0.87, 0.86))
-            # Few ticks, and a title that stays in place: matplotlib spends much of its time on
-            # these.
-            axes.set_title("", y=1.0)
-            axes.locator_params(nbins=4)
-            self.drawing = RobotDrawing(axes, world.robot, world.scene, _poses(world))
-            self._mark = LineCollection([], colors=ORANGE, linewidths=8, alpha=0.45, zorder=4.5,
-                                        animated=True)
-            axes.add_collection(self._mark, autolim=False)
+            self._axes = figure.add_axes((0.0, 0.0, 1.0, 1.0) if dimension == 3 else (0.11, 0.12, 0.87, 0.86))
+            # Few ticks: matplotlib spends much of its time on these.
+            self._axes.locator_params(nbins=4)
         self._picture = Picture(figure)
+        self._shown: World | None = None
+        self.drawing: Any = None
 
-    def png(self, azimuth: float, cable: int) -> bytes:
+    def _draw(self) -> None:
+        world: Any = self._shown
+        self.drawing = RobotDrawing(self._axes, world.robot, world.scene, _poses(world))
+        self._mark = LineCollection([], colors=ORANGE, linewidths=8, alpha=0.45, zorder=4.5)
+        self._axes.add_collection(self._mark, autolim=False)
+
+    def png(self, world: World, azimuth: float, cable: int) -> bytes:
         """The picture with a cable marked, from 0; of robots in space as seen from an azimuth [deg]."""
-        drawing = self.drawing
         with house_style():
+            if world is not self._shown:
+                self._shown = world
+                self._picture.redraw(self._draw)
+            drawing = self.drawing
             if drawing.robot.dimension == 3:
                 drawing.turn(azimuth)
                 drawing.move(drawing.pose)

@@ -44,7 +44,7 @@ class RobotDesigner(Shown):
         self.session = DesignSession(world, brief)
         self.picture = b""
         self.player: Any = None
-        self._drawn = lru_cache(maxsize=1)(DesignPicture)   # only another world is another picture
+        self._drawn = lru_cache(DesignPicture)
         self._slices = SlicePicture()
         self._make_widgets()
         self.refresh()
@@ -128,7 +128,7 @@ class RobotDesigner(Shown):
 
     def _draw(self) -> None:
         world, cable = self.world, self.session.place.cable
-        self.picture = self._drawn(world).png(self.eye.value, cable)
+        self.picture = self._drawn(world.robot.dimension).png(world, self.eye.value, cable)
         self.alt_text = f"{world.title or world.name}: the robot at its start, cable {cable + 1} marked."
         self.image.value = picture_tag(self.picture, self.alt_text)
 

@@ -8,6 +8,7 @@ from ...view.notebook import picture_tag
 from ...view.picture import Picture
 from ...view.style import INK, house_style
 from ...world import World
+from ..explorers.explorer import movable
 from .assessment import Slice
 from .report import in_words
 
@@ -30,24 +31,26 @@ class SlicePicture:
             self._axes.locator_params(nbins=4)
             self._axes.grid(visible=False)
             self._cells = self._axes.imshow(np.zeros((1, 1)), ListedColormap(list(_KINDS.values())), vmin=0, vmax=2,
-                                            origin="lower")
-            self._tangled, = self._axes.plot([], [], ".", color=INK, markersize=2)
-            self._start, = self._axes.plot([], [], "+", color=INK, markersize=12,
-                                           markeredgewidth=3)
+                                            origin="lower", animated=True)
+            self._tangled = movable(self._axes, ".", color=INK, markersize=2)
+            self._start = movable(self._axes, "+", color=INK, markersize=12, markeredgewidth=3)
         self._picture = Picture(figure)
+        self._window: object = None
 
     def html(self, world: World, found: Slice) -> str:
         """A world's slice with title and legend."""
         (across, x), (up, y) = found.grid.axes.items()
         half = found.grid.step / 2
         self._cells.set_data(found.grid.field(found.held.astype(int) + (found.held & found.clear)).T)
-        self._cells.set_extent((x[0] - half[0], x[-1] + half[0], y[0] - half[1],
-                                y[-1] + half[1]))
+        window = (x[0] - half[0], x[-1] + half[0], y[0] - half[1], y[-1] + half[1])
+        if (across, up, window) != self._window:   # moved axes are drawn anew, all else is not
+            self._window = across, up, window
+            self._cells.set_extent(window)
+            self._axes.set(xlabel=f"{across} [m]", ylabel=f"{up} [m]")
         tangled = np.argwhere(found.grid.field(found.held & ~found.clear))
         self._tangled.set_data(x[tangled[:, 0]], y[tangled[:, 1]])
         place = dict(zip("xyz", world.pose.position))
         self._start.set_data([place.pop(across)], [place.pop(up)])
-        self._axes.set(xlabel=f"{across} [m]", ylabel=f"{up} [m]")
         with house_style():
             picture = picture_tag(self._picture.png(), in_words(found))
         level = "".join(f" at {name} = {value:.2f} m" for name, value in place.items())

@@ -6,16 +6,17 @@ Beside it: where would a platform hang on ropes of exactly these lengths?
 from typing import Any
 
 import numpy as np
+from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle
 
 from ...arrays import Array, checked
 from ...errors import InvalidInput, NoConvergence
 from ...mechanics.cables import anchor_offsets, cable_lengths
 from ...mechanics.kinematics import forward_kinematics
 from ...robot.pose import Pose, rotation_vector
+from ...view.drawing import Haloed
 from ...view.outlines import hanging
 from ...view.style import BLUE, GREY, INK, SKY, VERMILION, cable_style
 from ..pictures.panels import draw_exit_points
@@ -28,6 +29,9 @@ from .explorer import Choice, Explorer, Slider, Values
 
 _SHOWN = 6
 """Iterates drawn."""
+
+_CIRCLE = np.stack([trig(np.linspace(0, 2 * np.pi, 181)) for trig in (np.cos, np.sin)], axis=1)
+"""(181, 2) points of a circle of radius 1."""
 
 
 @checked
@@ -137,8 +141,8 @@ class ForwardKinematicsExplorer(Explorer):
                                      edgecolor=BLUE,
                                      linewidth=1.2)
         anchors = pose.position + anchor_offsets(self._robot, pose)
-        for rope in zip(anchors, self._robot.exit_points, self._lengths):
-            self._panel.plot(*hanging(*rope).T, color=SKY, linewidth=2.2)
+        ropes = [hanging(*rope) for rope in zip(anchors, self._robot.exit_points, self._lengths)]
+        self._panel.add_collection(LineCollection(ropes, colors=SKY, linewidths=2.2), autolim=False)
 
     def _hung_text(self) -> str:
         settled = self._settled
@@ -157,16 +161,15 @@ class ForwardKinematicsExplorer(Explorer):
         bearings = np.arctan2(*(end.position - centers).T[::-1]) + along
         marks = centers + self._lengths[:, None] * np.column_stack([np.cos(bearings),
                                                                     np.sin(bearings)])
-        for i, length in enumerate(self._lengths):
-            look = cable_style(i)
-            self._panel.add_patch(Circle(centers[i], length, fill=False, linewidth=1.2,
-                                         alpha=0.75,
-                                         edgecolor=look.color, linestyle=look.linestyle))
-            self._panel.text(marks[i, 0], marks[i, 1], str(i + 1), color=look.color,
-                             fontsize=10, ha="center",
-                             va="center", fontweight="bold", clip_on=True,
-                             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
-            self._panel.plot(*np.transpose([exits[i], anchors[i]]), color=GREY, linewidth=0.9)
+        looks = [cable_style(i) for i in range(len(exits))]
+        circles = centers[:, None] + self._lengths[:, None, None] * _CIRCLE
+        for lines, look in ((circles, {"colors": [look.color for look in looks], "linewidths": 1.2, "alpha": 0.75,
+                                       "linestyles": [look.linestyle for look in looks]}),
+                            (np.stack([exits, anchors], axis=1), {"colors": GREY, "linewidths": 0.9})):
+            self._panel.add_collection(LineCollection(list(lines), **look), autolim=False)
+        for i, (place, look) in enumerate(zip(marks, looks), start=1):
+            self._panel.add_artist(Haloed(*place, str(i), color=look.color, fontsize=10, zorder=3,
+                                          fontweight="bold", transform=self._panel.transData))
 
     def _draw_iterates(self) -> None:
         named = np.full(2, np.inf)

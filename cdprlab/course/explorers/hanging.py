@@ -10,10 +10,10 @@ from ...errors import InvalidInput, quoted
 from ...mechanics.statics import gravity_wrench, wrench_matrix
 from ...robot.pose import Pose
 from ...tensions import TensionDistribution, distribute_tensions
-from ...view.style import INK, cable_style
+from ...view.style import cable_style
 from ...world import World
+from ..pictures.panels import bar_panel, draw_bars
 from ..text_table import in_brackets
-from .cable_bars import CableBars
 from .explorer import Explorer, Values, once_a_move, rounded_up
 from .posing import Posing
 
@@ -57,8 +57,7 @@ class HangingExplorer(Explorer):
         # number tells.
         start = self.tensions(self.values).tensions
         self._largest = rounded_up(3.0 * np.nanmax(start, initial=1.0), 2)
-        self.bars = CableBars(right, self.robot.n_cables, 1.25 * self._largest,
-                              0.02 * self._largest)
+        self._bars = bar_panel(right, self.robot.n_cables, 1.25 * self._largest)
 
     def draw(self, values: Values) -> None:
         self._drawing.move(self.pose(values))
@@ -68,10 +67,7 @@ class HangingExplorer(Explorer):
             shown = np.minimum(held.tensions, self._largest)
             words = [f"{tension:.0f}" + (" →" if tension > self._largest else "")
                      for tension in held.tensions]
-        self.bars.draw(shown, words, color=[cable_style(k).color for k in range(m)],
-                       edgecolor=INK)
-        for k, bar in enumerate(self.bars.bars):
-            bar.set_linestyle(cable_style(k).linestyle)
+        self.words = draw_bars(self._bars, shown, list(map(cable_style, range(m))), words)
 
     def numbers(self, values: Values) -> dict[str, Any]:
         held, robot = self.tensions(values), self.robot

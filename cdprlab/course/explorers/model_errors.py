@@ -13,10 +13,10 @@ from ...mechanics.kinematics import moved
 from ...mechanics.rest import AtRest, equilibrium
 from ...mechanics.statics import gravity_wrench, wrench_matrix
 from ...tensions import distribute_tensions
-from ...view.style import BLUE, INK
+from ...view.style import BLUE, INK, LineStyle
 from ...world import World
 from ...world.perturbation import perturbed
-from .cable_bars import CableBars
+from ..pictures.panels import bar_panel, draw_bars
 from .explorer import Choice, Explorer, Slider, Values, once_a_move, rounded_up
 
 STIFF = 100.0
@@ -63,13 +63,14 @@ class ModelErrorExplorer(Explorer):
 
     def build(self, figure: Figure) -> None:
         m, end = self.wanted.size, rounded_up(3.0 * float(self.wanted.max()), 1)
-        self.bars = CableBars(figure.subplots(), m, end, 0.02 * end)
-        self.bars.axes.barh(range(1, m + 1), self.wanted, height=0.8, fill=False, edgecolor=INK, label="wanted")
-        self.bars.axes.legend(loc="lower right")
+        self._bars = bar_panel(figure.subplots(), m, end)
+        self._bars.barh(range(1, m + 1), self.wanted, height=0.8, fill=False, edgecolor=INK, label="wanted")
+        self._bars.legend(loc="lower right")
 
     def draw(self, values: Values) -> None:
         tau = self.rest(values).tensions
-        self.bars.draw(tau, ["slack" if pull == 0 else f"{pull:.1f}" for pull in tau.tolist()], color=BLUE)
+        words = ["slack" if pull == 0 else f"{pull:.1f}" for pull in tau.tolist()]
+        self.words = draw_bars(self._bars, tau, [LineStyle(BLUE, "solid")] * tau.size, words)
 
     def numbers(self, values: Values) -> dict[str, Any]:
         pose, tau = self.rest(values)

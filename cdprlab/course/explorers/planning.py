@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from ...arrays import Array, checked
@@ -82,6 +81,7 @@ class PlanningExplorer(Explorer):
         axes.set(xlim=(0, _SIZE[0]), ylim=(0, _SIZE[1]), aspect="equal", xlabel="x [m]",
                  ylabel="y [m]")
         axes.grid(False)
+        axes.text(float(_START[0]), 1.5, "start", color=INK, ha="center", va="top", zorder=6, animated=True)
         figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2,
                       fontsize=9)
 
@@ -106,22 +106,18 @@ class PlanningExplorer(Explorer):
     def draw(self, values: Values) -> None:
         axes, pair, plan = self._axes, self.vehicle, self.plan(values)
         clearance = self.grid(values).clearance - values["margin"]
-        kinds = (clearance < pair.width / 2).astype(int) + (clearance < np.hypot(pair.length, pair.width) / 2)
-        axes.imshow(kinds.T, origin="lower", extent=(0, _SIZE[0], 0, _SIZE[1]), vmin=0, vmax=2,
-                    cmap=ListedColormap(["white", _TURNED, _NEVER]), interpolation="nearest")
-        axes.add_collection(PolyCollection(list(self.hall(values).outlines), facecolor=GREY,
-                                           edgecolor=INK,
-                                           linewidth=0.8, zorder=2))
-        axes.text(float(_START[0]), 1.5, "start", color=INK, ha="center", va="top", zorder=6)
+        places = [(np.arange(count) + 0.5) * self.grid(values).cell for count in clearance.shape]
+        axes.contourf(*places, clearance.T, colors=[_NEVER, _TURNED],
+                      levels=[-1.0, pair.width / 2, np.hypot(pair.length, pair.width) / 2])
         stations = _stations(plan.poses) if plan.found else _START[None]
         front = np.array([[pair.length, -pair.width], [pair.length, pair.width]]) / 2
-        for pose in stations:
-            axes.fill(*pair.outline(pose).T, facecolor="none", edgecolor=BLUE, linewidth=1.2,
-                      alpha=0.7, zorder=4)
-            axes.plot(*carried(pose, front).T, color=BLUE, linewidth=2.5, zorder=4)
-        axes.fill(*pair.outline(self.goal(values)).T, facecolor="none", edgecolor=VERMILION,
-                  linewidth=2,
-                  linestyle="--", zorder=5)
+        for outlines, look in (
+                (self.hall(values).outlines, {"facecolor": GREY, "edgecolor": INK, "linewidth": 0.8, "zorder": 2}),
+                (pair.outline(stations), {"facecolor": "none", "edgecolor": BLUE, "alpha": 0.7, "zorder": 4}),
+                (carried(stations, front), {"edgecolor": BLUE, "linewidth": 2.5, "zorder": 4}),
+                (pair.outline(self.goal(values))[None], {"facecolor": "none", "edgecolor": VERMILION,
+                                                         "linewidth": 2, "linestyle": "--", "zorder": 5})):
+            axes.add_collection(PolyCollection(list(outlines), **look), autolim=False)
         if plan.found:
             axes.plot(*plan.poses[:, :2].T, color=BLUE, linewidth=2, zorder=5)
         self.says = axes.text(_SIZE[0] / 2, 2.6, "" if plan.found else "no way",

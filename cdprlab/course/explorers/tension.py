@@ -14,7 +14,7 @@ from ...robot import Robot
 from ...robot.pose import Pose
 from ...tensions import TensionDistribution, distribute_tensions, tension_methods
 from ...world import World
-from ..pictures.tension_panels import MARKS, OWN, draw_bars, draw_set
+from ..pictures.tension_panels import MARKS, OWN, draw_set, draw_tensions
 from ..pictures.tension_polygon import TensionSet, set_in_words, tension_set
 from ..props.point_load import decimal
 from ..text_table import cable_table
@@ -121,7 +121,7 @@ class TensionExplorer(Explorer):
         draw_set(self._set, state.free, points,
                  {name: bool(answer.feasible) for name, answer in state.found.items()},
                  chosen=values["method"])
-        draw_bars(self._bars, state.shown, low, high, values["method"].replace("_", " "))
+        draw_tensions(self._bars, state.shown, low, high, values["method"].replace("_", " "))
 
     def numbers(self, values: Values) -> dict[str, Any]:
         """Every method in a row; the chosen one's tensions, and its reason where it has none."""

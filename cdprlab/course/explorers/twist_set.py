@@ -35,6 +35,8 @@ class Reach(NamedTuple):
     robot, pose : with the controls' speed limits
     twist : (n,) wanted, zero in the components that have no control [m/s, rad/s]
     fixed, moving : available twist sets, bases standing and driving
+    scales : (2,) largest s for which s t is available, bases standing and driving; inf for the
+        zero twist
     rates : (m,) J t, the cable speeds with standing bases [m/s]
     shares : speeds of bases and cables for the twist, or for the largest share of it
     """
@@ -44,18 +46,19 @@ class Reach(NamedTuple):
     twist: Array
     fixed: Polytope
     moving: Polytope
+    scales: Array
     rates: Array
     shares: TwistResolution
 
     @property
-    def scales(self) -> tuple[float, float]:
-        """Largest s for which s t is available, bases standing and driving; inf for the zero twist."""
-        return float(self.fixed.scale(self.twist)), float(self.moving.scale(self.twist))
+    def inside(self) -> Array:
+        """(2,) whether the twist is available, to rounding."""
+        return self.scales >= 1 - 1e-9
 
-    def verdict(self, moving: bool) -> str:
-        """Inside or outside, and how much of the twist can be had."""
+    def verdict(self, moving: int) -> str:
+        """Inside or outside, and how much of the twist can be had, bases standing (0) or driving (1)."""
         scale = self.scales[moving]
-        where = "inside" if (self.fixed, self.moving)[moving].contains(self.twist) else "OUTSIDE"
+        where = "inside" if self.inside[moving] else "OUTSIDE"
         return f"{where}, scale at most {scale:.3f}" if np.isfinite(scale) else f"{where}, any scale"
 
 
@@ -98,10 +101,10 @@ class TwistSetExplorer(Explorer):
         robot, pose = _limited(self._robot, values), self._posing.pose(values)
         twist = np.zeros(robot.n_dof)
         twist[self._chosen] = [values[name] for name in self._names]
-        moving = available_twist_set(robot, pose)
-        share = min(1.0, float(moving.scale(twist)))
-        return Reach(robot, pose, twist, available_twist_set(robot, pose, "none"), moving,
-                     jacobian(robot, pose) @ twist, resolve_twist(robot, pose, share * twist))
+        fixed, moving = available_twist_set(robot, pose, "none"), available_twist_set(robot, pose)
+        scales = np.array([fixed.scale(twist), moving.scale(twist)])
+        return Reach(robot, pose, twist, fixed, moving, scales, jacobian(robot, pose) @ twist,
+                     resolve_twist(robot, pose, min(1.0, scales[1]) * twist))
 
     def build(self, figure: Figure) -> None:
         left, panel = figure.subplots(1, 2, width_ratios=(1, 1.35))
@@ -130,16 +133,16 @@ class TwistSetExplorer(Explorer):
         """Inside or outside, largest scales, and one way to share the twist."""
         found = self.reach(values)
         heads = [f"t = {self._wanted(values)}  [{', '.join(self._names)}]",
-                 f"bases fixed    {found.verdict(False)}",
-                 f"bases driving  {found.verdict(True)}"]
+                 f"bases fixed    {found.verdict(0)}",
+                 f"bases driving  {found.verdict(1)}"]
         if found.moving.n == 2:
             heads.append(f"area of the set [m²/s²]  {found.fixed.volume:.2f} fixed, {found.moving.volume:.2f} driving")
         return "\n".join([*heads, "", self._cable_table(found), "", *self._base_lines(found)])
 
     def describe(self, values: Values) -> str:
         found = self.reach(values)
-        return (f"{self.title}. The twist {self._wanted(values)} is {found.verdict(False)} with the bases fixed, "
-                f"{found.verdict(True)} with the bases driving.")
+        return (f"{self.title}. The twist {self._wanted(values)} is {found.verdict(0)} with the bases fixed, "
+                f"{found.verdict(1)} with the bases driving.")
 
     def _wanted(self, values: Values) -> str:
         return in_brackets([values[name] for name in self._names], 3)
@@ -153,8 +156,7 @@ class TwistSetExplorer(Explorer):
 
     def _draw_twist(self, found: Reach, wanted: Array) -> None:
         """The mark's shape says what its color says: dot within both, triangle within one, cross within none."""
-        inside = [bool(polytope.contains(found.twist))
-                  for polytope in (found.fixed, found.moving)]
+        inside = found.inside
         word, marker, color = (("inside both sets", "o", GREEN) if inside[0] else
                                ("available only if bases drive", "^", INK) if inside[1] else
                                ("outside both sets", "X", VERMILION))

@@ -49,6 +49,8 @@ class Capability(NamedTuple):
     hold : (2,) −w_g, what the cables exert to hold the platform [N]
     limits, standing : Polytopes of forces, within the tension limits and with no base tipping
         besides
+    added : (2, 2, 2) of either, the ends of what can be added to ``hold`` along an axis; nan
+        where it cannot be held [N]
     edges : of all footprints
     facets : (k, 2, 2) ends of the standing set's facets that tipping made [N]
     """
@@ -58,19 +60,21 @@ class Capability(NamedTuple):
     hold: Array
     limits: Polytope
     standing: Polytope
+    added: Array
     edges: tuple[Edge, ...]
     facets: Array
 
-    def payload(self, tipping: bool) -> float:
-        """The most that can hang at P besides the platform [kg]; nan where the platform itself cannot be held."""
-        room = (self.limits, self.standing)[tipping].axis_section(self.hold)[1, 1]
-        return float(room / self.robot.gravity)
+    @property
+    def payloads(self) -> Array:
+        """(2,) the most that can hang at P besides the platform [kg]; nan where the platform itself cannot be held."""
+        return np.asarray(self.added[:, 1, 1] / self.robot.gravity)
 
     def words(self) -> str:
         """The verdict in a sentence."""
-        if not self.limits.contains(self.hold):
+        within, stands = np.isfinite(self.payloads)
+        if not within:
             return "The limits do not let the cables hold the platform here."
-        if not self.standing.contains(self.hold):
+        if not stands:
             return "No tensions within the limits hold the platform without tipping a base."
         taken = 1 - self.standing.volume / self.limits.volume if self.limits.volume > 0 else 0.0
         count = f"{len(self.facets)} facet{'' if len(self.facets) == 1 else 's'}"
@@ -122,7 +126,9 @@ class WrenchSetExplorer(Explorer):
         weight = gravity_wrench(robot, pose)
         limits, standing = (self._shown(available_wrench_set(robot, pose, tipping), -weight)
                             for tipping in (False, True))
-        return Capability(robot, pose, -weight[self._chosen], limits, standing,
+        hold = -weight[self._chosen]
+        added = np.stack([polytope.axis_section(hold) for polytope in (limits, standing)])
+        return Capability(robot, pose, hold, limits, standing, added,
                           tuple(self._edges(robot, pose, limits, -weight)),
                           _tipping_facets(limits, standing))
 
@@ -162,14 +168,12 @@ class WrenchSetExplorer(Explorer):
         """Corners, area, what can be added along the axes, payload; largest moment and toll of each edge."""
         found = self.capability(values)
         sets = (found.limits, found.standing)
-        sections = [polytope.axis_section(found.hold) for polytope in sets]
         flat = len(self._names) == found.robot.n_dof
         rows = [["corners", *(str(len(polytope.vertices)) for polytope in sets)],
                 ["area [kN²]", *(f"{polytope.volume / 1e6:.4f}" for polytope in sets)],
-                *([f"add {name} [N]", *(_range(section[k]) for section in sections)]
+                *([f"add {name} [N]", *(_range(section[k]) for section in found.added)]
                   for k, name in enumerate(self._names)),
-                ["payload [kg]", *(_number(found.payload(tipping), 2)
-                                   for tipping in (False, True))]]
+                ["payload [kg]", *(_number(payload, 2) for payload in found.payloads)]]
         lines = [text_table(["", *_LABELS], rows), ""]
         if not flat:
             lines.insert(1, "(all other components as the weight wants them)")
@@ -217,12 +221,11 @@ class WrenchSetExplorer(Explorer):
 
     def _draw_hold(self, found: Capability) -> None:
         """A cross from −w_g to the border of the standing set; the star's shape says whether it is inside."""
-        held = bool(found.standing.contains(found.hold))
+        held = np.isfinite(found.payloads[1])
         self._mark.set(marker="*" if held else "X", color=GREEN if held else VERMILION)
         self._mark.set_data(*found.hold[:, None])
         if held:
-            for way, marker, ends in zip(np.eye(2), "|_",
-                                         found.standing.axis_section(found.hold)):
+            for way, marker, ends in zip(np.eye(2), "|_", found.added[1]):
                 self._panel.plot(*(found.hold[:, None] + np.outer(way, ends)), color=INK,
                                  linewidth=1.2, marker=marker)
 

@@ -1,7 +1,5 @@
 """Forces on a point load: the robot, its force polygon, the tensions as bars, and where the load goes if let go."""
 
-from typing import Any
-
 import matplotlib.figure
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,10 +9,10 @@ from numpy.typing import ArrayLike
 from ...arrays import Array, checked
 from ...robot import Robot
 from ...view.plots import Figure
-from ...view.style import GREY, INK, ORANGE, SKY, cable_style
+from ...view.style import GREY, INK, ORANGE, SKY, LineStyle, cable_style
 from ..props.experiments import Motion
 from ..props.point_load import MASS, Equilibrium, decimal, equilibrium
-from .panels import arrow, draw_exit_points, drawn, label, round_up, show_square
+from .panels import arrow, draw_bars, draw_exit_points, drawn, label, round_up, show_square
 
 SLACK = "#A50F15"
 """A cable that would have to push; always dashed and said in words as well."""
@@ -94,13 +92,12 @@ def _draw_robot(panel: Axes, robot: Robot, position: Array, push: Array, state: 
                 motion: Motion | None) -> None:
     load = position if motion is None else motion.positions[-1]
     for i, exit_point in enumerate(robot.exit_points):
-        color, dashes, width = _look(i, state)
-        panel.plot(*np.transpose([exit_point, load]), color=color, linestyle=dashes,
-                   linewidth=width)
+        panel.plot(*np.transpose([exit_point, load]), **_look(i, state)._asdict(),
+                   linewidth=1.6 if state.slack[i] else 2.4)
         if state.slack[i]:
             x, y = (exit_point - load) / np.linalg.norm(exit_point - load)
             label(panel, "slack!", (exit_point + load) / 2, (abs(y), x if y < 0 else -x),
-                  color=SLACK)
+                  color=SLACK, zorder=5)
     draw_exit_points(panel, robot.exit_points)
     for force, name, color in _loads(push, state) if motion is None else []:
         tip = position + _ARROW * force
@@ -137,7 +134,7 @@ def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
     arrows = [(force, name, color, "solid") for force, name, color in _loads(push, state)]
     for i, force in enumerate((state.W * state.tensions).T):
         if np.linalg.norm(force) > _NOTHING:
-            color, dashes, _ = _look(i, state)
+            color, dashes = _look(i, state)
             arrows.append((force, f"cable {i + 1}", color, dashes))
     arrows.sort(key=lambda arrow: (np.arctan2(arrow[0][0], -arrow[0][1]) + 1e-9) % (2 * np.pi))
     corners = np.cumsum([np.zeros(2)] + [arrow[0] for arrow in arrows], axis=0)
@@ -158,17 +155,10 @@ def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
 def _draw_bars(panel: Axes, state: Equilibrium) -> None:
     m = state.tensions.size
     top = max(np.abs(state.tensions).max(), 1.0)
-    for i, tension in enumerate(state.tensions):
-        color, _, _ = _look(i, state)
-        slack = bool(state.slack[i])
-        panel.bar(i + 1, tension, color="white" if slack else color, edgecolor=color, width=0.6,
-                  linestyle="dashed" if slack else "solid", hatch="//" if slack else None,
-                  linewidth=1.6)
-        panel.annotate(f"{decimal(tension)} N" + ("\nslack!" if slack else ""),
-                       (i + 1, tension),
-                       (0, -3 if slack else 3), textcoords="offset points", ha="center",
-                       va="top" if slack else "bottom", color=color if slack else INK,
-                       fontsize=11 if m < 4 else 9)
+    words = [decimal(tension) + ("\nslack!" if slack else "")
+             for tension, slack in zip(state.tensions, state.slack)]
+    draw_bars(panel, state.tensions, [_look(i, state) for i in range(m)], words, hollow=state.slack,
+              upright=True, fontsize=11 if m < 4 else 9)
     panel.axhline(0, color=INK, linewidth=1)
     low, high = min(0.0, state.tensions.min()), max(0.3 * top, state.tensions.max())
     room = high - low  # for two lines of text below a bar, for one above
@@ -182,11 +172,9 @@ def _outwards(side: Array) -> Array:
     return np.array([side[1], -side[0]]) / np.linalg.norm(side)
 
 
-def _look(i: int, state: Equilibrium) -> tuple[str, Any, float]:
-    """Color, dashes and width of a cable: its own, or that of a cable that would have to push."""
-    if state.slack[i]:
-        return SLACK, (0, (4, 3)), 1.6
-    return *cable_style(i), 2.4
+def _look(i: int, state: Equilibrium) -> LineStyle:
+    """A cable's own, or that of a cable that would have to push."""
+    return LineStyle(SLACK, (0, (4, 3))) if state.slack[i] else cable_style(i)
 
 
 def _loads(push: Array, state: Equilibrium) -> list[tuple[Array, str, str]]:

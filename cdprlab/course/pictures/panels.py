@@ -6,11 +6,14 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.text import Text
+from matplotlib.transforms import offset_copy
 from numpy.typing import ArrayLike
 
-from ...arrays import Array
+from ...arrays import Array, Flags
 from ...view.plots import Figure
-from ...view.style import INK, house_style
+from ...view.style import INK, LineStyle, house_style
 
 HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
 """Behind text that lies on lines."""
@@ -38,6 +41,45 @@ def arrow(panel: Axes, start: Any, end: Any, **look: Any) -> None:
                    arrowprops={
         "arrowstyle": "-|>", "linewidth": 2.2, "shrinkA": 0, "shrinkB": 0,
         "mutation_scale": 14, **look})
+
+
+def bar_panel(panel: Axes, m: int, end: float) -> Axes:
+    """For the tensions of m cables from 0 to ``end`` [N]."""
+    panel.set(xlim=(0.0, end), ylim=(m + 0.5, 0.5), xlabel="tension [N]", ylabel="cable",
+              yticks=range(1, m + 1))
+    return panel
+
+
+def draw_bars(panel: Axes, sizes: Array, looks: Sequence[LineStyle], words: Sequence[str],
+              ends: Array | None = None, hollow: Flags | Sequence[bool] = (), upright: bool = False,
+              **look: Any) -> list[Text]:
+    """A bar for each of m cables, and a word at the end of each.
+
+    sizes : (m,); looks : of each bar
+    ends : (m,) where words stand; default where bars end
+    hollow : which are hatched instead of filled, with words on the side of 0 where they are upright
+    """
+    m = len(sizes)
+    empty = np.array(hollow if len(hollow) else [False] * m, dtype=bool)
+    along = np.outer(sizes, [0, 0, 1, 1])
+    corners = np.stack([along, np.arange(1, m + 1)[:, None] + [-0.3, 0.3, 0.3, -0.3]], axis=-1)
+    for which, hatch in ((~empty, None), (empty, "//")):
+        chosen = np.flatnonzero(which)
+        colors = [looks[k].color for k in chosen]
+        panel.add_collection(PolyCollection(
+            list(corners[chosen, :, ::-1] if upright else corners[chosen]), edgecolors=colors if hatch else INK,
+            facecolors="white" if hatch else colors, hatch=hatch, linewidths=1.4, zorder=2,
+            linestyles=[looks[k].linestyle for k in chosen]), autolim=False)
+    aside = offset_copy(panel.transData, panel.figure, *((0, 3) if upright else (5, 0)), "points")
+    below = offset_copy(panel.transData, panel.figure, 0, -3, "points")
+    told = []
+    for k, (end, word) in enumerate(zip(sizes if ends is None else ends, words)):
+        under = upright and empty[k]
+        told.append(panel.text(*((k + 1, end) if upright else (end, k + 1)), word,
+                               transform=below if under else aside,
+                               **{"ha": "center" if upright else "left", "fontsize": 9, "color": INK, "zorder": 6,
+                                  "va": "top" if under else "bottom" if upright else "center"} | look))
+    return told
 
 
 def draw_exit_points(panel: Axes, points: ArrayLike, names: Sequence[str] = (), **look: Any) -> None:

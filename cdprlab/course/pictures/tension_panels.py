@@ -1,17 +1,19 @@
 """The set of tensions drawn: polygon or interval with the methods' points in it, and tensions as bars with limits."""
 
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, checked
 from ...tensions import distribute_tensions
 from ...view.plots import Figure
 from ...view.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, cable_style
-from .panels import HALO, arrow, drawn, label, round_up, show_square
+from .panels import HALO, arrow, draw_bars, drawn, label, round_up, show_square
 from .tension_polygon import MET, TensionSet, set_in_words, tension_set
 
 
@@ -113,13 +115,14 @@ def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array],
 def _count_coinciding(panel: Axes, places: list[Array], frame: Array) -> None:
     """Where marks lie on each other, a word says how many."""
     near = 0.03 * float((frame[1] - frame[0]).max())
-    left = list(places)
+    left = sorted(places, key=lambda place: float(place[0]))
+    gaps = cycle(((13, 10), (13, -16)))   # words side by side would run into each other
     while left:
         here = [place for place in left if np.abs(place - left[0]).max() < near]
         at = (*left[0], 0.0)[:2]
         left = [place for place in left if np.abs(place - left[0]).max() >= near]
         if len(here) > 1 and (here[0] > frame[0]).all() and (here[0] < frame[1]).all():
-            panel.annotate(f"{len(here)} marks", at, (13, 10), textcoords="offset points", fontsize=9,
+            panel.annotate(f"{len(here)} marks", at, next(gaps), textcoords="offset points", fontsize=9,
                            color=INK, zorder=7, bbox=HALO)
 
 
@@ -145,15 +148,16 @@ def _frame(free: TensionSet, shown: Mapping[str, Array]) -> Array:
 
 def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
     middle, reach = frame.mean(axis=0), 0.5 * (frame[1] - frame[0]).max()
+    lines, looks = [], []
     for i, row in enumerate(free.directions):
         look, size = cable_style(i), np.linalg.norm(row)
         for limit in (free.low[i], free.high[i]) if size > 1e-9 else ():
             foot = middle + row * (limit - free.least[i] - row @ middle) / size**2
             if np.linalg.norm(foot - middle) > 3 * reach:
                 continue
-            panel.axline(foot, foot + [-row[1] / size, row[0] / size], color=look.color,
-                         linestyle=look.linestyle,
-                         linewidth=0.9, alpha=0.6)
+            along = 9 * reach / size * np.array([-row[1], row[0]])
+            lines.append([foot - along, foot + along])
+            looks.append(look)
             if len(free.corners) == 0 and limit == free.low[i] > free.least[i]:
                 # To where the limit is kept.
                 way = 0.16 * reach * row / size
@@ -162,6 +166,8 @@ def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
                 panel.text(x, y, f"{i + 1} min", fontsize=9, color=INK, ha="center",
                            va="center",
                            clip_on=True, bbox=HALO)
+    panel.add_collection(LineCollection(lines, colors=[look.color for look in looks], linewidths=0.9, alpha=0.6,
+                                        linestyles=[look.linestyle for look in looks]), autolim=False)
     if len(free.corners):
         panel.fill(*free.corners.T, facecolor=GREY, alpha=0.22, edgecolor=INK,
                    linewidth=2.0, zorder=3)
@@ -217,40 +223,31 @@ def _draw_interval(panel: Axes, free: TensionSet, frame: Array) -> None:
     panel.grid(axis="y", visible=False)
 
 
-def draw_bars(panel: Axes, tensions: Array, low: Array, high: Array, title: str) -> None:
+def draw_tensions(panel: Axes, tensions: Array, low: Array, high: Array, title: str) -> None:
     """Tensions as bars with their numbers between their limits, under house style; broken limits are named.
 
     tensions : (m,) [N], NaN where there are none
     """
     m, close = tensions.size, MET * high.max()
+    there = np.nan_to_num(tensions)
     top = max(np.nanmax(np.abs(tensions), initial=1.0), 1.5 * low.max())
     near = high <= 1.6 * top
-    for i in np.flatnonzero(np.isfinite(tensions)).tolist():
-        look, tension = cable_style(i), tensions[i]
-        broken = "below min" if tension < low[i] - close else "above max" if tension > high[i] + close else ""
-        panel.barh(i + 1, tension, height=0.56, color="white" if broken else look.color,
-                   edgecolor=look.color,
-                   linestyle=look.linestyle, hatch="//" if broken else None, linewidth=1.4)
-        panel.annotate(f"{tension:.4g} N {broken}".strip().replace("-", "−"),
-                       (max(tension, 0.0), i + 1), (5, 0),
-                       textcoords="offset points", va="center", fontsize=9, color=INK, zorder=6,
-                       bbox=HALO)
+    broken = np.select([tensions < low - close, tensions > high + close], [" below min", " above max"], "")
+    words = [f"{tension:.4g} N{how}".replace("-", "−") if np.isfinite(tension) else ""
+             for tension, how in zip(tensions, broken)]
+    # Words stand beyond a limit's mark, which would strike them through.
+    close_to = near & (high - there < 0.4 * top)
+    draw_bars(panel, there, list(map(cable_style, range(m))), words,
+              np.maximum(there, np.where(close_to, high, low)), broken != "")
     for limits, cables in ((low, np.arange(m)), (high, np.flatnonzero(near))):
         panel.vlines(limits[cables], cables + 0.6, cables + 1.4, color=INK,
                      linewidth=2.2, zorder=5)
     bottom = np.nanmin(tensions, initial=0.0)
     right = high[near].max(initial=top)
-    ends = f"{_span(low)} and {_span(high)} N" + ("" if near.all() else " (off scale)")
     room = 1.0 if (tensions > high).any() else 0.5
     left = -round_up(-1.15 * bottom) if bottom < 0 else 0.0
     panel.set(xlim=(left, round_up(right + room * (right - bottom))), ylim=(m + 0.6, 0.4),
               yticks=range(1, m + 1),
-              ylabel="cable", xlabel=f"tension [N]; black: limits\n{ends}")
+              ylabel="cable", xlabel="tension [N]; black: limits")
     panel.grid(axis="y", visible=False)
     panel.set_title(title)
-
-
-def _span(limits: Array) -> str:
-    """One number, or the range of several."""
-    low, high = limits.min(), limits.max()
-    return f"{low:.4g}" if low == high else f"{low:.4g}…{high:.4g}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import islice
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +23,7 @@ _HEADINGS = 16       # of the lattice
 _BETWEEN = 4         # headings looked at from one of them to the next
 _WIDE = 0.4          # m of room beyond which a place costs nothing extra
 _JOIN = 0.45         # m around start and goal where the lattice is joined
+_JOINED = 40         # nodes at most
 
 
 @lasting
@@ -87,7 +88,7 @@ def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: Arr
     if here < -grid.slack - vehicle.radius / 2:
         return Plan.none("the pair stands against something: there is no room to drive away")
     least = min(margin, here)
-    nodes = _Lattice(grid, vehicle, margin).way(a, b, least)
+    nodes = _lattice(grid, vehicle, margin).way(a, b, least)
     if not len(nodes):
         wide = inflated_width(grid, vehicle, margin)
         return Plan.none(f"there is no way of {wide:.2f} m width from the start to the goal")
@@ -99,9 +100,17 @@ def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: Arr
 
 def between(a: ArrayLike, b: ArrayLike, step: float = 0.04, turn_step: float = 0.03) -> Array:
     """(k, 3) poses from a to b, both included, close enough together to be looked at one by one."""
-    d = difference(b, a)
-    count = int(np.ceil(max(np.linalg.norm(d[:2]) / step, abs(d[2]) / turn_step, 1.0)))
-    return np.asarray(a) + np.linspace(0, 1, count + 1)[:, None] * d
+    return _ways(a, np.asarray(b)[None], step, turn_step)[0]
+
+
+def _ways(a: ArrayLike, ends: Array, step: float = 0.04, turn_step: float = 0.03) -> tuple[Array, Indices]:
+    """The same to each of some ends (n, 3), one after the other, and where each begins (n,)."""
+    d = difference(ends, a)
+    far = np.maximum(np.linalg.norm(d[:, :2], axis=1) / step, np.abs(d[:, 2]) / turn_step)
+    counts = np.ceil(np.maximum(far, 1.0)).astype(int)
+    begins = np.cumsum(counts + 1) - counts - 1
+    share = (np.arange(begins[-1] + counts[-1] + 1) - np.repeat(begins, counts + 1)) / np.repeat(counts, counts + 1)
+    return np.asarray(a) + share[:, None] * np.repeat(d, counts + 1, axis=0), begins
 
 
 class _Lattice:
@@ -124,7 +133,7 @@ class _Lattice:
         ends, begins = self._joined(goal, self.margin), self._joined(start, least)
         if not (len(ends) and len(begins)):
             return np.zeros((0, 3))
-        times, previous = dijkstra(self._graph(), directed=False, indices=ends[0],
+        times, previous = dijkstra(self._graph, directed=False, indices=ends[0],
                                    return_predecessors=True)
         best = int(begins[np.argmin(times[begins] + self._joining_times(begins, start))])
         nodes = []
@@ -147,10 +156,15 @@ class _Lattice:
         d = np.abs(difference(self._poses(nodes), pose))
         nodes = nodes[(d[:, :2].max(axis=1) <= _JOIN) & (d[:, 2] <= 2.2 * np.pi / _HEADINGS)]
         nodes = nodes[np.argsort(self._joining_times(nodes, pose), kind="stable")]
-        kept = (node for node, there in zip(nodes, self._poses(nodes))
-                if (self.grid.room(self.vehicle, between(pose, there)) >= least - 1e-9).all())
-        return np.array([*islice(kept, 40)], dtype=int)
+        kept: list[int] = []
+        for some in np.array_split(nodes, range(_JOINED, len(nodes), _JOINED)):
+            if len(kept) < _JOINED and len(some):
+                ways, begins = _ways(pose, self._poses(some))
+                room = np.minimum.reduceat(self.grid.room(self.vehicle, ways), begins)
+                kept += some[room >= least - 1e-9].tolist()
+        return np.array(kept[:_JOINED], dtype=int)
 
+    @cached_property
     def _graph(self) -> csr_array:
         """Seconds between neighbors, (nodes, nodes)."""
         index = np.arange(self.free.size).reshape(self.free.shape)
@@ -172,6 +186,10 @@ class _Lattice:
             edges.append((index[both], there[both], time))
         i, j, t = map(np.concatenate, zip(*edges))
         return csr_array((t, (i, j)), shape=(index.size, index.size))
+
+
+_lattice = lru_cache(1)(_Lattice)
+"""Somewhere else to go, in the same hall, does not need another."""
 
 
 def _shortened(grid: OccupancyGrid, vehicle: Vehicle, poses: Array, margin: float) -> Array:
