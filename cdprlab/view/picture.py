@@ -20,25 +20,31 @@ class _Renderer(RendererAgg):
     """Words are drawn once and then copied, to whole pixels: they take most of a picture's time."""
 
     def __init__(self, width: float, height: float, dpi: float) -> None:
-        super().__init__(width, height, dpi)
-        self._drawn = lru_cache(2000)(self._draw_words)
-        self.get_text_width_height_descent = lru_cache(2000)(super().get_text_width_height_descent)
+        super().__init__(width, height, dpi)  # type: ignore[no-untyped-call]
+        self._drawn, self._measured = lru_cache(2000)(self._draw_words), lru_cache(2000)(self._measure)
 
     def draw_text(self, gc: Any, x: float, y: float, s: str, prop: Any, angle: float, ismath: Any = False,
                   mtext: Any = None) -> None:
         left, below, image = self._drawn(s, prop, angle, ismath, gc.get_rgb())
         self.draw_image(gc, round(x + left), round(self.height - y + below), image)
 
+    def get_text_width_height_descent(self, s: str, prop: Any, ismath: Any) -> Any:
+        return self._measured(s, prop, ismath)
+
+    def _measure(self, *words: Any) -> Any:
+        return super().get_text_width_height_descent(*words)  # type: ignore[no-untyped-call]
+
     def _draw_words(self, s: str, prop: Any, angle: float, ismath: Any, color: Any) -> tuple[int, int, Any]:
         """Where its lower left corner is, seen from where the words begin, and (height, width, 4) the image."""
-        width, height, descent = self.get_text_width_height_descent(s, prop, ismath)
+        width, height, descent = self._measured(s, prop, ismath)
         turn = np.exp(1j * np.deg2rad(angle))
         corners = turn * np.array([0, width]).reshape(2, 1) + 1j * turn * np.array([-descent, height - descent])
         left, below = int(corners.real.min()) - 3, int(corners.imag.min()) - 3
-        sheet = RendererAgg(int(corners.real.max()) + 3 - left, int(corners.imag.max()) + 3 - below, self.dpi)
+        sheet: Any = _Renderer(int(corners.real.max()) + 3 - left, int(corners.imag.max()) + 3 - below, self.dpi)
         gc = sheet.new_gc()
         gc.set_foreground(color, isRGBA=True)
-        sheet.draw_text(gc, -left, sheet.height + below, s, prop, angle, ismath)
+        RendererAgg.draw_text(  # type: ignore[no-untyped-call]
+            sheet, gc, -left, sheet.height + below, s, prop, angle, ismath)
         return left, below, np.array(sheet.buffer_rgba())[::-1]
 
 
@@ -118,7 +124,7 @@ class Picture:
         # By hand: Pillow tries five filters on every row, and writes more for twice the time.
         rows = np.pad(pixels.reshape(height, -1), ((0, 0), (1, 0)))
         parts = {b"IHDR": struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0),
-                 b"IDAT": zlib.compress(rows, 1), b"IEND": b""}
+                 b"IDAT": zlib.compress(rows.tobytes(), 1), b"IEND": b""}
         return b"\x89PNG\r\n\x1a\n" + b"".join(
             struct.pack(">I", len(part)) + kind + part + struct.pack(">I", zlib.crc32(kind + part))
             for kind, part in parts.items())

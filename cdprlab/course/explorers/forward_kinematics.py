@@ -163,12 +163,12 @@ class ForwardKinematicsExplorer(Explorer):
                                                                     np.sin(bearings)])
         looks = [cable_style(i) for i in range(len(exits))]
         circles = centers[:, None] + self._lengths[:, None, None] * _CIRCLE
-        for lines, look in ((circles, {"colors": [look.color for look in looks], "linewidths": 1.2, "alpha": 0.75,
-                                       "linestyles": [look.linestyle for look in looks]}),
-                            (np.stack([exits, anchors], axis=1), {"colors": GREY, "linewidths": 0.9})):
-            self._panel.add_collection(LineCollection(list(lines), **look), autolim=False)
+        for lines in (LineCollection(list(circles), colors=[look.color for look in looks], linewidths=1.2,
+                                     linestyles=[look.linestyle for look in looks], alpha=0.75),
+                      LineCollection(list(np.stack([exits, anchors], axis=1)), colors=GREY, linewidths=0.9)):
+            self._panel.add_collection(lines, autolim=False)
         for i, (place, look) in enumerate(zip(marks, looks), start=1):
-            self._panel.add_artist(Haloed(*place, str(i), color=look.color, fontsize=10, zorder=3,
+            self._panel.add_artist(Haloed(place[0], place[1], str(i), color=look.color, fontsize=10, zorder=3,
                                           fontweight="bold", transform=self._panel.transData))
 
     def _draw_iterates(self) -> None:

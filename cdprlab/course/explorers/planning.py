@@ -111,13 +111,14 @@ class PlanningExplorer(Explorer):
                       levels=[-1.0, pair.width / 2, np.hypot(pair.length, pair.width) / 2])
         stations = _stations(plan.poses) if plan.found else _START[None]
         front = np.array([[pair.length, -pair.width], [pair.length, pair.width]]) / 2
-        for outlines, look in (
-                (self.hall(values).outlines, {"facecolor": GREY, "edgecolor": INK, "linewidth": 0.8, "zorder": 2}),
-                (pair.outline(stations), {"facecolor": "none", "edgecolor": BLUE, "alpha": 0.7, "zorder": 4}),
-                (carried(stations, front), {"edgecolor": BLUE, "linewidth": 2.5, "zorder": 4}),
-                (pair.outline(self.goal(values))[None], {"facecolor": "none", "edgecolor": VERMILION,
-                                                         "linewidth": 2, "linestyle": "--", "zorder": 5})):
-            axes.add_collection(PolyCollection(list(outlines), **look), autolim=False)
+        racks = list(self.hall(values).outlines)
+        for outlines in (
+                PolyCollection(racks, facecolor=GREY, edgecolor=INK, linewidth=0.8, zorder=2),
+                PolyCollection(list(pair.outline(stations)), facecolor="none", edgecolor=BLUE, alpha=0.7, zorder=4),
+                PolyCollection(list(carried(stations, front)), edgecolor=BLUE, linewidth=2.5, zorder=4),
+                PolyCollection([pair.outline(self.goal(values))], facecolor="none", edgecolor=VERMILION,
+                               linewidth=2, linestyle="--", zorder=5)):
+            axes.add_collection(outlines, autolim=False)
         if plan.found:
             axes.plot(*plan.poses[:, :2].T, color=BLUE, linewidth=2, zorder=5)
         self.says = axes.text(_SIZE[0] / 2, 2.6, "" if plan.found else "no way",

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...arrays import Array, checked
+from ...arrays import Array, Flags, checked
 from ...errors import InvalidInput, quoted
 from ...mechanics.kinematics import jacobian
 from ...mechanics.redundancy import TwistResolution, resolve_twist
@@ -51,14 +51,14 @@ class Reach(NamedTuple):
     shares: TwistResolution
 
     @property
-    def inside(self) -> Array:
+    def inside(self) -> Flags:
         """(2,) whether the twist is available, to rounding."""
-        return self.scales >= 1 - 1e-9
+        return np.asarray(self.scales >= 1 - 1e-9)
 
-    def verdict(self, moving: int) -> str:
-        """Inside or outside, and how much of the twist can be had, bases standing (0) or driving (1)."""
-        scale = self.scales[moving]
-        where = "inside" if self.inside[moving] else "OUTSIDE"
+    def verdict(self, moving: bool) -> str:
+        """Inside or outside, and how much of the twist can be had."""
+        scale, inside = self.scales[int(moving)], self.inside[int(moving)]
+        where = "inside" if inside else "OUTSIDE"
         return f"{where}, scale at most {scale:.3f}" if np.isfinite(scale) else f"{where}, any scale"
 
 
@@ -133,16 +133,16 @@ class TwistSetExplorer(Explorer):
         """Inside or outside, largest scales, and one way to share the twist."""
         found = self.reach(values)
         heads = [f"t = {self._wanted(values)}  [{', '.join(self._names)}]",
-                 f"bases fixed    {found.verdict(0)}",
-                 f"bases driving  {found.verdict(1)}"]
+                 f"bases fixed    {found.verdict(False)}",
+                 f"bases driving  {found.verdict(True)}"]
         if found.moving.n == 2:
             heads.append(f"area of the set [m²/s²]  {found.fixed.volume:.2f} fixed, {found.moving.volume:.2f} driving")
         return "\n".join([*heads, "", self._cable_table(found), "", *self._base_lines(found)])
 
     def describe(self, values: Values) -> str:
         found = self.reach(values)
-        return (f"{self.title}. The twist {self._wanted(values)} is {found.verdict(0)} with the bases fixed, "
-                f"{found.verdict(1)} with the bases driving.")
+        return (f"{self.title}. The twist {self._wanted(values)} is {found.verdict(False)} with the bases fixed, "
+                f"{found.verdict(True)} with the bases driving.")
 
     def _wanted(self, values: Values) -> str:
         return in_brackets([values[name] for name in self._names], 3)

@@ -11,7 +11,7 @@ from matplotlib.text import Text
 from matplotlib.transforms import offset_copy
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, Flags
+from ...arrays import Array
 from ...view.plots import Figure
 from ...view.style import INK, LineStyle, house_style
 
@@ -51,7 +51,7 @@ def bar_panel(panel: Axes, m: int, end: float) -> Axes:
 
 
 def draw_bars(panel: Axes, sizes: Array, looks: Sequence[LineStyle], words: Sequence[str],
-              ends: Array | None = None, hollow: Flags | Sequence[bool] = (), upright: bool = False,
+              ends: Array | None = None, hollow: Any = (), upright: bool = False,
               **look: Any) -> list[Text]:
     """A bar for each of m cables, and a word at the end of each.
 
@@ -64,18 +64,20 @@ def draw_bars(panel: Axes, sizes: Array, looks: Sequence[LineStyle], words: Sequ
     along = np.outer(sizes, [0, 0, 1, 1])
     corners = np.stack([along, np.arange(1, m + 1)[:, None] + [-0.3, 0.3, 0.3, -0.3]], axis=-1)
     for which, hatch in ((~empty, None), (empty, "//")):
-        chosen = np.flatnonzero(which)
+        chosen = np.flatnonzero(which).tolist()
         colors = [looks[k].color for k in chosen]
         panel.add_collection(PolyCollection(
             list(corners[chosen, :, ::-1] if upright else corners[chosen]), edgecolors=colors if hatch else INK,
             facecolors="white" if hatch else colors, hatch=hatch, linewidths=1.4, zorder=2,
             linestyles=[looks[k].linestyle for k in chosen]), autolim=False)
-    aside = offset_copy(panel.transData, panel.figure, *((0, 3) if upright else (5, 0)), "points")
-    below = offset_copy(panel.transData, panel.figure, 0, -3, "points")
+    figure: Any = panel.figure
+    aside = offset_copy(panel.transData, figure, *((0, 3) if upright else (5, 0)), "points")
+    below = offset_copy(panel.transData, figure, 0, -3, "points")
     told = []
     for k, (end, word) in enumerate(zip(sizes if ends is None else ends, words)):
         under = upright and empty[k]
-        told.append(panel.text(*((k + 1, end) if upright else (end, k + 1)), word,
+        x, y = (k + 1, end) if upright else (end, k + 1)
+        told.append(panel.text(x, y, word,
                                transform=below if under else aside,
                                **{"ha": "center" if upright else "left", "fontsize": 9, "color": INK, "zorder": 6,
                                   "va": "top" if under else "bottom" if upright else "center"} | look))
