@@ -192,7 +192,7 @@ def door(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
     """
     def look_up(name: str) -> Any:
         if name not in homes:
-            raise AttributeError(f"{package} has no {name!r}; it has {', '.join(homes)}")
+            raise AttributeError(f"{package} has no {name!r}; it has {', '.join(sys.modules[package].__all__)}")
         with needed_by(f"{package}.{name}"):
             home = import_module(homes[name], package)
         return getattr(home, name, home)

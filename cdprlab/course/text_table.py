@@ -4,18 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-
-def text_table(header: Sequence[str], rows: Sequence[Sequence[str]], gap: int = 2) -> str:
-    """Columns aligned, ``gap`` spaces apart: the first to the left, all others to the right.
-
-    >>> print(text_table(["cable", "1", "2"], [["length [m]", "4.36", "12.10"]]))
-    cable          1      2
-    length [m]  4.36  12.10
-    """
-    lines = [list(header), *map(list, rows)]
-    widths = [max(map(len, column)) for column in zip(*lines)]
-    return "\n".join((gap * " ").join(cell.ljust(width) if k == 0 else cell.rjust(width)
-                                     for k, (cell, width) in enumerate(zip(line, widths))).rstrip() for line in lines)
+from ..run.log import text_table as text_table
 
 
 def fixed(value: float, digits: int) -> str:

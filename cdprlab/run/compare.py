@@ -16,6 +16,7 @@ from ..robot import Robot
 from ..tensions import checked_distribution, solver_for, tension_methods
 from ..tensions.method import Solver
 from ..world import World
+from .log import text_table
 
 _FINER = 20
 """Parts the largest step is cut into: a jump stays whole, a steep slope falls to a twentieth of it."""
@@ -77,10 +78,8 @@ class TensionComparison:
         return [head, *(_line(row) for row in self.rows())]
 
     def __str__(self) -> str:
-        lines = self.lines()
-        widths = [max(map(len, column)) for column in zip(*lines)]
-        return "\n".join("  ".join(cell.rjust(width) if at else cell.ljust(width)
-                                   for at, (cell, width) in enumerate(zip(line, widths))).rstrip() for line in lines)
+        head, *rows = self.lines()
+        return text_table(head, rows)
 
     __repr__ = __str__
 

@@ -117,3 +117,16 @@ def write_rows(path: Path, rows: Iterable[Sequence[str]]) -> None:
     """A CSV file of these rows, the first of them its header."""
     with replaced(path) as file, TextIOWrapper(file, encoding="utf-8", newline="") as text:
         csv.writer(text).writerows(rows)
+
+
+def text_table(header: Sequence[str], rows: Sequence[Sequence[str]], gap: int = 2) -> str:
+    """Columns aligned, ``gap`` spaces apart: the first to the left, all others to the right.
+
+    >>> print(text_table(["cable", "1", "2"], [["length [m]", "4.36", "12.10"]]))
+    cable          1      2
+    length [m]  4.36  12.10
+    """
+    lines = [list(header), *map(list, rows)]
+    widths = [max(map(len, column)) for column in zip(*lines)]
+    return "\n".join((gap * " ").join(cell.ljust(width) if k == 0 else cell.rjust(width)
+                                     for k, (cell, width) in enumerate(zip(line, widths))).rstrip() for line in lines)

@@ -20,6 +20,7 @@ from pathlib import Path
 from threading import Lock
 
 from joblib import Parallel, delayed
+from pydantic import TypeAdapter
 
 from ...errors import InvalidInput, quoted
 from ...world.files import write_text
@@ -180,10 +181,8 @@ class Grader:
     def kept(self, blank: Result) -> Result | None:
         """The result of before, if all it depends on is as it was."""
         try:
-            found = json.loads(self.place(blank).read_text(encoding="utf-8"))
-            outcomes = [Outcome(**outcome) for outcome in found.pop("outcomes")]
-            result = Result(**found, outcomes=outcomes)
-        except (OSError, ValueError, TypeError, LookupError, AttributeError):
+            result = TypeAdapter(Result).validate_json(self.place(blank).read_bytes())
+        except (OSError, ValueError):
             return None
         return result if result.key == blank.key else None
 

@@ -172,16 +172,12 @@ def null_vector(W: Array) -> Array:
     m, r = kernel.shape
     if r == 0:
         return np.zeros(m)
-    if r == 1:
-        h = kernel[:, 0] * (1.0 if kernel.sum() >= 0 else -1.0)
-    else:
-        # h = N z with |h| ≤ 1 and t ≤ h_i, t as large as possible.
-        rows = np.block([[-kernel, np.ones((m, 1))], [kernel, np.zeros((m, 1))],
-                         [-kernel, np.zeros((m, 1))]])
-        bounds = np.concatenate([np.zeros(m), np.ones(2 * m)])
-        h = kernel @ largest_last(rows, bounds)[1]
-        if np.abs(h).max() < 1e-9:  # no h ≥ 0 but zero: any direction will do
-            h = kernel[:, 0]
+    # h = N z with |h| ≤ 1 and t ≤ h_i, t as large as possible.
+    rows = np.block([[-kernel, np.ones((m, 1))], [kernel, np.zeros((m, 1))],
+                     [-kernel, np.zeros((m, 1))]])
+    h = kernel @ largest_last(rows, np.concatenate([np.zeros(m), np.ones(2 * m)]))[1]
+    if np.abs(h).max() < 1e-9:  # no h ≥ 0 but zero: any direction will do
+        h = kernel[:, 0] * (1.0 if kernel[:, 0].sum() >= 0 else -1.0)
     return np.asarray(h / np.abs(h).max())
 
 

@@ -14,13 +14,11 @@ from ...robot import Robot
 
 @checked
 def slack_length(robot: Robot, position: ArrayLike, configuration: Sequence[int],
-                 length_error: float = 0.01, *,
-                 exit_uncertainty: float = 0.0) -> float:
+                 length_error: float = 0.01) -> float:
     """The smallest length, added to every other cable, that leaves only one configuration compatible [m].
 
     position : (3,) or a Pose [m]; configuration : three cables, numbered from 1
-    length_error : ± of each measured length [m]; exit_uncertainty : half width of the box
-        around each A_i [m]
+    length_error : ± of each measured length [m]
     Raises InvalidInput where no such length up to 4 m exists: the position is too near the
     triangle's edge.
     Source: Ramadour and Merlet 2014, section VI, where it is 0.20 m throughout.
@@ -39,9 +37,7 @@ def slack_length(robot: Robot, position: ArrayLike, configuration: Sequence[int]
     others[chosen.indices] = 0.0
 
     def certain(slack: float) -> bool:
-        found = compatible_configurations(robot, rho + slack * others, length_error,
-                                          exit_uncertainty=exit_uncertainty)
-        return found == (chosen,)
+        return compatible_configurations(robot, rho + slack * others, length_error) == (chosen,)
 
     growth = 1.1
     slacks = 1e-3 * growth**np.arange(88)       # a millimeter to four meters
