@@ -342,18 +342,6 @@ class Zonotope(Polytope):
     """{center + G z : |z| ≤ 1}, the image of a box: facets by hyperplane shifting, the support by a formula."""
 
     @cached_property
-    def center(self) -> Array:
-        """(n,) of the set."""
-        low, high = self._box
-        return frozen(self.shift + self.map @ ((low + high) / 2))
-
-    @cached_property
-    def generators(self) -> Array:
-        """G, (n, k)."""
-        low, high = self._box
-        return frozen(self.map * ((high - low) / 2))
-
-    @cached_property
     def _box(self) -> tuple[Array, Array]:
         """Lower and upper limits (k,)."""
         high, low = self.limits.reshape(2, -1)
@@ -414,7 +402,7 @@ class Zonotope(Polytope):
     def _meetings(self, found: Planes) -> Array:
         at, k = self._frame, self._edges.shape[1]
         if k > _MOST_SIGNS:
-            inner = at.inside(self.center)
+            inner = at.back @ self._edges.sum(axis=1) / 2
             return meetings(found.normals, found.offsets - found.normals @ inner) + inner
         edges = at.back @ self._edges
         way = found.normals @ (edges / np.linalg.norm(edges, axis=0))

@@ -84,10 +84,9 @@ def plot_run(run: Run, beside: Run | None = None) -> Figure:
     """
     with house_style():
         figure = Figure(figsize=(13.0, 7.8), layout="constrained")
-        rows = _tracking_rows(run)
-        grid = figure.add_gridspec(rows, 2, wspace=0.06)
-        left = [figure.add_subplot(grid[row, 0]) for row in range(rows)]
-        right = [figure.add_subplot(grid[:-1, 1]), figure.add_subplot(grid[-1, 1])]
+        halves: Any = figure.subfigures(1, 2)
+        left = halves[0].subplots(_tracking_rows(run))
+        right = halves[1].subplots(2, height_ratios=[2, 1])
         words = f"{_tracking_in_words(run)} {_tensions_in_words(run)}"
         _tracking_panels(left, run)
         _tension_panels(right, run)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import CannotWrite, InvalidInput
+from ..errors import CannotWrite, InvalidInput, quoted
 from ..world.files import made_folder, replaced
 from .criterion import Criterion
 
@@ -53,35 +53,25 @@ class Checkpoint:
 
 
 def _hashed(*values: Any) -> str:
-    import hashlib  # here only: it takes a twentieth of the time of `import cdprlab`
+    from joblib import hash as digest
 
-    key = hashlib.sha256()
-    for value in values:
-        _feed(key, value)
-    return key.hexdigest()
+    try:
+        told: str = digest(_told(values), "sha1")
+    except pickle.PicklingError:   # a repr may be an address, which another object gets next
+        raise InvalidInput("a checkpoint needs what can be pickled, "
+                           f"got {quoted(values)}") from None
+    return told
 
 
-def _feed(key: Any, value: Any) -> None:
-    """Everything a value consists of, into the hash; what a dataclass has worked out for itself is left out."""
-    key.update(type(value).__qualname__.encode())
+def _told(value: Any) -> Any:
+    """Everything a value consists of; what a dataclass has worked out for itself is left out."""
+    kind = type(value).__qualname__
     if isinstance(value, Criterion):
-        key.update(marshal.dumps(getattr(value.judge, "__code__", None), 2))   # 2: the same bytes in every process
-    if isinstance(value, np.ndarray):
-        key.update(f"{value.shape}{value.dtype}".encode() + np.ascontiguousarray(value).tobytes())
-    elif is_dataclass(value):
-        for field in fields(value):
-            if field.init:
-                key.update(field.name.encode())
-                _feed(key, getattr(value, field.name))
-    elif isinstance(value, dict):
-        _feed(key, sorted(value.items()))
-    elif isinstance(value, list | tuple):
-        key.update(str(len(value)).encode())
-        for item in value:
-            _feed(key, item)
-    else:
-        try:
-            key.update(pickle.dumps(value))   # its repr may be an address, which another object gets next
-        except Exception:
-            raise InvalidInput("a checkpoint needs what can be pickled, "
-                               f"got {type(value).__qualname__}") from None
+        kind += repr(marshal.dumps(getattr(value.judge, "__code__", None), 2))   # 2: the same bytes in every process
+    if is_dataclass(value):
+        return kind, {field.name: _told(getattr(value, field.name)) for field in fields(value) if field.init}
+    if isinstance(value, dict):
+        return kind, {key: _told(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return kind, [_told(item) for item in value]
+    return np.ascontiguousarray(value) if isinstance(value, np.ndarray) else value
