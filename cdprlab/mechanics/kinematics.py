@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array, checked, common_batch
 from ..errors import InvalidInput, NoConvergence
 from ..robot import Robot
-from ..robot.pose import Pose, cross, rotation_from_vector, rotation_vector_jacobian
+from ..robot.pose import Pose, cross, rotation_vector_jacobian
 from .cables import Cables, cable_directions, cables_at, check_dimension, tangent_points
 from .optimization import least_squares
 
@@ -147,8 +147,7 @@ def nearby_pose(robot: Robot, lengths: Array, last: Pose) -> Pose:
 
 def moved(robot: Robot, start: Pose, x: Array) -> Pose:
     """p = p₀ + S_v x and R = exp([S_ω x]×) R₀: away from a pose by x (…, n) in the motion pattern's rows there."""
-    step, d = x @ robot.pattern.basis(start.rotation).T, robot.dimension
-    return Pose.of(start.position + step[..., :d], rotation_from_vector(step[..., d:]) @ start.rotation)
+    return start.displaced(x @ robot.pattern.basis(start.rotation).T)
 
 
 def moved_slope(robot: Robot, start: Pose, x: Array) -> Array:

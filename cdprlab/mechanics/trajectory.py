@@ -12,7 +12,6 @@ from ..arrays import Array, as_array, checked, frozen, lasting
 from ..errors import InvalidInput
 from ..robot.pose import (
     Pose,
-    rotation_from_vector,
     rotation_vector,
     rotation_vector_jacobian,
     rotation_vector_jacobian_rate,
@@ -69,12 +68,10 @@ class Trajectory:
         x, rate, bend = (np.moveaxis(np.asarray(value, np.float64), 0, -1) for value in values)
         rate, bend = np.where(resting, 0.0, rate), np.where(resting, 0.0, bend)
         d = self.start.dimension
-        pose = Pose.of(self.start.position + x[..., :d],
-                       rotation_from_vector(x[..., d:]) @ self.start.rotation)
         J, J_rate = rotation_vector_jacobian(x[..., d:]), rotation_vector_jacobian_rate(x[..., d:], rate[..., d:])
         spin = J @ rate[..., d:, None]
         spin_rate = J @ bend[..., d:, None] + J_rate @ rate[..., d:, None]
-        return Reference(pose, np.concatenate([rate[..., :d], spin[..., 0]], axis=-1),
+        return Reference(self.start.displaced(x), np.concatenate([rate[..., :d], spin[..., 0]], axis=-1),
                          np.concatenate([bend[..., :d], spin_rate[..., 0]], axis=-1))
 
 

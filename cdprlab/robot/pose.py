@@ -95,6 +95,11 @@ class Pose:
         """(…, 3) rpy, or (…, 1) the angle in the plane [rad]."""
         return self.rpy if self.dimension == 3 else np.asarray(self.angle)[..., None]
 
+    def displaced(self, step: Array) -> Pose:
+        """p + Δp, exp([Δφ]×) R: moved by (…, 3 planar or 6 spatial) [Δp; Δφ] in world axes [m, rad]."""
+        d = self.dimension
+        return Pose.of(self.position + step[..., :d], rotation_from_vector(step[..., d:]) @ self.rotation)
+
     def __len__(self) -> int:
         if not self.batch_shape:
             raise TypeError("a single Pose has no length")

@@ -12,7 +12,7 @@ from ..mechanics.cables import Cables, cables_at
 from ..mechanics.dynamics import mass_and_bias, pose_error
 from ..mechanics.kinematics import moved, nearby_pose
 from ..robot import Robot
-from ..robot.pose import Pose, rotation_from_vector
+from ..robot.pose import Pose
 from ..simulate.state import State
 from ..world import World
 from .log import Columns
@@ -80,18 +80,13 @@ class Observer:
             M, h = mass_and_bias(robot, rotation, self.twist)
             S = robot.pattern.basis(rotation)
             self.twist = self.twist + period * S @ np.linalg.solve(S.T @ M @ S, wrench - h @ S)
-        self._move(period * self.twist)
+        self.pose = self.pose.displaced(period * self.twist)
 
     def correct(self, error: Array, elapsed: float) -> None:
         """By how far the measured pose was from the predicted one, so long after the last time [m, rad; s]."""
         z = np.exp(-self._speed * elapsed)
-        self._move((1 - z**2) * error)
+        self.pose = self.pose.displaced((1 - z**2) * error)
         self.twist = self.twist + (1 - z)**2 / elapsed * error
-
-    def _move(self, step: Array) -> None:
-        d = self.pose.dimension
-        self.pose = Pose.of(self.pose.position + step[:d],
-                            rotation_from_vector(step[d:]) @ self.pose.rotation)
 
 
 class _Sample(NamedTuple):
