@@ -92,7 +92,7 @@ def library() -> dict[str, tuple[Any, Words]]:
         "WrenchClosure": {}, "StaticEquilibrium": {}, "TippingSafe": {},
         "WrenchFeasible": {"wrenches": np.zeros(6), "half_widths": np.ones(6), "by": None},
         "DynamicEquilibrium": {"accelerations": np.ones(6)},
-        "TwistFeasible": {"twists": np.zeros(6), "moving": "none", "pivot": "base"},
+        "TwistFeasible": {"twists": np.zeros(6), "moving": "none"},
         "InterferenceFree": {"clearance": 0.02, "obstacles": (), "cables": True, "platform": True},
         "StaticallyStable": {"method": "quadratic_program", "axial_stiffness": 1e5}}
     found: dict[str, tuple[Any, Words]] = {}
@@ -320,7 +320,7 @@ def of_course() -> dict[str, tuple[Any, Words]]:
         "position_grid": (course.position_grid, {"lower": [-1, 0, 0.5], "upper": [1, 0, 1.5], "step": 0.5,
                                                  "rpy": None, "angle": None}),
         "refine": (course.refine, {"robot": PLANAR.robot, "grid": course.position_grid([-1, 1], [1, 2], 0.5),
-                                   "criterion": cl.WrenchClosure(), "levels": 1, "n_jobs": None, "progress": None}),
+                                   "criterion": cl.WrenchClosure(), "levels": 1, "n_jobs": None}),
         "axis_names": (course.axis_names, {"motion_pattern": "3R3T", "quantity": "twist"}),
         "cable_style": (course.cable_style, {"index": 0}), "seed": (course.seed, {"n": 1}),
         "fallback": (course.fallback, {"exercise": "00_cut"}),

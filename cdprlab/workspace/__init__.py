@@ -1,10 +1,9 @@
 """Workspaces: which poses a robot can serve, by criteria that combine, over grids, swept and certified."""
 
 from .certified import certify
-from .criterion import Criterion, Judgement
+from .criterion import AllOrientations, AnyOrientation, Criterion, Judgement
 from .grids import PoseGrid, low_discrepancy_poses, position_grid
 from .interference import InterferenceFree
-from .orientations import AllOrientations, AnyOrientation
 from .refinement import refine
 from .stability import StaticallyStable
 from .sweep import workspace

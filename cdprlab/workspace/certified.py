@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Progress, as_number
+from ..arrays import Array, as_number
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths, have_directions
 from ..mechanics.intervals import Intervals
@@ -13,15 +13,14 @@ from ..robot.pose import Pose
 from .capacity import best_tensions, capacity_margins, external_wrenches
 from .grids import corners
 from .interval_statics import PoseBoxes, certainly_inside, certainly_outside
-from .workspace_cells import WorkspaceCells, halved, sizes
+from .workspace_cells import WorkspaceCells, halved
 
 _MOST_BOXES, _CHUNK = 2_000_000, 4096
 
 
 def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: float = 0.05,
             rpy: ArrayLike | None = None, angle: float | None = None,
-            wrenches: ArrayLike | None = None,
-            progress: Progress | None = None) -> WorkspaceCells:
+            wrenches: ArrayLike | None = None) -> WorkspaceCells:
     """Wrench feasibility under the weight, proven box by box with intervals rounded outward (branch and bound).
 
     Inside: tensions that follow the pose are proven to balance the wrench within the limits all
@@ -35,7 +34,6 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
     rpy, angle : the orientation where it is held, as `Pose` takes it [rad]
     wrenches : (k, n) or (n,) external wrenches besides the weight; inside needs all of them
         [N, N m]
-    progress : called with (share decided in percent, 100)
     Raises InvalidInput for a 2R3T robot, one with pulleys, or where the boxes get too many.
     Source: Gouttefarde, Daney and Merlet 2011 (interval-analysis-based determination of the
     wrench-feasible workspace); the proofs are chosen anew.
@@ -57,7 +55,6 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
     rotation = Pose(np.zeros(robot.dimension), rpy, angle=angle).rotation
     loads = external_wrenches(wrenches, robot.n_dof)
     low, high = low[None], high[None]
-    whole = sizes(low, high).sum()
     kept: list[tuple[Array, Array, Array]] = []
     while len(low):
         verdict = np.concatenate([
@@ -66,8 +63,6 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
         done = (verdict != 0) | (high - low <= least * (1 + 1e-9)).all(axis=1)
         kept.append((low[done], high[done], verdict[done]))
         low, high = low[~done], high[~done]
-        if progress is not None:
-            progress(100 - int(np.ceil(100 * sizes(low, high).sum() / whole)), 100)
         low, high = halved(low, high, (high - low).argmax(axis=1))
         if len(low) + sum(len(part[0]) for part in kept) > _MOST_BOXES:
             raise InvalidInput(f"more than {_MOST_BOXES} boxes at a resolution of {least:g} m: ask for a coarser one")

@@ -1,14 +1,15 @@
-"""What it means for a pose to belong to a workspace."""
+"""What it means for a pose to belong to a workspace, by one criterion, by two, or over several orientations."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..arrays import Array, Flags, frozen, lasting
+from ..arrays import Array, Flags, as_array, checked, frozen, lasting
 from ..errors import InvalidInput
 from ..mechanics.cables import have_directions
 from ..robot import Robot
@@ -82,3 +83,53 @@ def judge_where_it_can_be(robot: Robot, poses: Pose, criterion: Criterion, margi
 def unknown(inside: Flags) -> Judgement:
     """A verdict without margins."""
     return Judgement(inside, np.full(inside.shape, np.nan))
+
+
+# --- over several orientations ----------------------------------------------------------------------
+@checked
+@dataclass(frozen=True, eq=False)
+class AllOrientations(Criterion):
+    """Total orientation: the criterion holds at every given orientation, poses giving the position alone.
+
+    criterion : asked at each of them
+    orientations : (k, 3) rpy, or (k,) angles in the plane [rad]
+    margin : the smallest
+    Source: Merlet 2006, Parallel Robots, sec. 7 (total orientation workspace).
+
+    >>> import cdprlab as cl
+    >>> tilts = [[a, 0, 0] for a in (-0.2, 0.0, 0.2)]
+    >>> robot, criterion = cl.load_world("caroca").robot, AllOrientations(cl.WrenchFeasible(), tilts)
+    >>> criterion.judge(robot, cl.Pose([[0, 0, 1]])).inside
+    array([ True])
+    """
+
+    criterion: Criterion
+    orientations: ArrayLike
+    join: ClassVar[tuple[np.ufunc, np.ufunc]] = (np.logical_and, np.minimum)
+
+    @property
+    def unit(self) -> str:  # type: ignore[override]
+        return self.criterion.unit
+
+    def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
+        planar = robot.dimension == 2
+        given: Array = as_array(self.orientations, "orientations",
+                                ("k",) if planar else ("k", 3), "rad")
+        if not len(given):
+            raise InvalidInput("orientations must hold at least one")
+        turned = [Pose(poses.position, angle=turn) if planar else Pose(poses.position, rpy=turn)
+                  for turn in given]
+        found = zip(*(judge_where_it_can_be(robot, at, self.criterion, margin) for at in turned))
+        return Judgement(*(join.reduce(parts) for join, parts in zip(self.join, found)))
+
+
+class AnyOrientation(AllOrientations):
+    """Inclusive orientation: the criterion holds at one of the given orientations at least; arguments as before.
+
+    As `AllOrientations`, which asks for all of them.
+
+    margin : the largest
+    Source: Merlet 2006, Parallel Robots, sec. 7 (inclusive orientation workspace).
+    """
+
+    join = (np.logical_or, np.maximum)

@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 
-from ..arrays import Array, Progress, as_count, checked
+from ..arrays import Array, as_count, checked
 from ..errors import InvalidInput
 from ..robot import Robot
 from .criterion import Criterion
@@ -17,12 +17,10 @@ _MOST_CELLS = 2_000_000
 
 @checked
 def refine(robot: Robot, grid: PoseGrid, criterion: Criterion, levels: int = 3, *,
-           n_jobs: int | None = None,
-           progress: Progress | None = None) -> WorkspaceCells:
+           n_jobs: int | None = None) -> WorkspaceCells:
     """Split the cells whose corners and center do not agree, level by level.
 
     levels : times a border cell is halved along each axis; every level halves the error about
-    progress : called with (levels done, levels in all)
     Returns WorkspaceCells over the grid's axes.
     Raises InvalidInput where that makes more cells than can be judged.
 
@@ -48,8 +46,6 @@ def refine(robot: Robot, grid: PoseGrid, criterion: Criterion, levels: int = 3, 
         lower, upper = lower[~done], upper[~done]
         for axis in range(len(grid.axes)):
             lower, upper = halved(lower, upper, axis)
-        if progress is not None:
-            progress(level + 1, levels + 1)
     return WorkspaceCells(*map(np.concatenate, zip(*kept)))
 
 

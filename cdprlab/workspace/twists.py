@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_array, checked
 from ..errors import InvalidInput
-from ..mechanics.kinematics import Pivot, base_jacobian, jacobian
+from ..mechanics.kinematics import base_jacobian, jacobian
 from ..mechanics.optimization import largest_last
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -27,8 +27,7 @@ class TwistFeasible(Criterion):
 
     twists : (k, n) or (n,) wanted [m/s, rad/s]
     half_widths : (n,) of a box of wanted twists around 0; give one of the two
-    moving : bases that may drive: "all", "none", a name or several
-    pivot : what θ turns a base about, as in `available_twist_set`
+    moving : bases that may drive: "all", "none", a name or several, each turning about its own center
     margin : the smallest speed the winches have to spare, negative where one is short of it
         [m/s]
     Source: Gagliardini et al. 2018 (twist-feasible workspace, TFW); Lessanibahri et al. 2018.
@@ -37,7 +36,6 @@ class TwistFeasible(Criterion):
     twists: ArrayLike | None = None
     half_widths: ArrayLike | None = None
     moving: str | Sequence[str] = "none"
-    pivot: Pivot = "base"
     unit = "m/s"
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
@@ -52,7 +50,7 @@ class TwistFeasible(Criterion):
         rates = np.abs(J @ wanted.T).max(axis=-1) + np.abs(J) @ half
         spare = (robot.speed_max - rates).min(axis=-1)
         if bases.any():
-            B = np.broadcast_to(base_jacobian(robot, poses, self.pivot)[..., columns],
+            B = np.broadcast_to(base_jacobian(robot, poses)[..., columns],
                                 (*J.shape[:-1], len(columns)))
             if half.any():  # the twist set is convex and symmetric: a box is in it where half of its corners are
                 wanted = np.array_split(box_loads(wanted, half), 2)[0]

@@ -11,8 +11,7 @@ from ...robot import Robot
 from ...robot.pose import Pose
 from .program import Duty
 from .proof import why_impossible
-from .reason import why_not_found
-from .search import Search
+from .search import Search, why_not_found
 
 
 @checked
