@@ -13,12 +13,11 @@ import numpy as np
 
 from ..arrays import Array, checked, frozen
 from ..errors import InvalidInput, quoted, shortened
-from ..mechanics.dynamics import pose_error
 from ..mechanics.trajectory import Reference
 from ..robot.pose import Pose
 from ..world import World, load_world
 from ..world.files import as_path
-from .record import QUANTITIES, Run
+from .record import QUANTITIES, Run, errors_of
 
 _SIZES = {"m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3}, "rad": {"rad": 1.0, "mrad": 1e-3, "deg": np.pi / 180},
           "s": {"s": 1.0, "ms": 1e-3}, "N": {"N": 1.0, "kN": 1e3}}
@@ -83,11 +82,15 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
     time = told["time"][:, 0] if np.isfinite(told["time"]).any() else np.arange(count, dtype=float)
     poses, reference, estimates = (_poses(told[f"{whose}position"], told[f"{whose}rotation"], robot.pattern.turns)
                                    for whose in ("", "reference_", "estimated_"))
-    besides: dict[str, Any] = {f"{name}s": frozen(told[name]) for name in _BESIDES if np.isfinite(told[name]).any()}
-    if "estimated_twists" in besides:
-        besides["estimates"] = estimates
-    if "base_poses" in besides:
-        besides["base_poses"] = frozen(told["base_pose"].reshape(count, -1, 3))
+    fields: dict[str, Any] = {field: frozen(told[name]) for name, (field, _) in QUANTITIES.items()
+                              if "." not in field and name in known
+                              and (name not in _BESIDES or np.isfinite(told[name]).any())}
+    if "estimated_twists" in fields:
+        fields["estimates"] = estimates
+    if "base_poses" in fields:
+        fields["base_poses"] = frozen(told["base_pose"].reshape(count, -1, 3))
+    if not np.isfinite(told["commanded_tension"]).any():
+        fields.setdefault("commanded_lengths", frozen(told["commanded_length"]))
     about: dict[str, Any] = dict.fromkeys(("task", "method", "cables"), "as logged")
     settings: dict[str, Any] = {"log": str(file)}
     kept = file.with_name("settings.json")
@@ -98,17 +101,12 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
             raise InvalidInput(f"cannot read {kept}: {shortened(str(wrong))}") from None
         about = {name: settings.pop(name, words) for name, words in about.items()}
     if columns is None and file.with_name("real.yaml").is_file():
-        besides["real"] = load_world(file.with_name("real.yaml"))
-    error, basis = pose_error(poses, reference), robot.pattern.basis(poses.rotation)
+        fields["real"] = load_world(file.with_name("real.yaml"))
     period = float(np.median(np.diff(time))) if count > 1 else 1.0
-    if not np.isfinite(told["commanded_tension"]).any():
-        besides.setdefault("commanded_lengths", frozen(told["commanded_length"]))
-    return Run(world=world, **about, **besides, time=frozen(time),
-               poses=poses, twists=frozen(told["twist"]),
-               reference=Reference(reference, told["reference_twist"], np.full((count, full), np.nan)),
-               commanded_tensions=frozen(told["commanded_tension"]), lengths=frozen(told["length"]),
-               measured_tensions=frozen(told["measured_tension"]), errors=frozen((error[:, None] @ basis)[:, 0]),
-               feasible=frozen(told["feasible"][:, 0] != 0), real_time_factor=1.0, dt=period, control_period=period,
+    fields |= {"time": frozen(time), "feasible": frozen(told["feasible"][:, 0] != 0), "poses": poses,
+               "reference": Reference(reference, told["reference_twist"], np.full((count, full), np.nan)),
+               "errors": errors_of(robot, poses, reference)}
+    return Run(world=world, **about, **fields, real_time_factor=1.0, dt=period, control_period=period,
                settings=settings)
 
 

@@ -33,6 +33,12 @@ QUANTITIES = {
 _AS_IT_WAS: Any = None
 
 
+def errors_of(robot: Robot, poses: Pose, wanted: Pose) -> Array:
+    """(N, n) wanted minus there in the motion pattern's rows: position, rotation vector [m, rad]."""
+    error, basis = pose_error(poses, wanted), robot.pattern.basis(poses.rotation)
+    return frozen((error[:, None] @ basis)[:, 0])
+
+
 @lasting
 @dataclass(frozen=True, eq=False)
 class Run:
@@ -124,10 +130,9 @@ class Run:
         if "driven_torques" in log:
             about |= {"motor_torques": log["driven_torques"][1:], "motor_speeds": log["driven_speeds"][1:]}
             feasible &= log["short"][1:] == 0
-        error, basis = pose_error(poses, reference.pose), world.robot.pattern.basis(poses.rotation)
         return cls(world=world, poses=poses, twists=log["twist"][rows], reference=reference,
                    commanded_tensions=commanded, measured_tensions=log["measured_tensions"][1:],
-                   lengths=log["lengths"][rows], errors=frozen((error[:, None] @ basis)[:, 0]),
+                   lengths=log["lengths"][rows], errors=errors_of(world.robot, poses, reference.pose),
                    feasible=frozen(feasible),
                    commanded_lengths=log["commanded_lengths"][:steps]
                    if "commanded_lengths" in log else None,

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from ..arrays import LARGEST, Array, as_array, common_batch
 from ..errors import InvalidInput
 from .judgement import TensionDistribution, checked_distribution
+from .law import flat
 from .methods import method_named, solver_for
 
 
@@ -50,10 +51,8 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike,
     reasons: Any
     if batch:
         tensions, reasons = method_named(method, options).solve(
-            np.broadcast_to(W, (*batch, n, m)).reshape(-1, n, m),
-            np.broadcast_to(w_e, (*batch, n)).reshape(-1, n),
-            *(limit[None] if low.ndim == high.ndim == 1 else np.broadcast_to(limit, (*batch, m)).reshape(-1, m)
-              for limit in (low, high)), **options)
+            flat(batch, W, 2), flat(batch, w_e),
+            *(flat(() if low.ndim == high.ndim == 1 else batch, limit) for limit in (low, high)), **options)
         tensions, reasons = tensions.reshape(*batch, m), reasons.reshape(batch)
     else:
         tensions, reasons = solver_for(method, n, low, high, **options)(W, w_e)
@@ -64,9 +63,9 @@ def _gate(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: str =
     """`as_array`, without its copy where there is nothing to change: a batch of W is most of what is moved."""
     if type(value) is np.ndarray and value.dtype == np.float64 and 20 > value.ndim >= max(1, len(shape)):
         fits = not shape or isinstance(shape[-1], str) or value.shape[-1] == shape[-1]
-        flat = value.ravel()
+        numbers = value.ravel()
         with np.errstate(over="ignore"):
-            modest = flat.dot(flat) <= LARGEST   # else something is not finite, or enormous: looked at closely
+            modest = numbers.dot(numbers) <= LARGEST   # else something is not finite, or enormous: looked at closely
         if fits and modest:
             return value
     return as_array(value, name, shape, unit, batch=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Array, Flags, data_frame, frozen, lasting
 from ..errors import InfeasibleTensions
-from .law import shortfall, weigh
+from .law import flat, shortfall, weigh
 from .method import PROOFS, UNREACHABLE, Texts
 from .methods import METHODS
 
@@ -115,9 +115,9 @@ def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions
 
 def _selected(problem: Problem, bad: Any) -> Problem:
     """The wrenches without tensions, copied: (k, n, m), (k, n), (k, m), (k, m)."""
-    W, w_e, low, high = problem
-    return Problem(*(np.broadcast_to(part, (*np.shape(bad), *part.shape[part.ndim - own:]))[bad]
-                     for part, own in ((W, 2), (w_e, 1), (low, 1), (high, 1))))
+    W, *rest = problem
+    batch, chosen = np.shape(bad), np.ravel(bad)
+    return Problem(flat(batch, W, 2)[chosen], *(flat(batch, part)[chosen] for part in rest))
 
 
 def _reasons(problem: Problem, tensions: Array, residual: Array, margin: Array, said: Texts, proven: Flags) -> Texts:

@@ -42,9 +42,18 @@ def weigh(W: Array, w_e: Array, low: Array, high: Array, tensions: Array) -> Wei
     batch = tensions.shape[:-1]
     if not batch:
         return Weighed(*(part[0] for part in weigh(W[None], w_e[None], low[None], high[None], tensions[None])))
-    flat = (np.broadcast_to(part, (*batch, *part.shape[part.ndim - own:])).reshape(-1, *part.shape[part.ndim - own:])
-            for part, own in ((W, 2), (w_e, 1), (low, 1), (high, 1), (tensions, 1)))
-    return Weighed(*(part.reshape(batch + part.shape[1:]) for part in weigh(*flat)))
+    found = weigh(flat(batch, W, 2), *(flat(batch, part) for part in (w_e, low, high, tensions)))
+    return Weighed(*(part.reshape(batch + part.shape[1:]) for part in found))
+
+
+def flat(batch: tuple[int, ...], part: Array, own: int = 1) -> Array:
+    """(k, …) of a whole batch, one after the other, from (…, own axes) that broadcast to it.
+
+    >>> flat((2, 2), np.zeros(3)).shape
+    (4, 3)
+    """
+    shape = part.shape[part.ndim - own:]
+    return np.broadcast_to(part, (*batch, *shape)).reshape(-1, *shape)
 
 
 def weigh_one(W: Array, w_e: Array, low: Array, high: Array, tensions: Array) -> tuple[Array, str]:
