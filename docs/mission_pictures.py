@@ -4,12 +4,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from matplotlib.patheffects import withStroke
 
 from cdprlab.arrays import Array
 from cdprlab.fastkit import Journey, Mission, carried, draw_hall, draw_way, least_edge_loads
 from cdprlab.fastkit.mission.states import LEANS
 from cdprlab.fastkit.pictures.job_figure import BASE_STYLES, TIPS, JobScreen
-from cdprlab.view.drawing import HALO
 from cdprlab.view.film import Frame, index_at
 from cdprlab.view.plots import Figure, draw_lines, mark_level
 from cdprlab.view.screen import Screen
@@ -89,7 +89,8 @@ class PlanScreen(Screen):
         for name, spots in places.items():
             x, y = np.mean(spots, axis=0)
             self.axes.text(x, y, name.rstrip(" 0123456789"), color=INK, ha="center",
-                           va="center", fontsize=9, zorder=3, path_effects=HALO)
+                           va="center", fontsize=9, zorder=3,
+                           path_effects=[withStroke(linewidth=3, foreground="white")])
 
 
 def plot_drives(mission: Mission) -> Figure:

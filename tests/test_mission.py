@@ -69,13 +69,16 @@ def mission(world):
                        walkers=(Walker([[2.5, -1.0], [6.0, -1.0]]),))
 
 
-def test_the_engine_s_rays_end_where_geometry_says(world):
+def test_beams_end_where_the_engine_s_rays_do(world):
     pair, hall = Vehicle.of(world.robot, 1.6), Hall.of_world(world, BOUNDS)
     with EnginePair(coupled(world), pair, hall, START) as bases:
         for scanner in pair.scanners:
             origin, directions = scanner.beams_from(bases.pose)
-            rays = bases.rays(scanner)
-            exact = cast(origin, directions, hall.segments)
+            ends = np.insert(origin + scanner.range * directions, 2, scanner.height, axis=1).tolist()
+            hits = bases.engine.bullet.rayTestBatch([[*origin, scanner.height]] * len(ends), ends)
+            rays = np.array([scanner.range * hit[2] if hit[0] >= 0 else np.inf for hit in hits])
+            exact = bases.rays(scanner)
+            np.testing.assert_array_equal(exact, cast(origin, directions, hall.segments))
             seen = np.isfinite(rays)
             assert seen.sum() > 50
             np.testing.assert_array_equal(seen, exact < 3.0)

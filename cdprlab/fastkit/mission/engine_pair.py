@@ -1,4 +1,4 @@
-"""The coupled pair in the engine, as navigation drives it: bodies on wheels, ray-test scanners, people who walk."""
+"""The coupled pair in the engine, as navigation drives it: bodies on wheels, among people who walk."""
 
 from __future__ import annotations
 
@@ -11,18 +11,15 @@ from ...arrays import Array, checked
 from ...errors import InvalidInput
 from ...robot.pose import Pose
 from ...run.log import Log
-from ...simulate.bullet import STRAIGHT
 from ...simulate.spatial import SpatialSimulator
 from ...world import World
 from ..navigation.driving import KinematicPair, Walker
 from ..navigation.hall import Hall
-from ..navigation.laser import Scanner
 from ..navigation.vehicle import ACTIVE, Vehicle
 from ..plane import Motion, placed, relative
 
 _STEP = 4e-3      # s of the engine
 _AT_ONCE = 5      # of its steps in one call
-_TALL = 1.75      # m: a person
 
 
 @checked
@@ -47,7 +44,6 @@ class EnginePair(KinematicPair):
         self.engine = engine
         engine.bases.couple()
         engine.bases.lock(engine.platform)
-        self._bodies = [self._add_person(walker) for walker in walkers]
         self.log = Log({"tensions": (engine.tensions.shape, "N"),
                         "wheels": (self._wheels().shape, "N"),
                         "tilts": ((), "rad")})
@@ -59,28 +55,6 @@ class EnginePair(KinematicPair):
             engine.step(engine.world.robot.tension_min, _AT_ONCE)
         self.pose = self.vehicle.pose_of(engine.base_poses[0])
         self.log.keep(engine.tensions, self._wheels(), engine.tilts.max())
-
-    def drive(self, twist: Motion, period: float) -> Array:
-        step = super().drive(twist, period)
-        b = self.engine.bullet
-        for walker, body in zip(self.walkers, self._bodies):
-            b.resetBasePositionAndOrientation(body, [*walker.place, _TALL / 2], STRAIGHT)
-        return step
-
-    def rays(self, scanner: Scanner) -> Array:
-        """Beams are ray tests against everything solid, people included."""
-        origin, directions = scanner.beams_from(self.pose)
-        ends = np.insert(origin + scanner.range * directions, 2, scanner.height, axis=1).tolist()
-        b = self.engine.bullet
-        hits = b.rayTestBatch([[*origin, scanner.height]] * len(ends), ends)
-        return np.array([scanner.range * hit[2] if hit[0] >= 0 else np.inf for hit in hits])
-
-    def _add_person(self, walker: Walker) -> int:
-        """An upright cylinder."""
-        b = self.engine.bullet
-        shape = b.createCollisionShape(b.GEOM_CYLINDER, radius=walker.radius, height=_TALL)
-        place = [*walker.place, _TALL / 2]
-        return int(b.createMultiBody(0, shape, basePosition=place))
 
     def _wheels(self) -> Array:
         return np.array(list(self.engine.wheel_loads().values()))
