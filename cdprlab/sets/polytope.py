@@ -361,26 +361,6 @@ class Zonotope(Polytope):
         low, high = self._box
         return np.asarray(self.shift + np.where(along > 0, high, low) @ self.map.T)
 
-    def contains(self, x: ArrayLike) -> Flags:
-        """Whether some q gives x, to 1e-9 of what the limits make of each facet.
-
-        x : (…, n)
-        Returns (…) of bool.
-        """
-        try:
-            normals, offsets = self._facets
-        except NotListable:
-            return super().contains(x)
-        points = self._points(x, "x")
-        low, high = self._box
-        along = products(normals, self.map)
-        reach = np.abs(along * np.where(along > 0, high, low)).sum(axis=1)
-        far = np.abs(points).max(axis=-1)[..., None] + np.abs(self._frame.center).max()
-        # Across a flat set nothing but the point itself has a size.
-        flat = np.arange(len(normals)) >= len(normals) - 2 * self._frame.missing.shape[1]
-        room = TOLERANCE * reach + np.where(flat, TOLERANCE, ALONG) * far
-        return np.asarray((points @ normals.T <= offsets + room).all(axis=-1))[()]
-
     @cached_property
     def _edges(self) -> Array:
         """(n, k) how far each q moves the point, those that do."""
