@@ -316,7 +316,7 @@ def test_mistakes_are_named(marionet):
         plan_configurations(marionet, [5, 5, 1], G)
     with pytest.raises(InvalidInput, match="goal"):
         plan_configurations(marionet, S, [1.0, 1.0, 3.2])
-    with pytest.raises(InvalidInput, match="stability, accuracy"):
+    with pytest.raises(InvalidInput, match="'stability' or 'accuracy'"):
         plan_configurations(marionet, S, G, "speed")
     with pytest.raises(InvalidInput, match=r"corners, translated, natural, contractor"):
         classify_configurations(marionet, S, form="exact")

@@ -10,7 +10,7 @@ import pytest
 
 import cdprlab as cl
 
-FOREIGN = {"Annotated", "Any", "ArrayLike", "Callable", "Figure", "Iterable", "Mapping", "None", "Optional", "Path",
+FOREIGN = {"Annotated", "Any", "ArrayLike", "Callable", "Figure", "Iterable", "Literal", "Mapping", "None", "Optional", "Path",
            "Sequence", "Union"}
 
 

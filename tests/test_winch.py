@@ -323,7 +323,7 @@ def test_limits_are_the_smaller_ones_and_the_file_keeps_its_own():
 
 def test_what_is_asked_of_winches_is_checked():
     world = crane(True)
-    with pytest.raises(InvalidInput, match="winch must be real or ideal"):
+    with pytest.raises(InvalidInput, match="winch must be 'real' or 'ideal'"):
         cl.run(world, winch="none")
     with pytest.raises(InvalidInput, match="nothing is known of motors"):
         cl.identify_friction(cl.run(world, winch="ideal", duration=0.01))

@@ -4,19 +4,19 @@ import logging
 from dataclasses import dataclass
 from functools import cached_property
 from heapq import heapify, heappop, heappush
-from itertools import pairwise
+from itertools import groupby, pairwise
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, checked, frozen, lasting
-from ..errors import InvalidInput, quoted
+from ..errors import InvalidInput
 from ..robot import Robot
 from .accuracy import position_sensitivity
 from .configuration import Configuration, HalfWidth, as_position, triplets
 from .region import region
 
-METHODS = ("stability", "accuracy")
 UNSAFE_CHANGE = 4
 """Score of a change that passes an under-constrained configuration."""
 
@@ -66,8 +66,7 @@ class ConfigurationSequence:
     @property
     def configurations(self) -> tuple[Configuration, ...]:
         """In order, each once."""
-        return tuple(c for k, (_, c) in enumerate(self.steps) if k == 0
-                     or c != self.steps[k - 1][1])
+        return tuple(chosen for chosen, _ in groupby(chosen for _, chosen in self.steps))
 
     def __str__(self) -> str:
         way = " → ".join(map(str, self.configurations))
@@ -151,7 +150,7 @@ class _Way:
 
 @checked
 def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike,
-                        method: str = "stability", *,
+                        method: Literal["stability", "accuracy"] = "stability", *,
                         position_uncertainty: HalfWidth = 0.05, exit_uncertainty: HalfWidth = 0.02
                         ) -> list[ConfigurationSequence]:
     """Ranked sequences of configurations from S straight to G with the fewest changes; best first.
@@ -176,8 +175,6 @@ def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike,
     >>> print(plan_configurations(robot, [-1, 0.3, 1], [1, 0.3, 1])[0])
     A134 → A234: score 4, safe
     """
-    if method not in METHODS:
-        raise InvalidInput(f"method must be one of {', '.join(METHODS)}, got {quoted(method)}")
     way = _Way(robot, as_position(start), as_position(goal), position_uncertainty, exit_uncertainty,
                method)
     for name, end in (("start", 0), ("goal", 1)):

@@ -46,13 +46,9 @@ class Pose:
     @classmethod
     def of(cls, position: Array, rotation: Array) -> Pose:
         """A pose from arrays known to be good (no copy, no check): what loops and batches use."""
-        return cls._of_frozen(frozen(position.view()), frozen(rotation.view()))
-
-    @classmethod
-    def _of_frozen(cls, position: Array, rotation: Array) -> Pose:
         pose = object.__new__(cls)
-        object.__setattr__(pose, "position", position)
-        object.__setattr__(pose, "rotation", rotation)
+        object.__setattr__(pose, "position", frozen(position.view()))
+        object.__setattr__(pose, "rotation", frozen(rotation.view()))
         return pose
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -113,7 +109,7 @@ class Pose:
     def __iter__(self) -> Iterator[Pose]:
         if not self.batch_shape:
             raise TypeError("a single Pose cannot be iterated")
-        return map(Pose._of_frozen, self.position, self.rotation)   # rows of what is read-only are, too
+        return map(Pose.of, self.position, self.rotation)
 
     def __eq__(self, other: object) -> bool:
         return (isinstance(other, Pose) and np.array_equal(self.position, other.position)

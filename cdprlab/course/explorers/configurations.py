@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from ...arrays import Array, checked
 from ...configurations.classify import classify_configurations
 from ...configurations.configuration import triplets
-from ...configurations.sequence import METHODS, ConfigurationSequence, plan_configurations
+from ...configurations.sequence import ConfigurationSequence, plan_configurations
 from ...configurations.sides import FORMS
 from ...errors import InvalidInput
 from ...run import Run
@@ -216,7 +216,7 @@ def _controls(world: World, uncertain: bool) -> list[Slider | Choice]:
         sliders += [Slider("position_uncertainty", "position ±", "m", 0.0, 0.15, 0.05, 0.005),
                     Slider("exit_uncertainty", "exit points ±", "m", 0.0, 0.06, 0.02, 0.005),
                     Choice("form", "interval form", tuple(FORMS)),
-                    Choice("method", "method", METHODS)]
+                    Choice("method", "method", ("stability", "accuracy"))]
     return [*sliders, Slider("slack", "slack when played", "m", 0.0, 0.3, 0.1, 0.01)]
 
 
