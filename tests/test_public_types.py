@@ -10,8 +10,8 @@ import pytest
 
 import cdprlab as cl
 
-FOREIGN = {"Annotated", "Any", "ArrayLike", "Callable", "Figure", "Iterable", "Literal", "Mapping", "None", "Optional", "Path",
-           "Sequence", "Union"}
+FOREIGN = {"Annotated", "Any", "ArrayLike", "Callable", "Figure", "Iterable", "Literal", "Mapping", "None",
+           "Optional", "Path", "Sequence", "Union"}
 
 
 def test_annotations_of_public_functions_name_public_types():
