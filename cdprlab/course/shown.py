@@ -37,10 +37,7 @@ class Shown:
         words = {"text/plain": f"{self.alt_text}\n{self.text}".strip()}
         if self.widget.comm is None:  # closed
             return words
-        bundle = self.widget._repr_mimebundle_(**options)
-        data, *more = bundle if isinstance(bundle, tuple) else (bundle,)
-        shown = {**(data or {}), **words}
-        return (shown, *more) if more else shown
+        return {**self.widget._repr_mimebundle_(**options), **words}
 
 
 def figure_bundle(figure: Any, **_: Any) -> dict[str, str]:

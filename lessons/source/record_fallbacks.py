@@ -3,7 +3,7 @@
 ``python lessons/source/record_fallbacks.py [LESSON …]`` runs the sources in this process and writes
 ``cdprlab/course/answers/recorded/*.gz``: results only, and only where the lesson offers them by `course.fallback`
 (nobody's to give are the capstone's designs). Exercises that later cells ask freely (a controller, an explorer) stand
-in ``cdprlab/course/answers/library.py`` instead.
+in ``LIBRARY`` of ``cdprlab/course/answers/fallback.py`` instead.
 """
 
 from __future__ import annotations
@@ -28,8 +28,7 @@ import nbformat
 from run_cells import run_cell
 
 from cdprlab.course.answers import fallback
-from cdprlab.course.answers.fallback import fingerprint
-from cdprlab.course.answers.library import LIBRARY
+from cdprlab.course.answers.fallback import LIBRARY, fingerprint
 from cdprlab.course.answers.plain import encode
 
 SOURCE = Path(__file__).parent

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from ... import course
-from ..answers import fallback, library
+from ..answers import fallback
 from ..answers.plain import encode
 from .wire import LARGEST, Callback, Peer, encode_error
 
@@ -159,7 +159,7 @@ def main() -> None:
         hard = resource.getrlimit(limit)[1]
         most = most if hard == resource.RLIM_INFINITY else min(most, hard)
         resource.setrlimit(limit, (most, most))
-    library.LIBRARY.clear()
+    fallback.LIBRARY.clear()
     fallback.fallback = course.fallback = _no_fallback
     worker = Worker(inward, outward)
     with suppress(EOFError):   # until the judge hangs up
