@@ -14,9 +14,9 @@ from generated import write_tables
 from matplotlib.colors import BoundaryNorm, ListedColormap
 
 import cdprlab as cl
+from cdprlab.course.pictures.set_charts import axis_label, axis_names, draw_capability, draw_polygon
 from cdprlab.view import save_figure
 from cdprlab.view.plots import Figure
-from cdprlab.view.sets import axis_label, axis_names, draw_capability, draw_polygon
 from cdprlab.view.style import BLUE, INK, WARNING, house_style
 
 DOCS = Path(__file__).parent

@@ -5,8 +5,8 @@ import pytest
 from matplotlib.figure import Figure
 
 import cdprlab as cl
+from cdprlab.course.pictures.set_charts import axis_label, axis_names, draw_capability, draw_polygon
 from cdprlab.errors import InvalidInput
-from cdprlab.view.sets import axis_label, axis_names, draw_capability, draw_polygon
 from robots import ROBOTS, random_pose
 
 

@@ -42,6 +42,7 @@ _EXPORTS = {
     "pictures.configuration_plan": "plot_flight plot_sequences plot_triplets",
     "pictures.equilibrium": "draw_equilibrium",
     "pictures.pose_estimates": "pose_estimates",   # the file itself: lesson 03 names it with its figures
+    "pictures.set_charts": "axis_names draw_capability draw_polygon",
     "pictures.tension_panels": "plot_tension_set",
     "pictures.tension_runs": "plot_tension_runs",
     "props.point_load": "point_load",
@@ -50,7 +51,6 @@ _EXPORTS = {
     "props.slack": "slack_length",
     "props.submatrices": "submatrix_twist_set",
     "..view.plots": "Figure plot_tensions",
-    "..view.sets": "axis_names draw_capability draw_polygon",
     "..view.style": "BLUE GREEN GREY INK ORANGE PURPLE SKY VERMILION cable_style house_style",
     "..robot.pose": "rotation_from_vector rotation_vector",
     "..world.model": "Task",

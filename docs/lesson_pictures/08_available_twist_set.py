@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import cdprlab as cl
-from cdprlab.view.sets import draw_polygon
+from cdprlab.course.pictures.set_charts import draw_polygon
 from cdprlab.view.style import GREY, INK, cable_style, house_style
 
 REQUIRED = (1.15, 1.675)

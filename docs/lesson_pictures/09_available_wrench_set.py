@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import cdprlab as cl
-from cdprlab.view.sets import draw_polygon
+from cdprlab.course.pictures.set_charts import draw_polygon
 from cdprlab.view.style import GREEN, GREY, INK, VERMILION, cable_style, house_style
 
 MASS = 30.0

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from scipy.spatial import ConvexHull
 
 import cdprlab as cl
+from cdprlab.course.pictures.set_charts import draw_polygon
 from cdprlab.view.picture import Picture
-from cdprlab.view.sets import draw_polygon
 
 ROUNDS = 25
 

@@ -9,9 +9,9 @@ from matplotlib.patches import Polygon
 
 from ...arrays import Array
 from ...errors import InvalidInput
-from ...view.sets import axis_label, draw_polygon
 from ...view.style import GREY
 from ...world import World
+from ..pictures.set_charts import axis_label, draw_polygon
 from .posing import checked_world
 
 _SQUARE = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])

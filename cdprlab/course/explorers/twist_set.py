@@ -14,9 +14,9 @@ from ...mechanics.redundancy import TwistResolution, resolve_twist
 from ...robot import Robot
 from ...robot.pose import Pose
 from ...sets import Polytope, available_twist_set
-from ...view.sets import axis_names
 from ...view.style import GREEN, INK, VERMILION
 from ...world import World
+from ..pictures.set_charts import axis_names
 from ..props.changed_cables import every_cable
 from ..text_table import fixed, in_brackets, text_table
 from .explorer import Explorer, Slider, Values, once_a_move

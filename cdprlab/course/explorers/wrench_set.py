@@ -11,9 +11,9 @@ from ...mechanics.statics import gravity_wrench, tipping_rows, wrench_matrix
 from ...robot import Base, Robot
 from ...robot.pose import Pose
 from ...sets import Polytope, available_wrench_set
-from ...view.sets import axis_names
 from ...view.style import GREEN, INK, VERMILION
 from ...world import World
+from ..pictures.set_charts import axis_names
 from ..props.changed_cables import every_cable
 from ..text_table import fixed, text_table
 from .explorer import Explorer, Slider, Values, movable, once_a_move

@@ -9,10 +9,10 @@ from matplotlib.colors import to_rgba
 from matplotlib.patches import Polygon
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, checked
-from ..errors import InvalidInput, quoted
-from ..robot.pattern import motion_pattern as patterns
-from .style import BLUE, CABLE_DASHES, GREEN, INK, ORANGE, VERMILION
+from ...arrays import Array, as_array, checked
+from ...errors import InvalidInput, quoted
+from ...robot.pattern import motion_pattern as patterns
+from ...view.style import BLUE, CABLE_DASHES, GREEN, INK, ORANGE, VERMILION
 
 COLORS = (BLUE, VERMILION, GREEN, ORANGE)
 """Of the first, second, … set; outlines and hatches differ too, for those who see no colors."""
