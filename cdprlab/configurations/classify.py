@@ -39,9 +39,14 @@ def classify_configurations(robot: Robot, position: ArrayLike,
     """
     M, classes = as_position(position), {}
     for chosen in triplets(robot):
-        low, high = certainty(robot.exit_points[chosen.indices], M, position_uncertainty,
-                              exit_uncertainty, form)
-        classes[chosen] = INSIDE if low > 0 else OUTSIDE if high < 0 else UNCERTAIN
+        exits = robot.exit_points[chosen.indices]
+        low, high = region(exits, exit_uncertainty, position_uncertainty).ranges(M)
+        if form != "corners":
+            a = counterclockwise(exits)[:, :2]
+            for k in range(3):
+                low[k], high[k] = side_range(a[k], a[(k + 1) % 3], M[:2], exit_uncertainty,
+                                             position_uncertainty, form)
+        classes[chosen] = INSIDE if low.min() > 0 else OUTSIDE if high.min() < 0 else UNCERTAIN
     return classes
 
 
@@ -77,18 +82,3 @@ def _holds(exits: Array, M: Array, tolerance: float) -> bool:
     # tolerance.
     needed = tolerance / max(float(np.ptp(exits[:, :2], axis=0).max()), rise, tolerance)
     return rise > 0 and bool(off <= tolerance and (shares * rise > needed).all())
-
-
-def certainty(exits: Array, M: Array, position_uncertainty: float, exit_uncertainty: float,
-              form: str) -> tuple[float, float]:
-    """Smallest lower and smallest upper end of the four conditions' ranges; sides in the given interval form."""
-    exact = region(exits, exit_uncertainty, position_uncertainty)
-    if form == "corners":
-        low, high = exact.certainty(M)
-        return float(low), float(high)
-    below = exact.last().certainty(M)
-    a = counterclockwise(exits)[:, :2]
-    sides = [side_range(a[i], a[j], M[:2], exit_uncertainty, position_uncertainty, form)
-             for i, j in ((0, 1), (1, 2), (2, 0))]
-    return min(float(below[0]), *(low for low, _ in sides)), min(float(below[1]),
-                                                                 *(high for _, high in sides))

@@ -10,8 +10,8 @@ from ..arrays import Array, Indices, as_array, checked
 from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from .accuracy import position_sensitivity
-from .classify import certainty
 from .configuration import Configuration, HalfWidth, few_cables
+from .region import region
 
 
 @checked
@@ -107,7 +107,7 @@ def _possible(exits: Array, rho: Array, chosen: Indices, error: float, exit_unce
     reach = rho + error - np.linalg.norm(exits - M, axis=1) + np.sqrt(3) * radius
     if (np.delete(reach, chosen) < 0).any():
         return False
-    return len(chosen) < 3 or certainty(exits[chosen], M, radius, exit_uncertainty, "corners")[1] >= 0
+    return len(chosen) < 3 or bool(region(exits[chosen], exit_uncertainty, radius).certainty(M)[1] >= 0)
 
 
 def _below(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:

@@ -35,19 +35,19 @@ class Region:
     spreads: Array
     firsts: tuple[int, ...]
 
+    def ranges(self, positions: Array) -> tuple[Array, Array]:
+        """Lower and upper end of each condition's range at positions (…, 3): the sides', then the plane's (…, 4)."""
+        values = positions @ self.normals.T - self.offsets
+        return (np.minimum.reduceat(values - self.spreads, self.firsts, axis=-1),
+                np.maximum.reduceat(values + self.spreads, self.firsts, axis=-1))
+
     def certainty(self, positions: Array) -> tuple[Array, Array]:
         """Smallest lower and smallest upper end of the conditions' ranges at positions (…, 3): two arrays (…).
 
         The first positive: certainly inside. The second negative: certainly outside.
         """
-        values = positions @ self.normals.T - self.offsets
-        highest = np.maximum.reduceat(values + self.spreads, self.firsts, axis=-1)
-        return (values - self.spreads).min(axis=-1), highest.min(axis=-1)
-
-    def last(self) -> Region:
-        """The last condition alone."""
-        k = self.firsts[-1]
-        return Region(self.normals[k:], self.offsets[k:], self.spreads[k:], (0,))
+        low, high = self.ranges(positions)
+        return low.min(axis=-1), high.min(axis=-1)
 
     def window(self, start: Array, end: Array, slack: float = 0.0) -> tuple[float, float] | None:
         """The share [λ₀, λ₁] of the way start + λ (end − start), 0 ≤ λ ≤ 1, that is certainly inside; None if none is.
