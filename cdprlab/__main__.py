@@ -1,6 +1,5 @@
 """``python -m cdprlab``."""
 
-import signal
 import sys
 from collections.abc import Sequence
 
@@ -12,10 +11,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         return run_command(arguments)
     except KeyboardInterrupt:
+        # Python forgets that Ctrl-C came while a library was executing text, or would end by it and not by 130.
+        exec("")
         print("cdprlab: stopped", file=sys.stderr)
         return 130
 
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.exit(main())

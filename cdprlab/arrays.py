@@ -329,10 +329,9 @@ def _is_number(value: Any, kind: type) -> bool:
     if isinstance(value, bool | np.bool_):
         return kind is bool
     is_kind = isinstance(value, int | np.integer) or (kind is float and isinstance(value, float | np.floating))
-    return kind is not bool and is_kind and (-LARGEST <= value <= LARGEST or value in _UNLIMITED)
+    return kind is not bool and is_kind and -LARGEST <= value <= LARGEST
 
 
-_UNLIMITED = (-np.inf, np.inf)
 _WORDS: dict[Any, str] = {bool: "True or False", int: "a whole number", float: "a number (at most 1e30)",
                           str: "text", type(None): "None", Callable: "a function", tuple: "a tuple",
                           Sequence: "a list", Mapping: "a mapping"}

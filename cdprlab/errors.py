@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
 from reprlib import Repr
@@ -16,8 +16,16 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-if sys.argv[:1] == ["-m"] and "cdprlab" in sys.orig_argv:   # the command line loads: Ctrl-C ends it without a traceback
-    signal.signal(signal.SIGINT, lambda *_: os.write(2, b"cdprlab: stopped\n") and os._exit(130))
+
+def stop_at_once(*_: Any) -> None:
+    """What Ctrl-C does as long as there is nothing to save: libraries that load would swallow an error, or show it."""
+    os.write(2, b"cdprlab: stopped\n")
+    os._exit(130)
+
+
+if sys.argv[:1] == ["-m"] and "cdprlab" in sys.orig_argv:   # the command line loads
+    signal.signal(signal.SIGINT, stop_at_once)
+
 
 Location = tuple[str | int, ...]
 """Where in a world file a value stands, e.g. ``("cables", 2, "anchor_point")``; list indices from 0."""
@@ -69,6 +77,26 @@ class CdprError(Exception):
     def __reduce__(self) -> tuple[Any, ...]:
         """What an error carries travels between processes, whatever its class asks for."""
         return copyreg.__newobj__, (type(self), *self.args), self.__dict__  # type: ignore[attr-defined]
+
+
+class Recording:
+    """Whatever ends early what is inside, Ctrl-C and errors of the caller's included, carries its record as ``run``.
+
+    record : makes it of the reason, and of what a part of it has recorded, None: nothing
+    """
+
+    def __init__(self, record: Callable[[str, Any], Any]) -> None:
+        self.record = record
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, _: Any, error: BaseException | None, __: Any) -> None:
+        if error is not None:
+            reason = f"{type(error).__name__}: {error}".removesuffix(": ")
+            run = self.record(reason[:_LONGEST], getattr(error, "run", None))
+            with suppress(AttributeError, TypeError):   # an error may refuse to carry more
+                error.run = run   # type: ignore[attr-defined]
 
 
 class CdprWarning(UserWarning):

@@ -128,8 +128,9 @@ def library() -> dict[str, tuple[Any, Words]]:
     return found | {
         "Simulator bases.drive": (bases.drive, {"speeds": np.zeros(3 * len(mobile.robot.bases))}),
         "ComputedTorque": (cl.ComputedTorque, {"kp": 100.0, "kd": 20.0}),
-        "TorqueControl": (cl.TorqueControl, {"kp": 900.0, "kd": 60.0, "standing": True}),
-        "VelocityControl": (cl.VelocityControl, {"gain": 20.0, "margin": 1.5}),
+        "TorqueControl": (cl.TorqueControl, {"kp": 900.0, "kd": 60.0, "standing": True, "toward": 0.0,
+                                             "friction": None}),
+        "VelocityControl": (cl.VelocityControl, {"gain": 20.0}),
         "Base.to_world": (FLAT.robot.bases[0].to_world, {"points": np.zeros((4, 2))}),
         "Robot.base": (FLAT.robot.base, {"name": FLAT.robot.bases[0].name}),
         "Robot.with_bases": (FLAT.robot.with_bases, {"poses": {FLAT.robot.bases[0].name: (0, 0, 0)}}),

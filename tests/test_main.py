@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
+from cdprlab import view
 from cdprlab.__main__ import main
 from cdprlab.errors import MissingDependency
 
@@ -248,6 +249,25 @@ def test_what_was_flown_before_something_happened_is_saved_and_said(error, code,
     assert {path.name for path in tmp_path.iterdir()} == KEPT
     with np.load(tmp_path / "log.npz") as log:
         assert len(log["time"]) == 20
+
+
+@pytest.mark.parametrize("what, where", [
+    ("save", cl.Run), ("table", cl.Run), ("save_figure", view), ("save_film", view)])
+def test_ctrl_c_while_results_are_written_loses_none(what, where, tmp_path, monkeypatch, capsys):
+    """The data are saved, perhaps once more, and it is said where."""
+    whole, calls = getattr(where, what), []
+
+    def interrupted(*arguments):
+        calls.append(1)
+        if len(calls) == 1:
+            raise KeyboardInterrupt
+        return whole(*arguments)
+
+    monkeypatch.setattr(where, what, interrupted)
+    assert main([word for word in [*FLIGHT, str(tmp_path)] if word != "--no-pictures"]) == 130
+    printed = capsys.readouterr()
+    assert f"the data are written to {tmp_path}" in printed.out and "cdprlab: stopped" in printed.err
+    assert {path.name for path in tmp_path.iterdir()} >= KEPT
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")

@@ -253,7 +253,6 @@ def test_both_and_orientations():
     (cl.WrenchFeasible(by="magic"), "'tensions' or 'facets'"),
     (cl.TippingSafe(), "this robot has none"),
     (cl.TwistFeasible(), "one of the two"),
-    (cl.InterferenceFree(-0.1), "at least 0"),
     (cl.StaticallyStable(), "axial_stiffness"),
     ("wrench_feasible", "must be a Criterion"),
 ])

@@ -17,7 +17,18 @@ from ..world.model import PickAndPlace
 from .doctor import add_doctor_command
 from .grade_command import add_grade_command
 from .lessons_command import add_lessons_command
-from .output import Bar, add_output_options, figure, open_streams, print_table, refuse, results, say, silence
+from .output import (
+    Bar,
+    add_output_options,
+    figure,
+    hear_interrupts,
+    open_streams,
+    print_table,
+    refuse,
+    results,
+    say,
+    silence,
+)
 from .workspace_command import add_workspace_command
 
 
@@ -30,6 +41,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     open_streams()
     try:
         options = _parser().parse_args(arguments)
+        if options.command is not _run:   # that loads much, then shows a bar
+            hear_interrupts()
         answer = options.command(options)
         sys.stdout.flush()
         return answer or 0

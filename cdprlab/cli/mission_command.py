@@ -35,5 +35,5 @@ def fly_mission(options: argparse.Namespace, world: World, work: Any = None) -> 
             pictures |= {"job.png": figure(plot_job, job),
                          "scene.html": lambda path: view.save_scene(mission_scene(mission), path,
                                                                     f"{mission.world.title}: the mission")}
-        write(job.save if job else lambda _: None, tell, pictures)
+        write(mission.save, tell, pictures)
     return mission

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import io
 import os
+import signal
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -13,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import view
-from ..errors import CannotWrite, InvalidInput, MissingDependency
+from ..errors import CannotWrite, InvalidInput, MissingDependency, stop_at_once
 from ..world import World
 from ..world.files import made_folder
 
@@ -49,6 +50,12 @@ def say(line: str) -> None:
         silence()
 
 
+def hear_interrupts() -> None:
+    """From now on Ctrl-C is an error: there is something to save, or to tidy up."""
+    if signal.getsignal(signal.SIGINT) is stop_at_once:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 class Bar:
     """A progress bar that appears with the first step: an error before it keeps the terminal clean.
 
@@ -65,6 +72,7 @@ class Bar:
     def __call__(self, done: float, total: int | None = None, name: str = "") -> None:
         with suppress(OSError):     # nobody watches
             if self.bar is None:
+                hear_interrupts()
                 from tqdm import tqdm
 
                 self.bar = tqdm(total=total, desc=name or self.name, unit=f" {self.unit}",
@@ -119,7 +127,7 @@ def results(options: argparse.Namespace, world: World, what: str,
     except BaseException as error:
         flown = getattr(error, "run", None)
         if flown is not None:
-            flown.save(folder)
+            _keep(flown.save, folder)
             say(f"cut short; what was flown until then is written to {folder}")
         raise
 
@@ -136,17 +144,26 @@ def _write(folder: Path, save: Callable[[Path], Any], tell: Callable[[Path], Any
     tell : prints what was found, and may add to the folder
     """
     try:
+        _keep(save, folder)
+        tell(folder)
+        with Bar("drawing", "pictures") as bar:
+            for number, (name, draw) in enumerate(pictures.items()):
+                bar(number, len(pictures), f"drawing {name}")
+                try:
+                    draw(folder / name)
+                except MissingDependency as missing:
+                    say(f"no {name}: {missing}")
+    except KeyboardInterrupt:   # perhaps while saving what took minutes
+        _keep(save, folder)
+        say(f"stopped; the data are written to {folder}")
+        raise
+    say(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.is_file()))}")
+
+
+def _keep(save: Callable[[Path], Any], folder: Path) -> None:
+    try:
         save(folder)
     except CannotWrite as error:
         other = Path(tempfile.mkdtemp(prefix="cdprlab-"))
         save(other)
         raise CannotWrite(f"{error}; the results are in {other}") from error
-    tell(folder)
-    with Bar("drawing", "pictures") as bar:
-        for number, (name, draw) in enumerate(pictures.items()):
-            bar(number, len(pictures), f"drawing {name}")
-            try:
-                draw(folder / name)
-            except MissingDependency as missing:
-                say(f"no {name}: {missing}")
-    say(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.is_file()))}")

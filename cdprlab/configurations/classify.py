@@ -50,7 +50,8 @@ def classify_configurations(robot: Robot, position: ArrayLike,
     return classes
 
 
-def taut_configurations(robot: Robot, position: ArrayLike, tolerance: float = 1e-6) -> tuple[Configuration, ...]:
+@checked
+def taut_configurations(robot: Robot, position: ArrayLike, tolerance: HalfWidth = 1e-6) -> tuple[Configuration, ...]:
     """Every set of one, two or three cables that alone holds a weight at a position, nothing uncertain.
 
     One cable holds what hangs straight below its exit point, two what hangs below the line

@@ -14,6 +14,7 @@ import numpy as np
 from ..arrays import Array, Flags, checked
 from ..errors import InvalidInput, quoted
 from ..mechanics.intervals import Intervals, exact, stack
+from .configuration import HalfWidth
 
 Spot = Annotated[Array, "(2,) [m]"]
 Side = Callable[[Intervals, Intervals, Intervals], Intervals]
@@ -21,9 +22,8 @@ Side = Callable[[Intervals, Intervals, Intervals], Intervals]
 
 
 @checked
-def side_range(start: Spot, end: Spot, position: Spot, exit_uncertainty: float,
-               position_uncertainty: float,
-               form: str) -> tuple[float, float]:
+def side_range(start: Spot, end: Spot, position: Spot, exit_uncertainty: HalfWidth,
+               position_uncertainty: HalfWidth, form: str) -> tuple[float, float]:
     """Lower and upper end of (A_j − A_i) × (M − A_i) over boxes, in one of ``FORMS`` [m²].
 
     start, end : (2,) A_i and A_j in plan [m]; position : (2,) M in plan [m]

@@ -5,7 +5,10 @@ from __future__ import annotations
 import hashlib
 import os
 
+from ..arrays import checked
 
+
+@checked
 def seed(n: int) -> int:
     """A seed for a check's random numbers: n at home; under `python -m cdprlab grade` the student's own, by n.
 

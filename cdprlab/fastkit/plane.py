@@ -18,8 +18,9 @@ Points = Annotated[ArrayLike, "(…, k, 2) [m]"]
 Scan = Annotated[Array, "(h, 2) [m]"]
 Way = Annotated[Array, "(n, 3) [m, m, rad]"]
 Spots = Annotated[ArrayLike, "(…, 2) [m]"]
+Period = Annotated[float, "[s] > 0"]
 """What public functions take: poses, a floor's corners, motions (v or d of x, y, θ), points in a list, scanned, along
-a way, anywhere."""
+a way, anywhere; how long."""
 
 NO_POINTS = frozen(np.zeros((0, 2)))
 _CORNERS = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) / 2

@@ -149,6 +149,7 @@ class Base:
         return self.origin + own @ self.rotation.T
 
 
+@checked
 @dataclass(frozen=True)
 class Winch:
     """What drives one cable: drum, gear and motor (FASTKIT's Table 1 is one).
@@ -163,15 +164,19 @@ class Winch:
     speed : the motor's largest [rad/s]
     """
 
-    drum_radius: float
-    gear_ratio: float = 1.0
-    efficiency: float = 1.0
-    torque: float = float("inf")
-    coulomb: float = 0.0
-    viscous: float = 0.0
-    static: float = 0.0
-    inertia: float = 0.0
-    speed: float = float("inf")
+    drum_radius: Annotated[float, "[m] > 0"]
+    gear_ratio: Annotated[float, "> 0"] = 1.0
+    efficiency: Annotated[float, "> 0"] = 1.0
+    torque: Annotated[float, "[N m] > 0 or inf"] = float("inf")
+    coulomb: Annotated[float, "[N m] ≥ 0"] = 0.0
+    viscous: Annotated[float, "[N m s/rad] ≥ 0"] = 0.0
+    static: Annotated[float, "[N m] ≥ 0"] = 0.0
+    inertia: Annotated[float, "[kg m²] ≥ 0"] = 0.0
+    speed: Annotated[float, "[rad/s] > 0 or inf"] = float("inf")
+
+    def __post_init__(self) -> None:
+        if self.efficiency > 1:
+            raise InvalidInput(f"efficiency must be at most 1, got {self.efficiency:g}", ("efficiency",))
 
     @property
     def tension_max(self) -> float:
@@ -184,12 +189,13 @@ class Winch:
         return self.speed * self.drum_radius / self.gear_ratio
 
 
+@checked
 @dataclass(frozen=True)
 class Elasticity:
     """How cables stretch: axial stiffness EA [N] (k = EA / l), and damping, each cable's own fraction of critical."""
 
-    axial_stiffness: float = float("inf")
-    damping: float = 0.0
+    axial_stiffness: Annotated[float, "[N] > 0 or inf"] = float("inf")
+    damping: Annotated[float, "≥ 0"] = 0.0
 
     def unstrained(self, lengths: Array, tensions: Array) -> Array:
         """l₀ = l / (1 + τ / EA): how much rope a length under a tension is.

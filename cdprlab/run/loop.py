@@ -3,12 +3,12 @@
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import suppress
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from ..arrays import Array, Progress, as_answer
+from ..errors import Recording
 from ..mechanics.cables import cables_at
 from ..mechanics.dynamics import inverse_dynamics
 from ..mechanics.trajectory import Reference
@@ -133,8 +133,8 @@ def fly(engine: Simulator, command: Command, wishes: Iterable[Any],
         happen: Callable[[int], Any] | None = None) -> Record:
     """Command one wish after the other, as long as there are any; returns the record of the flight.
 
-    Whatever ends it early, Ctrl-C and errors in a caller's own code included, is raised as it
-    is and carries the record of the steps that were flown to their end, as ``.run``.
+    Whatever ends it early carries the record of the steps that were flown to their end, see
+    `Recording`.
 
     engine : reset to where it begins; substeps : its steps in a control step
     wishes : what the command takes; an iterator may decide by what the engine has come to
@@ -145,28 +145,24 @@ def fly(engine: Simulator, command: Command, wishes: Iterable[Any],
     log = Log({**engine.columns(), **command.start(engine, substeps)})
     keep, sample, step = log.keep_numbers, engine.sample, command.step
     began = time.perf_counter()
-    k, seen = 0, None
-    try:
+    k = 0
+    seen: Sequence[float] | None = None
+
+    def flown(cut_short: str = "", _: Any = None) -> Record:
+        if len(log) < k + 2:   # else its end is kept: it is the record that was disturbed
+            # A step that was not flown to its end is none: the flight ends where it began.
+            end = sample() if seen is None or k < len(log) else seen
+            keep((*end, *[np.nan] * (log.width - len(end))))
+        return record(Flight(log, time.perf_counter() - began, cut_short))
+
+    with Recording(flown):
         for k, wish in enumerate(wishes):
             seen = sample()
             if happen is not None:
                 happen(k)
             keep((*seen, *step(wish)))
             seen = None
-    except BaseException as error:
-        # A step that was not flown to its end is none: the flight ends where it began.
-        end = sample() if seen is None or k < len(log) else seen
-        reason = f"{type(error).__name__}: {error}".removesuffix(": ")
-        flown = record(_flight(log, end, began, reason[:200]))
-        with suppress(AttributeError, TypeError):   # an error may refuse to carry more
-            error.run = flown   # type: ignore[attr-defined]
-        raise
-    return record(_flight(log, sample(), began))
-
-
-def _flight(log: Log, end: Sequence[float], began: float, cut_short: str = "") -> Flight:
-    log.keep_numbers((*end, *[np.nan] * (log.width - len(end))))
-    return Flight(log, time.perf_counter() - began, cut_short)
+        return flown()
 
 
 def counted(wishes: Iterable[Any], steps: int, progress: Progress | None) -> Iterable[Any]:
@@ -177,7 +173,7 @@ def counted(wishes: Iterable[Any], steps: int, progress: Progress | None) -> Ite
     def tell() -> Iterator[Any]:
         every = max(1, steps // 100)
         for done, wish in enumerate(wishes):
-            if done and done % every == 0:
+            if done % every == 0:
                 progress(done, steps)
             yield wish
         progress(steps, steps)

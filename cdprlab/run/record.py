@@ -144,14 +144,14 @@ class Run:
 
     def robot_at(self, index: int) -> Robot:
         """The robot with its bases where they stood at one control step."""
-        robot = self.world.robot
+        robot, row = self.world.robot, self.row(index)
         if self.base_poses is None:
             return robot
-        return robot.with_bases({base.name: pose
-                                 for base, pose in zip(robot.bases, self.base_poses[self.row(index)])})
+        return robot.with_bases({base.name: pose for base, pose in zip(robot.bases, self.base_poses[row])})
 
     def boxes_at(self, index: int) -> tuple[tuple[Pose, Array], ...]:
         """Pose and size [m] of each loose box at one control step: a plain run has none."""
+        self.row(index)
         return ()
 
     @property

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, Flags, Progress, as_count, checked, data_frame, frozen, lasting, seeds
-from ..errors import InvalidInput, SimulationDiverged, quoted
+from ..errors import InvalidInput, Recording, SimulationDiverged, quoted
 from ..workspace.checkpoint import Checkpoint
 from ..workspace.sweep import over_cores
 from ..world import World
@@ -31,6 +31,7 @@ class Repetition:
     largest_errors : (k,) farthest from the reference on the way [m]
     smallest_tensions, largest_tensions : (k, m) measured [N]
     slack, overstretched : (k,) whether a cable ever hung, or carried more than its limit
+    cut_short : '' or what ended it before all runs had been flown
     """
 
     world: World = field(repr=False)
@@ -40,6 +41,7 @@ class Repetition:
     largest_tensions: Array
     slack: Flags
     overstretched: Flags
+    cut_short: str = ""
 
     @property
     def mean(self) -> Array:
@@ -84,7 +86,8 @@ class Repetition:
             "tracking error, largest": f"{1e3 * np.nanmax(self.largest_errors):.3f} mm",
             "tensions": f"{self.smallest_tension:.1f} to {self.largest_tension:.1f} N",
             "runs with a slack cable": f"{int(self.slack.sum())} of {len(self.slack)}",
-            "runs with an overstretched cable": f"{int(self.overstretched.sum())} of {len(self.slack)}"}
+            "runs with an overstretched cable": f"{int(self.overstretched.sum())} of {len(self.slack)}",
+            **({"cut short": self.cut_short} if self.cut_short else {})}
 
     def to_frame(self) -> Any:
         """A row a run, as a pandas DataFrame."""
@@ -113,7 +116,8 @@ def repeat(world: World, runs: int, task: str = "default", *,
     progress : called as (runs done, runs in all)
     how : what else `run` takes
     Raises InvalidInput unless either errors or real is given; what `run` raises, but a run that
-    diverges is one of the results.
+    diverges is one of the results. What ends it early carries, as ``.run``, what was found until then; in the first
+    run, what was flown.
 
     >>> import cdprlab as cl
     >>> found = repeat(cl.load_world("planar_point"), 2, errors={"mass": 0.1}, duration=0.1)
@@ -134,15 +138,21 @@ def repeat(world: World, runs: int, task: str = "default", *,
     kept = Checkpoint(checkpoint, "repeat", world, task, errors, real, sensors, how) if checkpoint is not None else None
     rows = {k: row for k in calls if kept and (row := kept.load(drawn[k]))}
     waiting = [k for k in calls if k not in rows]
-    # The answers first: a generator of joblib's that is not asked to its end complains.
-    for row, k in zip(over_cores(_flown, (calls[k] for k in waiting), n_jobs), waiting):
-        rows[k] = row
-        if kept:
-            kept.save(drawn[k], **row)
-        if progress is not None:
-            progress(len(rows), runs)
-    columns: dict[str, Any] = {name: frozen(np.array([rows[k][name] for k in calls])) for name in _COLUMNS}
-    return Repetition(world, **columns)
+
+    def found(cut_short: str = "", flown: Any = None) -> Any:
+        done = [rows[k] for k in calls if k in rows]
+        columns: dict[str, Any] = {name: frozen(np.array([row[name] for row in done])) for name in _COLUMNS}
+        return Repetition(world, **columns, cut_short=cut_short) if done else flown
+
+    with Recording(found):
+        # The answers first: a generator of joblib's that is not asked to its end complains.
+        for row, k in zip(over_cores(_flown, (calls[k] for k in waiting), n_jobs), waiting):
+            rows[k] = row
+            if kept:
+                kept.save(drawn[k], **row)
+            if progress is not None:
+                progress(len(rows), runs)
+        return found()
 
 
 _COLUMNS = {"final_errors": "m, rad", "largest_errors": "m", "smallest_tensions": "N", "largest_tensions": "N",

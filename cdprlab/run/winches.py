@@ -99,7 +99,7 @@ class TorqueControl(WinchControl):
     name = "torque"
 
     def __init__(self, kp: float = 900.0, kd: float = 60.0, *, standing: bool = True,
-                 toward: float = 0.0, friction: Friction | None = None) -> None:
+                 toward: Annotated[float, "[N] ≥ 0"] = 0.0, friction: Friction | None = None) -> None:
         super().__init__(standing, toward)
         self.law, self.friction = ComputedTorque(kp, kd), friction
 

@@ -48,6 +48,7 @@ _GREY = 0.04
 """Share of the color scale, below 0 N, that is slack."""
 
 
+@checked
 class MotionScene:
     """States of an engine, one after the other, as ``plot``, a k3d.Plot that plays them.
 

@@ -1,9 +1,10 @@
 """Certified workspaces: boxes of poses that are inside or outside beyond doubt, and what is left between them."""
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_number
+from ..arrays import Array, checked
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths, have_directions
 from ..mechanics.intervals import Intervals
@@ -18,7 +19,8 @@ from .workspace_cells import WorkspaceCells, halved
 _MOST_BOXES, _CHUNK = 2_000_000, 4096
 
 
-def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: float = 0.05,
+@checked
+def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: Annotated[float, "[m] > 0"] = 0.05,
             rpy: ArrayLike | None = None, angle: float | None = None,
             wrenches: ArrayLike | None = None) -> WorkspaceCells:
     """Wrench feasibility under the weight, proven box by box with intervals rounded outward (branch and bound).
@@ -51,7 +53,6 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
     low, high = corners(lower, upper)
     if low.size not in (robot.dimension, 3):
         raise InvalidInput(f"lower must be {robot.dimension} numbers [m] for this robot, got {low.size}")
-    least = as_number(resolution, "resolution", "m", positive=True)
     rotation = Pose(np.zeros(robot.dimension), rpy, angle=angle).rotation
     loads = external_wrenches(wrenches, robot.n_dof)
     low, high = low[None], high[None]
@@ -60,12 +61,13 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: flo
         verdict = np.concatenate([
             _verdicts(robot, low[k:k + _CHUNK], high[k:k + _CHUNK], rotation, loads)
             for k in range(0, len(low), _CHUNK)])
-        done = (verdict != 0) | (high - low <= least * (1 + 1e-9)).all(axis=1)
+        done = (verdict != 0) | (high - low <= resolution * (1 + 1e-9)).all(axis=1)
         kept.append((low[done], high[done], verdict[done]))
         low, high = low[~done], high[~done]
         low, high = halved(low, high, (high - low).argmax(axis=1))
         if len(low) + sum(len(part[0]) for part in kept) > _MOST_BOXES:
-            raise InvalidInput(f"more than {_MOST_BOXES} boxes at a resolution of {least:g} m: ask for a coarser one")
+            raise InvalidInput(f"more than {_MOST_BOXES} boxes at a resolution of {resolution:g} m: "
+                               "ask for a coarser one")
     return WorkspaceCells(*map(np.concatenate, zip(*kept)))
 
 

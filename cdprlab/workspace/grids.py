@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -114,8 +114,9 @@ def position_grid(lower: ArrayLike, upper: ArrayLike, step: float, *,
     return PoseGrid(axes, Pose(low, rpy, angle=angle))
 
 
+@checked
 def low_discrepancy_poses(lower: ArrayLike, upper: ArrayLike, count: int, seed: int = 0, *,
-                          turn: float = 0.0) -> Pose:
+                          turn: Annotated[float, "[rad] ≥ 0"] = 0.0) -> Pose:
     """Random positions in a box, spread evenly by a scrambled Halton sequence: shares converge almost as 1 / count.
 
     lower, upper : (d,) corners [m]

@@ -22,7 +22,7 @@ class Box:
     """A solid, upright box of the scene: center, edges [m], turn about the vertical [rad], "box" or "obstacle"."""
 
     position: Annotated[Array, "(d,) [m]"]
-    size: Annotated[Array, "(d,) [m]"]
+    size: Annotated[Array, "(d,) [m] > 0"]
     yaw: float = 0.0
     kind: str = "box"
     name: str = ""
@@ -34,6 +34,7 @@ class Box:
 
 
 @lasting
+@checked
 @dataclass(frozen=True, eq=False)
 class Scene:
     """What stands around the robot.
@@ -43,7 +44,7 @@ class Scene:
     boxes : all that is solid, shelves taken apart into their boards
     """
 
-    frame: Array | None
+    frame: Annotated[Array, "(2, d) [m]"] | None
     floor_height: float
     boxes: tuple[Box, ...]
 

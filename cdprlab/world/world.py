@@ -41,7 +41,7 @@ class World:
     pose: Pose
     scene: Scene
     tasks: Mapping[str, Task]
-    document: Any = field(default=None, repr=False)
+    document: Mapping[str, Any] | None = field(default=None, repr=False)
     errors: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:

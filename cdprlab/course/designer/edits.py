@@ -35,7 +35,8 @@ def contents(world: World) -> dict[str, Any]:
     Under ``cable_limits`` are the first cable's, which an edit there gives to all. Not to be
     changed.
     """
-    document, known = world.document, WorldFile.of(world)
+    document: Any = world.document
+    known = WorldFile.of(world)
     if "inertia" not in document["platform"]:
         known["platform"]["inertia"] = None
     # A world without a default task holds its pose for a while.

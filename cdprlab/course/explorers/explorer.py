@@ -9,7 +9,7 @@ import html
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import wraps
-from typing import Any, NoReturn, TypeVar
+from typing import Annotated, Any, NoReturn, TypeVar
 
 import ipywidgets
 import numpy as np
@@ -69,11 +69,11 @@ class Slider:
     low: float
     high: float
     start: float
-    step: float | None = None
+    step: Annotated[float, "> 0"] | None = None
 
     def __post_init__(self) -> None:
         low, high, start = self.low, self.high, as_number(self.start, self.name, self.unit)
-        if not (float("-inf") < low < high < float("inf") and low <= start <= high):
+        if not (low < high and low <= start <= high):
             raise InvalidInput(f"slider {self.name!r} needs low < high and a start between, "
                                f"got {low:g} to {high:g}, start {start:g}")
 

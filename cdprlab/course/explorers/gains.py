@@ -78,7 +78,8 @@ def sampled_error(kp: float, kd: float, dt: float, count: int) -> Array:
 
 
 @checked
-def error_decay(kp: float, kd: float, times: Annotated[Array, "(…) [s]"]) -> Array:
+def error_decay(kp: Annotated[float, "[1/s²] ≥ 0"], kd: Annotated[float, "[1/s] ≥ 0"],
+                times: Annotated[Array, "(…) [s]"]) -> Array:
     """e(t) of ë + K_d ė + K_p e = 0 with e(0) = 1, ė(0) = 0: what an infinitely fast clock would give.
 
     kp, kd : K_p ≥ 0, K_d ≥ 0 [1/s²], [1/s]

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
-from ...arrays import checked
+from ...arrays import as_count, checked
 from ...robot import Robot
 
 
@@ -29,4 +29,5 @@ def without_cable(robot: Robot, index: int) -> Robot:
     >>> without_cable(cl.load_world("planar_rigid").robot, 0).n_cables
     3
     """
+    as_count(index, "index", 0, robot.n_cables - 1)
     return replace(robot, cables=robot.cables[:index] + robot.cables[index + 1:])

@@ -226,7 +226,7 @@ class _Work:
     def record(self, flight: Flight, **about: Any) -> Job:
         """The job from what `fly` kept of it and what was noted beside."""
         steps = flight.steps
-        poses, twists, accelerations = zip(*self.wished)
+        poses, twists, accelerations = zip(*self.wished or self.sampled[:1])
         wanted = Pose.of(np.array([pose.position for pose in poses]),
                          np.array([pose.rotation for pose in poses]))
         kept: dict[str, Any] = {name: self.log[name][:steps] for name in self.log.units}

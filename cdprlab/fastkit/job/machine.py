@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -81,7 +81,7 @@ class Phase:
 
     name: str
     what: str
-    duration: float
+    duration: Annotated[float, "[s] ≥ 0"]
     to: Pose | None = None
     stroke: tuple[float, float] | None = None
     drives: dict[str, tuple[float, float, float]] = field(default_factory=dict)
@@ -99,7 +99,7 @@ class Machine:
     """
 
     def __init__(self, phases: tuple[Phase, ...], faults: tuple[Guard, ...],
-                 patience: float = 3.0) -> None:
+                 patience: Annotated[float, "[s] ≥ 0 or inf"] = 3.0) -> None:
         if not len(phases):
             raise InvalidInput("a machine needs a phase to begin with")
         self.phases, self.faults, self.patience = phases, faults, patience

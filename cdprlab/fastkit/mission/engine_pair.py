@@ -16,7 +16,7 @@ from ...world import World
 from ..navigation.driving import KinematicPair, Walker
 from ..navigation.hall import Hall
 from ..navigation.vehicle import ACTIVE, Vehicle
-from ..plane import Motion, placed, relative
+from ..plane import Motion, Period, placed, relative
 
 _STEP = 4e-3      # s of the engine
 _AT_ONCE = 5      # of its steps in one call
@@ -48,7 +48,7 @@ class EnginePair(KinematicPair):
                         "wheels": (self._wheels().shape, "N"),
                         "tilts": ((), "rad")})
 
-    def move(self, twist: Motion, period: float) -> None:
+    def move(self, twist: Motion, period: Period) -> None:
         engine = self.engine
         engine.drive([*self.vehicle.base_speeds(twist), 0, 0, 0])
         for _ in range(round(period / _STEP / _AT_ONCE)):

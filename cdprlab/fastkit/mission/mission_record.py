@@ -1,12 +1,18 @@
 """The record of a mission: its events, its parts and what came of them."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...arrays import checked
+from ...run.log import write_csv
 from ...world import World
-from ..events import Chronicle, Event
+from ...world.files import made_folder
+from ..events import STOPPED, Chronicle, Event
 from ..job.job_record import Job
 from ..navigation.journey import Journey
 
@@ -21,6 +27,7 @@ class Mission(Chronicle):
     events : states in order
     journey, job, way_home : the way to the shelf, what happened there, the way back
     real_time_factor : simulated over elapsed time
+    cut_short : '' or what ended it early, Ctrl-C for one
     """
 
     world: World
@@ -31,6 +38,7 @@ class Mission(Chronicle):
     job: Job | None = None
     way_home: Journey | None = None
     real_time_factor: float = np.nan
+    cut_short: str = ""
 
     @property
     def parts(self) -> dict[str, Journey | Job]:
@@ -41,7 +49,7 @@ class Mission(Chronicle):
     @property
     def now(self) -> float:
         """Simulated time so far [s]."""
-        return sum(float(part.time[-1]) for part in self.parts.values())
+        return sum(float(part.time[-1:].sum()) for part in self.parts.values())
 
     def when(self, begins: str) -> float:
         """When the job first was in that state of its own; now, if it never was, or there is no job [s]."""
@@ -49,6 +57,26 @@ class Mission(Chronicle):
             return self.now
         times = [event.time for event in self.job.events if event.state == begins]
         return float(self.journey.time[-1]) + times[0] if times else self.now
+
+    def cut(self, reason: str, part: Any) -> Mission:
+        """The mission as it is when something ends it early, in the middle of a part."""
+        if isinstance(part, Job):
+            self.job = part
+        elif isinstance(part, Journey):
+            setattr(self, "way_home" if self.journey else "journey", part)
+        self.cut_short = reason
+        self.events.append(Event(self.now, STOPPED, reason))
+        return self
+
+    def save(self, folder: str | Path) -> Path:
+        """Write what there is: the job as it saves itself, and a CSV file of the way there and of the way home."""
+        target = made_folder(folder)
+        if isinstance(self.job, Job):
+            self.job.save(target)
+        for name, way in ("way_there", self.journey), ("way_home", self.way_home):
+            if way is not None:
+                write_csv(target / f"{name}.csv", way.columns())
+        return target
 
     def table(self) -> dict[str, str]:
         """The mission in a few lines."""

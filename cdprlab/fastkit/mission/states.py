@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Array, checked
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Recording
 from ...world import World
 from ...world.model import PickAndPlace
 from ..events import DONE, STOPPED, Event, as_reason
@@ -72,7 +72,8 @@ def run_mission(world: World, bounds: Bounds, start: Place, task: str = "pick_an
     work : what is done at the shelf, by default `pick_and_place`, bases folded in the end
     progress : called with the state and the simulated time
     Returns Mission; a failure ends it in "stopped" with the reason.
-    Raises InvalidInput for a task of another kind, or one that begins deployed.
+    Raises InvalidInput for a task of another kind, or one that begins deployed. What ends it early
+    carries the mission until then, as ``.run``.
     Source: Pedemonte et al. 2020, section 2.3 and Fig. 3; the way home is the way there turned
     round.
 
@@ -89,8 +90,9 @@ def run_mission(world: World, bounds: Bounds, start: Place, task: str = "pick_an
         raise InvalidInput(f"task {task!r} begins deployed: name the `coupled:` base and its pose")
     trip = Trip(world, job, np.asarray(bounds), np.asarray(start), np.asarray(station), walkers, beams, progress)
     mission, began = Mission(world, task, seed), time.perf_counter()
-    for event in walk_through(mission, mission_states(trip, work)):
-        mission.events.append(event)
+    with Recording(mission.cut):
+        for event in walk_through(mission, mission_states(trip, work)):
+            mission.events.append(event)
     mission.real_time_factor = mission.now / (time.perf_counter() - began)
     return mission
 

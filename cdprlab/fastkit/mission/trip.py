@@ -2,12 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, checked, lasting
+from ...arrays import Array, as_seed, checked, lasting
 from ...errors import InvalidInput, quoted
 from ...world import World
 from ...world.model import PickAndPlace
@@ -43,9 +43,9 @@ class Trip:
 
     world: World
     task: PickAndPlace
-    bounds: Array
-    start: Array
-    station: Array
+    bounds: Annotated[Array, "(2, 2) [m]"]
+    start: Annotated[Array, "(3,) [m, m, rad]"]
+    station: Annotated[Array, "(3,) [m, m, rad]"]
     walkers: tuple[Walker, ...]
     beams: int
     progress: Progress | None = None
@@ -68,7 +68,7 @@ class Trip:
 
     def drive_there(self, mission: Mission) -> None:
         """Navigate to the berth in the engine, the true start a little off the one told."""
-        truly = self.start + np.random.default_rng(mission.seed).uniform(-1, 1, 3) * [0.08, 0.08, 0.04]
+        truly = self.start + np.random.default_rng(as_seed(mission.seed)).uniform(-1, 1, 3) * [0.08, 0.08, 0.04]
         mission.journey = self._navigate(mission, truly, self.start, self.gate, berth=self.berth,
                                          seed=mission.seed)
 

@@ -1,14 +1,16 @@
 """What drives: a pair of bases among people, as its kinematics say."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array, as_seed, checked
+from ...arrays import Array, as_seed, checked
 from ...run.log import Log
 from ..plane import (
     Motion,
+    Period,
     Place,
     Spots,
     checked_pose,
@@ -36,19 +38,18 @@ class Walker:
     hall : what they cannot step back through; None: nothing is in the way
     """
 
-    way: Array
-    speed: float = 0.6
-    radius: float = 0.25
-    care: float = 0.4
-    patience: float = 4.0
+    way: Annotated[Array, "(2, 2) [m]"]
+    speed: Annotated[float, "[m/s] ≥ 0"] = 0.6
+    radius: Annotated[float, "[m] > 0"] = 0.25
+    care: Annotated[float, "[m] ≥ 0"] = 0.4
+    patience: Annotated[float, "[s] ≥ 0 or inf"] = 4.0
     hall: Hall | None = None
 
     def __post_init__(self) -> None:
-        self.way = as_array(self.way, "way", (2, 2), "m")
         self.place, self.onward = np.array(self.way[0]), 1
         self.waited, self.turned = 0.0, 0
 
-    def walk(self, period: float, pose: Place, size: Spots) -> None:
+    def walk(self, period: Period, pose: Place, size: Spots) -> None:
         """Walk on for a period [s], minding a machine at pose (3,), (2,) along and across [m]."""
         left = self.way[self.onward] - self.place
         far = float(np.linalg.norm(left))
@@ -102,7 +103,7 @@ class KinematicPair:
         self.odometry = odometry or Odometry()
         self._random = np.random.default_rng(as_seed(seed))
 
-    def move(self, twist: Motion, period: float) -> None:
+    def move(self, twist: Motion, period: Period) -> None:
         """Drive on at (v_x, v_y, ω) for a while; ``pose`` is then another."""
         self.pose = moved(self.pose, self.vehicle.within_limits(twist), period)
 
@@ -110,7 +111,7 @@ class KinematicPair:
         """(beams,) how far the scanner's beams truly go, inf beyond its range [m]."""
         return cast(*scanner.beams_from(self.pose), self.hall.segments, self.people)
 
-    def drive(self, twist: Motion, period: float) -> Array:
+    def drive(self, twist: Motion, period: Period) -> Array:
         """Drive on for a while, people walking; returns the step (dx, dy, dθ) the wheels say it was."""
         before = self.pose
         self.move(twist, period)

@@ -4,7 +4,7 @@ import numpy as np
 
 from ...arrays import Array, checked
 from ...errors import InvalidInput
-from ..plane import Place, Scan, Way, difference, moved, relative
+from ..plane import Period, Place, Scan, Way, difference, moved, relative
 from .planner import between
 from .vehicle import Vehicle
 
@@ -42,7 +42,7 @@ class Follower:
         there = (np.abs(difference(self.way[-1], pose)) <= ARRIVED).all()
         return bool(there and np.abs(self.twist).max() < 0.02)
 
-    def command(self, pose: Place, unexpected: Scan, period: float) -> Array:
+    def command(self, pose: Place, unexpected: Scan, period: Period) -> Array:
         """(3,) v_x, v_y, ω of the next period, in the vehicle's frame [m/s, rad/s].
 
         pose : (3,) where the vehicle believes to be

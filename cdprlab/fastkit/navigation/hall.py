@@ -30,9 +30,9 @@ class Hall:
     seen : (k,) whether a scanner's plane cuts it; all keep bases away
     """
 
-    places: Array
-    sizes: Array
-    bounds: Array
+    places: Annotated[Array, "(k, 3) [m, m, rad]"]
+    sizes: Annotated[Array, "(k, 2) [m]"]
+    bounds: Annotated[Array, "(2, 2) [m]"]
     seen: Flags
 
     @classmethod

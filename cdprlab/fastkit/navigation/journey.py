@@ -1,13 +1,14 @@
 """A journey: plan, look, believe, drive, and plan again where something is in the way, until there or stopped."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_number, checked, frozen, lasting
+from ...errors import Recording
 from ...run.log import Log
 from ..events import STOPPED
 from ..plane import Place, carried, checked_pose, difference
@@ -44,6 +45,7 @@ class Journey:
     people : (N, c, 3) center and radius; plans : (time, Plan) as they were made
     scans : N of (h, 2) points, vehicle's frame
     measured : what an engine measured, a row a period; None by kinematics alone
+    cut_short : '' or what ended it early, Ctrl-C for one
     """
 
     hall: Hall
@@ -61,11 +63,18 @@ class Journey:
     plans: tuple[tuple[float, Plan], ...]
     scans: tuple[Array, ...] = field(repr=False)
     measured: Log | None = None
+    cut_short: str = ""
 
     @property
     def errors(self) -> Array:
         """(N, 3) estimate minus truth [m, m, rad]."""
         return difference(self.estimates, self.poses)
+
+    def columns(self) -> dict[str, tuple[Array, str]]:
+        """Name → what there is of it a row, and its unit."""
+        places = {"pose": self.poses, "estimate": self.estimates, "deviation": self.deviations}
+        return {"time": (self.time, "s"), **{name: (there, "m, m, rad") for name, there in places.items()},
+                "clearance": (self.clearance, "m"), "waiting": (self.waiting, "")}
 
     def table(self) -> dict[str, str]:
         """The journey in a few lines."""
@@ -100,7 +109,7 @@ def navigate(pair: KinematicPair, hall: Hall, start: ArrayLike, goal: ArrayLike,
         [m, m, rad]
     period : between two scans [s]
     progress : called with the simulated time
-    Returns Journey.
+    Returns Journey; what ends it early carries what was driven, as ``.run``.
     Source: Pedemonte et al. 2020, section 2.3.
     """
     as_number(period, "period", "s", minimum=1e-3)
@@ -147,6 +156,14 @@ class _Driver:
                         "people": (self.pair.people.shape, "m")})
 
     def run(self, progress: Callable[[float], Any] | None) -> Journey:
+        with Recording(self._cut):
+            return self._driven(progress)
+
+    def _cut(self, reason: str, _: Any) -> Journey | None:
+        """What was driven until it was cut short, if anything."""
+        return replace(self._journey(STOPPED, reason), cut_short=reason) if len(self.log) else None
+
+    def _driven(self, progress: Callable[[float], Any] | None) -> Journey:
         pair, where, now = self.pair, self.where, 0.0
         points = pair.scan()
         where.look(points)

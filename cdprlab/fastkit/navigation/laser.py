@@ -27,10 +27,10 @@ class Scanner:
     x: float = 0.0
     y: float = 0.0
     heading: float = 0.0
-    range: float = 3.0
-    angle: float = 1.5 * np.pi
+    range: Annotated[float, "[m] > 0"] = 3.0
+    angle: Annotated[float, "[rad] > 0"] = 1.5 * np.pi
     beams: int = 271
-    noise: float = 0.01
+    noise: Annotated[float, "[m] ≥ 0"] = 0.01
     height: float = 0.2
 
     def __post_init__(self) -> None:

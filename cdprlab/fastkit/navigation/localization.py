@@ -1,6 +1,7 @@
 """Localization on a known map: a Kalman filter whose measurement is how far scanned points are off the map's edges."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
@@ -25,9 +26,9 @@ class Odometry:
     per_turn : of the heading's error over the angle turned; per_meter : over the way [rad/m]
     """
 
-    scale: float = 0.03
-    per_turn: float = 0.03
-    per_meter: float = 0.01
+    scale: Annotated[float, "≥ 0"] = 0.03
+    per_turn: Annotated[float, "≥ 0"] = 0.03
+    per_meter: Annotated[float, "[rad/m] ≥ 0"] = 0.01
 
     def covariance(self, step: Motion) -> Array:
         """(3, 3) of a step (dx, dy, dθ) in the vehicle's frame."""

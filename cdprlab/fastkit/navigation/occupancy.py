@@ -37,7 +37,7 @@ class OccupancyGrid:
 
     @classmethod
     def of(cls, hall: Hall, cell: float = 0.03, points: Scan = NO_POINTS,
-           reach: float = 0.0) -> OccupancyGrid:
+           reach: Annotated[float, "[m] ≥ 0"] = 0.0) -> OccupancyGrid:
         """The grid of a hall.
 
         points : (p, 2) seen there that are not on the map [m]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +16,7 @@ from ..plane import Way, checked_pose, difference
 from .occupancy import OccupancyGrid
 from .vehicle import Vehicle
 
+Margin = Annotated[float, "[m] ≥ 0"]
 MARGIN = 0.1
 """Kept between the pair and all that stands in the hall [m]."""
 
@@ -56,14 +58,14 @@ class Plan:
 
 
 @checked
-def inflated_width(grid: OccupancyGrid, vehicle: Vehicle, margin: float = MARGIN) -> float:
+def inflated_width(grid: OccupancyGrid, vehicle: Vehicle, margin: Margin = MARGIN) -> float:
     """A straight gap this wide is certainly found: the discs, the margin, and what cells hide [m]."""
     return 2 * (float(vehicle.discs[:, 1].max()) + vehicle.radius + margin + grid.slack)
 
 
 @checked
 def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: ArrayLike,
-              margin: float = MARGIN) -> Plan:
+              margin: Margin = MARGIN) -> Plan:
     """The quickest way from start to goal: min Σ time × (2 − room left, up to where room is plenty).
 
     grid : of the hall; start, goal : (3,) poses of the vehicle [m, m, rad]

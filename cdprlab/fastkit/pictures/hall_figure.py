@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Circle, Polygon
 
-from ...arrays import Array, checked
+from ...arrays import LARGEST, Array, checked
 from ...view.plots import Figure
 from ...view.style import BLUE, GREEN, GREY, INK, ORANGE, SKY, VERMILION, house_style
 from ..navigation.hall import Hall
@@ -69,7 +69,7 @@ def draw_hall(axes: Axes, hall: Hall, vehicle: Vehicle | None = None) -> None:
 
 
 @checked
-def draw_way(axes: Axes, journey: Journey, until: float = np.inf) -> None:
+def draw_way(axes: Axes, journey: Journey, until: float = LARGEST) -> None:
     """Plans dashed, the way driven solid, the pair every ten seconds or so, people's ways dotted.
 
     until : what happened later is not drawn [s]
