@@ -81,7 +81,7 @@ class Robot:
     @cached_property
     def anchor_points(self) -> Array:
         """(m, d) B_i in the platform frame [m]."""
-        return frozen(np.array([cable.anchor_point for cable in self.cables]))
+        return self._of_cables("anchor_point")
 
     @cached_property
     def exit_rotations(self) -> Array:
@@ -101,24 +101,27 @@ class Robot:
     @cached_property
     def tension_min(self) -> Array:
         """(m,) [N]."""
-        return frozen(np.array([cable.tension_min for cable in self.cables]))
+        return self._of_cables("tension_min")
 
     @cached_property
     def tension_max(self) -> Array:
         """(m,) the smaller of the cable's limit and what the winch gives [N]."""
-        most = float("inf") if self.winch is None else self.winch.tension_max
-        return frozen(np.array([min(cable.tension_max, most) for cable in self.cables]))
+        most = np.inf if self.winch is None else self.winch.tension_max
+        return frozen(np.minimum(self._of_cables("tension_max"), most))
 
     @cached_property
     def speed_max(self) -> Array:
         """(m,) largest |l̇|, the smaller of the cable's and the winch's [m/s]."""
-        most = float("inf") if self.winch is None else self.winch.speed_max
-        return frozen(np.array([min(cable.speed_max, most) for cable in self.cables]))
+        most = np.inf if self.winch is None else self.winch.speed_max
+        return frozen(np.minimum(self._of_cables("speed_max"), most))
 
     @cached_property
     def length_offsets(self) -> Array:
         """(m,) what the winches' encoders read, minus the lengths there are [m]."""
-        return frozen(np.array([cable.length_offset for cable in self.cables]))
+        return self._of_cables("length_offset")
+
+    def _of_cables(self, name: str) -> Array:
+        return frozen(np.array([getattr(cable, name) for cable in self.cables]))
 
     @cached_property
     def _base_of(self) -> dict[str, int]:

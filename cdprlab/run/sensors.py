@@ -151,11 +151,6 @@ class Belief:
         self._wrench = self.wrench_matrix @ tensions
         self.engine.pull(tensions, substeps)
 
-    def step(self, tensions: Array, substeps: int = 1) -> None:
-        """As the engine does."""
-        self._wrench = self.wrench_matrix @ tensions
-        self.engine.step(tensions, substeps)
-
     def bring(self, lengths: list[float], substeps: int) -> bool:
         """As the engine does; the lengths are what encoders shall read."""
         return self.engine.bring((np.array(lengths) - self.offsets).tolist(), substeps)

@@ -56,9 +56,13 @@ class TensionDistribution:
         if self.method not in METHODS or not METHODS[self.method].complete:
             return False
         silent = np.array(~np.asarray(self.feasible))
-        said = np.broadcast_to(np.array(self._said, dtype=object), silent.shape)
-        silent[silent] = [not text.startswith(PROOFS) for text in said[silent]]
+        silent[silent] = [not text.startswith(PROOFS) for text in self._texts[silent]]
         return ~silent if silent.ndim and silent.any() else not silent.any()
+
+    @property
+    def _texts(self) -> Texts:
+        """(…) what the method said of each wrench."""
+        return np.broadcast_to(np.array(self._said, dtype=object), np.shape(self.feasible))
 
     @cached_property
     def reason(self) -> Any:
@@ -66,10 +70,9 @@ class TensionDistribution:
         texts = np.full(np.shape(self.feasible), "", dtype=object)
         bad = ~np.asarray(self.feasible)
         if self._problem is not None:
-            said = np.broadcast_to(np.array(self._said, dtype=object), bad.shape)[bad]
             proven = np.broadcast_to(self.complete, bad.shape)[bad]
             texts[bad] = _reasons(self._problem, self.tensions[bad], self.residual[bad], np.asarray(self.margin)[bad],
-                                  said, proven)
+                                  self._texts[bad], proven)
         return texts if texts.ndim else texts[()]
 
     def __repr__(self) -> str:
