@@ -314,7 +314,12 @@ def test_a_mission_is_a_scene_from_its_start_to_its_end(mission, tmp_path):
 def test_the_command_line_writes_the_journey(tmp_path, capsys):
     from cdprlab.cli.mission_command import fly_mission
 
+    def refused(there, task):
+        job = through(there, task)
+        job.state, job.reason, job.events = STOPPED, "the link does not open", ()
+        return job
+
     mission = fly_mission(SimpleNamespace(out=tmp_path, no_pictures=False), cl.load_world("fastkit_suspended"),
-                          work=lambda *_: None)
-    assert mission.state == STOPPED and "stopped safely: in deployed" in capsys.readouterr().out
+                          work=refused)
+    assert mission.state == STOPPED and "stopped safely: in deployed: the link does not" in capsys.readouterr().out
     assert sorted(path.name for path in tmp_path.iterdir()) == ["journey.png"]
