@@ -322,4 +322,4 @@ def test_the_command_line_writes_the_journey(tmp_path, capsys):
     mission = fly_mission(SimpleNamespace(out=tmp_path, no_pictures=False), cl.load_world("fastkit_suspended"),
                           work=refused)
     assert mission.state == STOPPED and "stopped safely: in deployed: the link does not" in capsys.readouterr().out
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["journey.png"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["journey.png", "way_there.csv"]
