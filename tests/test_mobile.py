@@ -156,6 +156,10 @@ def test_a_gripped_box_comes_along_and_a_released_one_stays(world):
         assert simulator.boxes.pose("box").position[2] == pytest.approx(0.075, abs=0.01)  # on the floor
 
 
+def test_tensions_are_judged_where_bases_stand_that_give_way(world):
+    assert cl.run(world, bodies=True, duration=0.05).feasible.all()
+
+
 def test_substeps_change_neither_wheel_loads_nor_driving(world):
     """One call of two substeps, or two calls: the same loads, and a base that drives without pitching."""
     seen = []

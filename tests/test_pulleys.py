@@ -332,13 +332,16 @@ def test_exits_of_bases_that_turn_and_drive_go_as_the_base_jacobian_says(name):
         np.testing.assert_allclose(rates, -cl.base_jacobian(robot, pose) @ speeds, atol=off)
 
 
-@pytest.mark.parametrize("cables", ["tension", "length"])
+@pytest.mark.parametrize("cables", ["tension", "length", "elastic"])
 def test_ropes_over_pulleys_hold_the_platform_while_a_planar_base_turns_and_drives(cables):
     world = cl.load_world("planar_mcdpr")
     robot = over_pulleys(world.robot, 0.05, [[0, 1]])
     free = tuple(replace(base, speed_max=np.ones(3)) for base in robot.bases)
-    world = replace(world, robot=replace(robot, bases=free))
+    robot = replace(robot, bases=free, elasticity=cl.Elasticity(1e5, 0.1))
+    world = replace(world, robot=robot)
     with cl.open_simulator(world, cables) as simulator:
+        held = cl.distribute_tensions(simulator.wrench_matrix, cl.gravity_wrench(robot, world.pose), robot.tension_min,
+                                      robot.tension_max).tensions
         law, still = cl.ComputedTorque(), cl.hold(world.pose, 1.0)(0.0)
         simulator.drive([0.1, -0.2, 0, 0, 0, 0])
         for k in range(1, 301):
@@ -346,8 +349,11 @@ def test_ropes_over_pulleys_hold_the_platform_while_a_planar_base_turns_and_driv
             base = world.robot.bases[0]
             place = base.position + np.array([-np.sin(heading), np.cos(heading) - 1]) * 2
             ahead = world.robot.with_bases({base.name: (*place, heading)})
+            lengths = cl.cable_lengths(ahead, world.pose)
             if cables == "length":
-                simulator.wind(cl.cable_lengths(ahead, world.pose))
+                simulator.wind(lengths)
+            elif cables == "elastic":
+                simulator.wind(robot.elasticity.unstrained(lengths, held))
             else:
                 wanted = law(0.0, simulator.state(), still)
                 simulator.step(cl.distribute_tensions(simulator.wrench_matrix, -wanted, robot.tension_min,

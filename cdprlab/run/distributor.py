@@ -1,6 +1,5 @@
 """Tensions asked for at every step of a run: the method, what is whole to carry them, and what if it finds none."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,10 @@ class Distributor:
     method : a name, or a callable (W, w_e, tension_min, tension_max) → tensions or
         TensionDistribution, whose answers are judged like all others
     infeasible : one of ``INFEASIBLE``
+    found : whether what `tensions` last gave balances the wrench inside the limits
     """
+
+    found: bool
 
     def __init__(self, robot: Robot, method: Any, infeasible: str) -> None:
         if infeasible not in INFEASIBLE:
@@ -44,7 +46,8 @@ class Distributor:
                             self.solve(W, -wanted))
         if self.whole is not None:
             tensions = tensions * self.whole  # what rounding leaves of nothing
-        if not reason or (self.infeasible == "send" and np.isfinite(tensions).all()):
+        self.found = not reason
+        if self.found or (self.infeasible == "send" and np.isfinite(tensions).all()):
             self.last = tensions
             return tensions
         if self.infeasible in ("stop", "send"):
@@ -53,7 +56,9 @@ class Distributor:
                                      self._judged(W, -wanted, tensions, reason,
                                                   self.low, self.high))
         if self.infeasible == "relax" or self.last is None:
-            self.last = tensions if self.solve is self.relax else self.relax(W, -wanted)[0]
+            if self.solve is not self.relax:
+                tensions, reason = self.relax(W, -wanted)
+            self.last, self.found = tensions, not reason
         return self.last
 
     def cut(self, indices: list[int]) -> None:
@@ -63,19 +68,6 @@ class Distributor:
         self._limit(self.low * self.whole, self.high * self.whole)
         if self.last is not None:
             self.last = self.last * self.whole
-
-    def feasible(self, W: Array, w_e: Array, tensions: Array, cuts: Mapping[int, list[int]]) -> Any:
-        """(N,) judged by the law for a whole run at once: equilibrium with the wanted wrench, and the limits.
-
-        W : (N, n, m); w_e : (N, n); tensions : (N, m); cuts : step → cables cut as it begins
-        """
-        low, high = self.robot.tension_min, self.robot.tension_max
-        if cuts:
-            whole = np.ones(tensions.shape)
-            for step, indices in cuts.items():
-                whole[step:, indices] = 0.0
-            low, high = low * whole, high * whole
-        return self._judged(W, w_e, tensions, "", low, high).feasible
 
     def _limit(self, low: Array, high: Array) -> None:
         self.low, self.high = frozen(low), frozen(high)

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..arrays import Array, as_answer
+from ..arrays import as_answer
 from ..robot import Robot
 from ..simulate import Simulator
 
@@ -16,7 +16,6 @@ class Drive:
     def __init__(self, speeds: Any, period: float) -> None:
         self.speeds, self.period = speeds, period
         self.poses: list[Any] = []
-        self.matrices: list[Array] = []
 
     def step(self, engine: Simulator) -> Robot:
         """Set the coming step's speeds; returns the robot with its bases where they will be at the step's end."""
@@ -27,7 +26,6 @@ class Drive:
         driven = engine.drive(speeds).reshape(-1, 3)
         robot = engine.robot
         self.poses.append([base.pose for base in robot.bases])
-        self.matrices.append(engine.wrench_matrix)
         return robot.with_bases({
             base.name: (*(base.position + base.rotation[:2, :2] @ speed[1:] * self.period),
                         base.heading + speed[0] * self.period)

@@ -16,6 +16,7 @@ from ..robot import Robot
 from ..simulate import Simulator
 from .controllers import Controller
 from .distributor import Distributor
+from .drive import Drive
 from .log import Columns, Log
 
 Record = TypeVar("Record")
@@ -51,8 +52,7 @@ class TensionCommand(Command):
         self.controller, self.distributor = controller, distributor
 
     def columns(self, robot: Robot) -> Columns:
-        return {"wanted_wrench": ((robot.n_dof,), "N, N m"),
-                "commanded_tensions": ((robot.n_cables,), "N")}
+        return {"commanded_tensions": ((robot.n_cables,), "N"), "feasible": ((), "")}
 
     def step(self, wish: Reference) -> Iterable[float]:
         engine = self.engine
@@ -63,7 +63,7 @@ class TensionCommand(Command):
         tensions = self.distributor.tensions(engine.wrench_matrix, wanted, now)
         # Judged already, or sent as they are, even where they push: no step() asks again.
         engine.pull(tensions, self.substeps)
-        return *wanted.tolist(), *tensions.tolist()
+        return *tensions.tolist(), self.distributor.found
 
     def cut(self, cables: list[int]) -> None:
         self.distributor.cut(cables)
@@ -83,21 +83,26 @@ class StretchedLengths(Command):
     """Winches on ropes that stretch: wound shorter by what the tensions that hold the platform stretch them.
 
     A wish is the Reference of where the platform shall be by the end of the control step.
+
+    drive : moves the bases, None: they stay
     """
 
-    def __init__(self, distributor: Distributor) -> None:
-        self.distributor = distributor
+    def __init__(self, distributor: Distributor, drive: Drive | None) -> None:
+        self.distributor, self.drive = distributor, drive
 
     def columns(self, robot: Robot) -> Columns:
         return {"commanded_tensions": ((robot.n_cables,), "N"), **LengthCommand().columns(robot)}
 
     def step(self, wish: Reference) -> Iterable[float]:
-        wound = self.wound(wish).tolist()
+        wound = self.wound(wish, None if self.drive is None else self.drive.step(self.engine)).tolist()
         return *self.wanted.tolist(), *wound, self.engine.bring(wound, self.substeps)
 
-    def wound(self, wish: Reference) -> Array:
-        """(m,) rope that the winches let out where the ``wanted`` tensions stretch it [m]."""
-        robot = self.engine.robot
+    def wound(self, wish: Reference, robot: Robot | None = None) -> Array:
+        """(m,) rope that the winches let out where the ``wanted`` tensions stretch it [m].
+
+        robot : with its bases where they then are; default: where they are
+        """
+        robot = robot or self.engine.robot
         assert robot.elasticity is not None
         _, lengths, W = cables_at(robot, wish.pose)
         wrench = inverse_dynamics(robot, wish.pose.rotation, wish.twist, wish.acceleration)

@@ -82,14 +82,13 @@ class Motors:
         self._watch(motor_speed(winch, cable_rates(body)[0]))
         before, turned = self._asked or (lengths, np.zeros(len(lengths)))   # it begins at rest
         rates = (np.asarray(lengths) - before) / self.period
-        turning = (rates - turned) / self.period
+        turning, speed = (rates - turned) / self.period, motor_speed(winch, turned)
         self._asked = lengths, rates
-        spare = winch.torque - motor_torque(winch, 0.0, rates, turning)
-        body.strongest = np.clip(spare / gear_torque(winch, 1.0, motor_speed(winch, rates)),
+        spare = winch.torque - motor_torque(winch, 0.0, turned, turning)
+        body.strongest = np.clip(spare / gear_torque(winch, 1.0, speed),
                                  0.0, winch.torque * winch.gear_ratio / winch.drum_radius)
         reached = self.engine.bring(lengths, substeps)
-        torques = motor_torque(winch, body.tensions, rates, turning)
-        self._keep(body.tensions, torques, motor_speed(winch, rates), body.slipping)
+        self._keep(body.tensions, motor_torque(winch, body.tensions, turned, turning), speed, body.slipping)
         return reached
 
     def columns(self) -> Columns:

@@ -120,6 +120,7 @@ def run(world: World, task: str = "default",
     moments: Array = np.arange(round(length / period) + 1, dtype=float) * period
     times = moments[:-1]
     name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
+    drive = None if base_speeds is None else Drive(base_speeds, period)
     ahead = wound and controller is None   # a wish is of where the platform is by a step's end
     command: Command
     if isinstance(controller, WinchControl):
@@ -132,10 +133,9 @@ def run(world: World, task: str = "default",
                            "VelocityControl")
     else:
         stretches = cables == "elastic" and robot.elasticity is not None
-        command = StretchedLengths(distributor) if stretches else LengthCommand()
+        command = StretchedLengths(distributor, drive) if stretches else LengthCommand()
         name, ruler = ("inverse_kinematics",) * 2
     cuts = _cut_steps(cut or {}, robot.n_cables, times.size, period)
-    drive = None if base_speeds is None else Drive(base_speeds, period)
     path = job.trajectory()(moments)
     frozen(path.twist)   # a controller is handed its rows
     frozen(path.acceleration)
@@ -217,13 +217,7 @@ def run(world: World, task: str = "default",
                 return replace(run, feasible=run.feasible & held)
             if not flight.cut_short:
                 _mistrust(run, carried)
-            if "wanted_wrench" not in flight.log:
-                return run
-            W = (wrench_matrix(robot, run.estimates) if drive is None else
-                 np.reshape(drive.matrices[:steps], (steps, robot.n_dof, robot.n_cables)))
-            wanted = flight.log["wanted_wrench"][:-1]
-            balanced = distributor.feasible(W, -wanted, run.commanded_tensions, cuts)
-            return replace(run, feasible=frozen(balanced & run.feasible))
+            return run
 
         eventful = cuts or callable(external_wrench) or (drive is not None and not ahead)
         return fly(engine, command, counted(wishes, times.size, progress), record, substeps,

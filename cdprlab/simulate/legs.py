@@ -7,6 +7,9 @@ about 1 µm and 0.001 N.
 """
 
 import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +19,6 @@ from .bullet import ORIGIN, STRAIGHT, Bullet, Link, turn_z_to
 Leg = tuple[int, int]
 """A cable: the body it belongs to, and that body's prismatic joint, whose link is the tip."""
 
-_NOTHING = (0.0, 0.0, 0.0)
 _UNBREAKABLE = 1e25    # N, and more than any robot has
 
 
@@ -37,6 +39,8 @@ class Legs:
         # By default a constraint gives up above an impulse of 500 N s a step, without a word.
         for tie in self._ties:
             bullet.changeConstraint(tie, maxForce=_UNBREAKABLE)
+        self._forces: list[Callable[[], Any]] = [partial(bullet.engine.getConstraintState, tie, bullet.client)
+                                                 for tie in self._ties]
 
     def pull(self, tensions: Array) -> None:
         """Hold these (m,) tensions over the coming engine call [N]."""
@@ -48,25 +52,20 @@ class Legs:
             # time of the call.
             control(leg, drum, torque, 0.0, 0.0, -tension, 0.0, 0.0, 0.0, client)
 
-    def tensions(self, directions: Array) -> Array:
-        """(m,) of the last step: each constraint's force along its cable, whose directions then were these (m, 3)."""
-        read, client = self._bullet.engine.getConstraintState, self._bullet.client
-        # Plain floats: eight products of three are cheaper so than through an array.
-        # Bullet reports the force on the child, the leg's tip; the platform (parent) gets its
-        # opposite.
-        return np.array([-(a * x + b * y + c * z) for tie, (x, y, z) in zip(self._ties, directions.tolist())
-                         for a, b, c in (read(tie, client) if tie >= 0 else _NOTHING,)])
+    def forces(self) -> list[tuple[float, float, float]]:
+        """Of each tie in the last step, on the leg's tip [N]."""
+        return [force() for force in self._forces]
 
     def cut(self, cable: int) -> None:
         """Untie one from the platform."""
         self._bullet.removeConstraint(self._ties[cable])
-        self._ties[cable] = -1
+        self._forces[cable] = partial(tuple, (0.0, 0.0, 0.0))
 
     def remove(self) -> None:
         """Take them out of the world, with whatever they are part of."""
         for body in dict.fromkeys(body for body, _ in self._legs):   # takes its constraints along
             self._bullet.removeBody(body)
-        self._legs, self._ties = [], []
+        self._legs = []
 
 
 def fixed_leg(bullet: Bullet, exit_point: Array, anchor: Array, middle: Array, tip_mass: float) -> Leg:

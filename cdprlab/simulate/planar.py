@@ -49,7 +49,7 @@ class PlanarSimulator(Simulator):
         from ..compiled import reels
 
         self._pymunk, self._compiled, robot = import_pymunk(), reels, world.robot
-        self._over_pulleys = cables == "length" and robot.pulleys.size > 0
+        self._over_pulleys = robot.pulleys.size > 0
         self.carrying = robot
         self._order, rounds = solving_order(world)
         self._iterations = rounds if solver_iterations is None else as_count(solver_iterations, "solver_iterations")
@@ -161,7 +161,7 @@ class PlanarSimulator(Simulator):
 
     @property
     def exit_velocities(self) -> Array:  # type: ignore[override]
-        return frozen(self.bases.exit_velocities.copy())
+        return frozen(self.bases.reel_velocities.copy())
 
     @property
     def tensions(self) -> Array:  # type: ignore[override]

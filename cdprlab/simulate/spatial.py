@@ -1,5 +1,7 @@
 """PyBullet behind the `Simulator` interface: spatial worlds, their cables legs, forces or ropes."""
 
+from itertools import chain
+from struct import Struct
 from typing import Any
 from warnings import warn
 
@@ -19,7 +21,6 @@ from .ropes import RopeLaw
 from .simulator import Simulator
 from .spatial_bases import SpatialBases
 
-_NOTHING = np.zeros(6)
 _FELT = 0.01   # of the platform's mass: what its cables' tips may weigh
 
 
@@ -47,6 +48,7 @@ class SpatialSimulator(Simulator):
     """
 
     shifts: Array | None = None
+    _row: Array
 
     @checked
     def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *,
@@ -74,6 +76,10 @@ class SpatialSimulator(Simulator):
                   solverResidualThreshold=0)
         self.bullet.setGravity(0, 0, -robot.gravity)
         self._substeps = 1
+        # What Bullet tells of a step; of plain numbers `Struct` makes an array quicker than numpy.
+        self._told: Any = np.zeros(13 + 3 * robot.n_cables)
+        ties = 0 if cables == "force" else robot.n_cables
+        self._pack = Struct(f"{13 + 3 * ties}d").pack_into
         self.platform = self._add_platform()
         self._add_scene()
         self.boxes = Boxes(self.bullet, self.platform)
@@ -93,12 +99,12 @@ class SpatialSimulator(Simulator):
         self._exits, self._pulleys = robot.exit_points, robot.pulleys
         self._present: Robot | None = None
         self._legs = None if self.cables == "force" else self._add_legs(start)
-        self.tensions = frozen(np.zeros(robot.n_cables))
         # A fall ends on the floor, however deep that lies.
         self._reach = 5 * (1 + float(np.abs(robot.exit_points).max() + np.abs(start.position).max()
                                      + abs(self.world.scene.floor_height)))
-        self._read()
-        self.carry(0.0, _NOTHING[:3])
+        self.whole_wrenches = np.zeros((6, robot.n_cables))
+        self._read(1)
+        self.carry(0.0, np.zeros(3))
         self.paid_out = self.hanging_lengths() if self.is_wound else []
 
     def pull(self, tensions: Array, substeps: int) -> None:
@@ -115,34 +121,26 @@ class SpatialSimulator(Simulator):
             self._apply(self.pushed)
         if self._bodies:
             self.bases.steer(self.dt * substeps)
-        legs, before, beside = self._legs, self.directions, None
+        legs, beside = self._legs, None
         if legs is None:
             self._apply(self.world.robot.pattern.basis(self.rotation) @ (self.wrench_matrix @ tensions))
+            beside = tensions
         elif self._pulleys.size:
             beside = self._pull_over_pulleys(legs, tensions)
         else:
             legs.pull(tensions)
         self.bullet.engine.stepSimulation(self.bullet.client)
         self.steps += substeps
-        self._read()
-        if legs is None:
-            self.tensions = frozen(np.array(tensions))
-            return
-        # A reaction belongs to the geometry its (sub)step began with.
-        self.tensions = legs.tensions(before if substeps == 1 else self.directions)
-        if beside is not None:
-            self.tensions += beside
-        if self.is_wound:  # what a slack leg's tip weighs is no rope's tension
-            self.tensions = np.maximum(self.tensions, 0.0)
-        frozen(self.tensions)
+        self._read(substeps, beside)
 
     def reel(self, lengths: list[float]) -> None:
         self.pull(self.rope_tensions(lengths, self.whole_wrenches), 1)
 
     def sever(self, cable: int) -> None:
-        self.tensions = np.array(self.tensions)
-        self.tensions[cable] = 0.0
-        frozen(self.tensions)
+        m, row = self.world.robot.n_cables, self._row.copy()
+        row[cable - m] = 0.0
+        self._row = frozen(row)
+        self.tensions = row[-m:]
         if self._legs is not None:
             self._legs.cut(cable)
 
@@ -151,7 +149,8 @@ class SpatialSimulator(Simulator):
         return float(sum(contact[9] for contact in contacts))
 
     def sample(self) -> list[float]:
-        return [*self._row.tolist(), *self.tensions.tolist()]
+        row: list[float] = self._row.tolist()
+        return row
 
     def close(self) -> None:
         if self.bullet.client >= 0:
@@ -247,7 +246,11 @@ class SpatialSimulator(Simulator):
         if wrench[3:].any():
             b.applyExternalTorque(self.platform, -1, wrench[3:].tolist(), b.WORLD_FRAME, client)
 
-    def _read(self) -> None:
+    def _read(self, substeps: int, beside: Array | None = None) -> None:
+        """Where the last engine call has brought platform and cables, and what these carry.
+
+        beside : (m,) of it that is not the legs' [N]
+        """
         b, client = self.bullet
         place, quaternion = b.getBasePositionAndOrientation(self.platform, client)
         linear, angular = b.getBaseVelocity(self.platform, client)
@@ -258,14 +261,22 @@ class SpatialSimulator(Simulator):
             self._present = None
             self.bases.look()
             self._exits, self._pulleys = self.bases.exits, self.bases.pulleys
+        forces = () if self._legs is None else self._legs.forces()
+        self._pack(self._told, 0, *place, *quaternion, *linear, *angular, *chain.from_iterable(forces))
         robot, frame = self.world.robot, self._frame
-        row, W = self._platform_and_cables(place, quaternion, linear, angular, frame.axes, frame.center,
-                                           self._exits, robot.anchor_points, self._pulleys)
+        row, W = self._platform_and_cables(self._told, frame.axes, frame.center, self._exits, robot.anchor_points,
+                                           self._pulleys, self.whole_wrenches, substeps)
+        m = robot.n_cables
+        carried = row[-m:]
+        if beside is not None:
+            carried += beside
+        if self.is_wound:   # what a slack leg's tip weighs is no rope's tension
+            np.maximum(carried, 0.0, out=carried)
         # Controllers and methods are handed views of these.
         self._row = frozen(row)
         frozen(W)
         self.position, self.rotation, self.twist = row[:3], row[3:12].reshape(3, 3), row[12:18]
-        self.lengths = row[18:]
+        self.lengths, self.tensions = row[18:-m], row[-m:]
         self.whole_wrenches, self.directions = W, W[:3].T
         self.wrench_matrix = W if robot.n_dof == 6 else robot.pattern.project(W, self.rotation)
         if self._pulleys.size:
