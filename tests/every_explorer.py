@@ -1,5 +1,7 @@
 """Every explorer, as the lessons open it."""
 
+import numpy as np
+
 import cdprlab as cl
 from cdprlab import course
 from cdprlab.fastkit import Vehicle
@@ -21,7 +23,7 @@ EVERY_EXPLORER = {
     "Gauss–Newton": lambda: course.forward_kinematics_explorer(3),
     "Gauss–Newton, platform hung": lambda: hung(course.forward_kinematics_explorer(6, error=100.0)),
     "tensions": lambda: course.tension_explorer(
-        cl.load_world("caroca"), cl.Pose([-1.5, -0.6, 1.6], rpy=[0.02, 0.15, -0.15])),
+        cl.load_world("caroca"), cl.Pose([-1.5, -0.6, 1.6], rpy=np.deg2rad([1.0, 9.0, -9.0]))),
     "gains": lambda: course.gain_explorer(kp=100, kd=20, dt=4.2, span=1.0),
     "workspaces": lambda: course.workspace_explorer(cl.load_world("planar_rigid")),
     "one real cable": lambda: course.real_cable_explorer(),

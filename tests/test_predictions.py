@@ -18,7 +18,8 @@ def asked():
         for cell in notebooks.read_source(name).cells:
             for call in ast.walk(ast.parse(cell.source)) if "course.predict(" in cell.source else ():
                 if isinstance(call, ast.Call) and ast.unparse(call.func) == "course.predict":
-                    before = [line for line in cell.source.split("\n") if line.startswith(("explorer", "turned"))]
+                    before = [line for line in cell.source.split("\n")
+                              if line.startswith(("explorer", "turned", "designer"))]
                     yield name, "\n".join(before), *map(ast.unparse, call.args)
 
 
@@ -70,7 +71,8 @@ def test_a_truth_can_be_chosen():
 
 WORLDS = {
     "00": {"world": "caroca"}, "01": {"room": "caroca"}, "04": {"caroca": "caroca"}, "06": {"rigid": "planar_rigid"},
-    "11": {"room": "marionet"}, "12": {"room": "marionet"}, "14": {"world": "fastkit_suspended"}}
+    "11": {"room": "marionet"}, "12": {"room": "marionet"}, "14": {"world": "fastkit_suspended"},
+    "15": {"first": "caroca"}}
 """What lessons call them."""
 
 
@@ -78,7 +80,8 @@ WORLDS = {
 def test_every_lesson_finds_its_truths(case):
     """Where a question sends the controls they can go, and what is read there is there."""
     lesson, before, subject, *questions = case
-    names = {"cl": cl, "course": course, "ask": Question, "hanging_point": None}
+    names = {"cl": cl, "course": course, "ask": Question, "hanging_point": None,
+             "brief": course.workshop_brief()}
     names |= {name: cl.load_world(world) for name, world in WORLDS.get(lesson[:2], {"planar": "planar_mcdpr"}).items()}
     if lesson.startswith("10"):
         names["pair"] = Vehicle.of(cl.load_world("fastkit_suspended").robot, 1.6)

@@ -144,7 +144,7 @@ def _run_all(page: Any, address: str) -> None:
 
 def _predict(page: Any, asked: Any) -> None:
     """By keyboard alone: answer what is asked, and the explorer opens."""
-    explorer, opens = asked.locator(".cdprlab"), asked.get_by_role("button", name="Open")
+    explorer, opens = asked.locator(".cdprlab").first, asked.get_by_role("button", name="Open")
     asked.scroll_into_view_if_needed()
     assert not explorer.is_visible() and opens.is_disabled()
     assert asked.bounding_box()["height"] <= ROOM["height"]
@@ -210,9 +210,14 @@ CUT = """widget => [...widget.querySelectorAll('*')].filter(part => {
     const rolls = part.parentElement.closest('.cdprlab-fields, .cdprlab-worth');   // the designer's columns scroll
     const outside = box.right > all.right + 1 || (!rolls && box.bottom > all.bottom + 1) || box.left < all.left - 1;
     const hidden = part.scrollWidth > part.clientWidth + 1 && part.clientWidth
-                   && getComputedStyle(part).overflowX != 'visible' && part.tagName != 'INPUT';
+                   && getComputedStyle(part).overflowX != 'visible';
+    if (part.tagName == 'SELECT') {
+        const pen = document.createElement('canvas').getContext('2d');
+        pen.font = getComputedStyle(part).font;
+        if (pen.measureText(part.selectedOptions[0].text).width > part.clientWidth - 22) return true;   // its arrow
+    }
     return outside || hidden;
-}).map(part => part.tagName + ' ' + part.className + ': ' + part.textContent.slice(0, 60))"""
+}).map(part => part.tagName + ' ' + part.className + ': ' + (part.value || part.textContent.slice(0, 60)))"""
 """Parts of a widget that stand out of it or hide some of their own words."""
 
 

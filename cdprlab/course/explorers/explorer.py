@@ -106,7 +106,7 @@ class Slider:
 
     def entry(self) -> Any:
         """Where its number stands, and can be typed over: it is taken as typed, between the marks too."""
-        return ipywidgets.FloatText(value=self.start, step=self.stride, continuous_update=False,
+        return ipywidgets.FloatText(value=float(f"{self.start:.12g}"), step=self.stride, continuous_update=False,
                                     tooltip=self.caption)
 
     def nearest(self, value: float) -> float:
