@@ -3,6 +3,7 @@
 import ast
 
 import notebooks
+import numpy as np
 import pytest
 
 import cdprlab as cl
@@ -80,7 +81,7 @@ WORLDS = {
 def test_every_lesson_finds_its_truths(case):
     """Where a question sends the controls they can go, and what is read there is there."""
     lesson, before, subject, *questions = case
-    names = {"cl": cl, "course": course, "ask": Question, "hanging_point": None,
+    names = {"cl": cl, "np": np, "course": course, "ask": Question, "hanging_point": None,
              "brief": course.workshop_brief()}
     names |= {name: cl.load_world(world) for name, world in WORLDS.get(lesson[:2], {"planar": "planar_mcdpr"}).items()}
     if lesson.startswith("10"):

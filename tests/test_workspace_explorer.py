@@ -45,7 +45,7 @@ def test_feasible_cells_are_those_an_independent_program_finds(name):
     angle = {"angle": 10.0} if world.robot.n_dof == 3 else {}
     low, high, push = 6.0, explorer.controls["tension_max"].low, explorer.controls["push"].high / 4
     explorer.set(tension_min=low, tension_max=high, push=push, **angle)
-    state, places = explorer.state(explorer.values), explorer.grid.positions
+    state, places = explorer.state(explorer.values), explorer.grid.poses.position
     pushes = [np.array([x, y, 0.0][:world.robot.n_dof]) * push for x, y in product((-1, 1), repeat=2)]
     chosen = np.random.default_rng(1).choice(len(places), 60, replace=False)
     chosen = chosen[np.abs(state.margin.ravel()[chosen]) > 1e-6]
@@ -84,7 +84,7 @@ def test_closure_and_static_equilibrium_know_no_limits(name):
 def test_closure_of_a_point_is_the_polygon_of_its_exits():
     explorer = course.workspace_explorer(cl.load_world("planar_point_3"))
     explorer.set(criterion="wrench_closure")
-    x, y = explorer.grid.positions.T
+    x, y = explorer.grid.poses.position.T
     # Exits at (±2, 3) and (0, 0) m: inside is above both edges.
     height = y - 1.5 * np.abs(x)
     clear = np.abs(height) > 1e-9  # centers on an edge may fall on either side
@@ -92,20 +92,15 @@ def test_closure_of_a_point_is_the_polygon_of_its_exits():
     explorer.close()
 
 
-def test_borders_lie_between_cells_that_differ():
+def test_borders_lie_half_way_between_cells_that_differ():
     explorer = course.workspace_explorer(cl.load_world("planar_rigid"))
-    state, grid = explorer.state(explorer.values), explorer.grid
-    segments = np.array(explorer.border.get_segments())
-    middles, along = segments.mean(axis=1), np.diff(segments, axis=1)[:, 0]
-    aside = np.stack([-along[:, 1], along[:, 0]], axis=1) / 2
-
-    def inside(places):
-        column = np.rint((places[:, 0] - grid.x[0]) / grid.size).astype(int)
-        return state.inside[np.rint((places[:, 1] - grid.y[0]) / grid.size).astype(int), column]
-
-    assert (inside(middles + aside) != inside(middles - aside)).all()
-    changes = (state.inside[1:] != state.inside[:-1]).sum() + (state.inside[:, 1:] != state.inside[:, :-1]).sum()
-    assert len(segments) == changes > 0
+    inside, grid = explorer.state(explorer.values).inside, explorer.grid
+    line = np.concatenate([path.vertices for path in explorer.border.get_paths()])
+    steps = (line - [places[0] for places in grid.axes.values()]) / grid.step
+    low, high = (inside[tuple(side(steps.round(6)).astype(int).T)] for side in (np.floor, np.ceil))
+    assert (low != high).all() and np.allclose(np.sort(steps.round(6) % 1, axis=1), [0, 0.5])
+    changes = (inside[1:] != inside[:-1]).sum() + (inside[:, 1:] != inside[:, :-1]).sum()
+    assert len(np.unique(line.round(6), axis=0)) == changes > 0
     explorer.close()
 
 

@@ -144,7 +144,7 @@ def _run_all(page: Any, address: str) -> None:
 
 def _predict(page: Any, asked: Any) -> None:
     """By keyboard alone: answer what is asked, and the explorer opens."""
-    explorer, opens = asked.locator(".cdprlab").first, asked.get_by_role("button", name="Open")
+    explorer, opens = asked.locator(".cdprlab").first, asked.locator(".cdprlab-form").get_by_role("button", name="Open")
     asked.scroll_into_view_if_needed()
     assert not explorer.is_visible() and opens.is_disabled()
     assert asked.bounding_box()["height"] <= ROOM["height"]
@@ -153,7 +153,7 @@ def _predict(page: Any, asked: Any) -> None:
         page.keyboard.type("1.5")
     for choices in asked.locator(".cdprlab-form .widget-toggle-buttons").all():
         choices.locator("button").first.press("Enter")
-    asked.locator("button:not([disabled])", has_text="Open").press("Enter")
+    asked.locator(".cdprlab-form button:not([disabled])", has_text="Open").press("Enter")
     explorer.wait_for()
     truth = asked.locator(".cdprlab-truth").first
     truth.get_by_role("button", name="See").press("Enter")

@@ -17,7 +17,7 @@ from ...view.style import INK, cable_style
 from ...world import World
 from ..text_table import cable_names, cable_table, fixed
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
-from .posing import EYE, Posing, checked_world, draw_arrow, velocity
+from .posing import EYE, Posing, draw_arrow, velocity
 
 _DIRECTIONS = (("turn", "θ", 30.0, "deg", "rad/s"), ("along", "ρ₁", 0.6, "m", "m/s"),
                ("across", "ρ₂", 0.6, "m", "m/s"))
@@ -86,7 +86,7 @@ class BaseExplorer(Explorer):
 
     def __init__(self, world: World, bases: tuple[str, ...] | None = None) -> None:
         if not any((base.speed_max > 0).any()
-                   for base in checked_world(world, "base").robot.bases):
+                   for base in world.robot.bases):
             raise InvalidInput(f"world {world.name!r} has no base that can drive; planar_mcdpr, fastkit_planar and "
                                "mobile_four_bases have")
         self._posing, self._start = Posing(world), world.robot

@@ -20,7 +20,6 @@ from ..pictures.configuration_plan import WIDE_MARGIN, draw_room, fill_sequence,
 from ..text_table import in_brackets
 from .explorer import Choice, Explorer, Slider, Values, once_a_move
 from .player import MotionPlayer
-from .posing import checked_world
 
 _LISTED = 6
 """Sequences to choose from."""
@@ -48,7 +47,6 @@ class ConfigurationExplorer(Explorer):
     below = 1
 
     def __init__(self, world: World, uncertain: bool = True) -> None:
-        checked_world(world, "configuration")
         self.world, self.robot = world, world.robot
         self.names = triplets(self.robot)
         self.run: Run | None = None

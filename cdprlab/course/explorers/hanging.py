@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...arrays import checked
-from ...errors import InvalidInput, quoted
+from ...errors import InvalidInput
 from ...mechanics.statics import gravity_wrench, wrench_matrix
 from ...robot.pose import Pose
 from ...tensions import TensionDistribution, distribute_tensions
@@ -33,8 +33,8 @@ class HangingExplorer(Explorer):
     """
 
     def __init__(self, world: World) -> None:
-        if not isinstance(world, World) or world.robot.dimension != 3:
-            raise InvalidInput(f"a hanging explorer takes a spatial World, got {quoted(world)}")
+        if world.robot.dimension != 3:
+            raise InvalidInput(f"a hanging explorer takes a spatial World, {world.name} is planar")
         self.robot, self._posing = world.robot, Posing(world)
         super().__init__(self._posing.places, f"{world.title}, at rest", size=(6.2, 5.0))
 

@@ -1,7 +1,6 @@
 """What the explorers of available twists and wrenches share: two components of a set, drawn in the plane."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,26 +11,22 @@ from ...errors import InvalidInput
 from ...view.style import GREY
 from ...world import World
 from ..pictures.set_charts import axis_label, draw_polygon
-from .posing import checked_world
 
 _SQUARE = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])
 
 
-def checked_set_world(subject: Any, quantity: str, plural: str, limit: str) -> World:
-    """The subject, if its set has an area and is bounded.
+def check_set_world(world: World, quantity: str, plural: str, limit: str) -> None:
+    """Whether its set has an area and is bounded.
 
     quantity, plural : "twist" and "twists", say
     limit : that bounds it, "speed" or "tension"
-    Raises InvalidInput for anything but a World, for a single degree of freedom, for a cable
-    without limit.
+    Raises InvalidInput for a single degree of freedom, for a cable without limit.
     """
-    world = checked_world(subject, f"{quantity} set")
     if world.robot.n_dof < 2:
         raise InvalidInput(f"world {world.name!r} has a single degree of freedom; its {plural} are a line, not a set "
                            "in the plane")
     if not np.isfinite(getattr(world.robot, f"{limit}_max")).all():
         raise InvalidInput(f"world {world.name!r} has cables without a {limit} limit: no {quantity} is out of reach")
-    return world
 
 
 def set_patches(panel: Axes, labels: Sequence[str], names: Sequence[str], ends: Array) -> list[Polygon]:

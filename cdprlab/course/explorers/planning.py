@@ -7,7 +7,6 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from ...arrays import Array, checked
-from ...errors import InvalidInput
 from ...fastkit import Hall, OccupancyGrid, Plan, Vehicle, carried, inflated_width, plan_path
 from ...fastkit.navigation.planner import between
 from ...fastkit.plane import step_between
@@ -36,8 +35,6 @@ class PlanningExplorer(Explorer):
     """
 
     def __init__(self, vehicle: Vehicle) -> None:
-        if not isinstance(vehicle, Vehicle):
-            raise InvalidInput(f"a planning explorer takes a Vehicle, got {type(vehicle).__name__}")
         self.vehicle = vehicle
         super().__init__([Slider("gap", "lower gap", "m", 0.8, 2.2, 2.0, 0.05),
                           Slider("margin", "margin", "m", 0.0, 0.3, 0.1, 0.01),

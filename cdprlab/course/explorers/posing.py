@@ -1,7 +1,6 @@
 """Move the platform; see its cables, their lengths and the wrench matrix."""
 
 from itertools import product
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -30,13 +29,6 @@ ROW_NAMES = {"x": "f_x", "y": "f_y", "z": "f_z", "rx": "m_x [m]", "ry": "m_y [m]
              "rz": "m_z [m]",
              "ry′": "m_y′ [m]", "rz′": "m_z′ [m]"}
 """Motion pattern's row → what the row of W gives for a tension of 1 N: N/N for forces, N m/N = m for moments."""
-
-
-def checked_world(subject: Any, explorer: str) -> World:
-    """The subject, if it is a World; the error says whose explorer takes nothing else."""
-    if not isinstance(subject, World):
-        raise InvalidInput(f"a {explorer} explorer takes a World, got {type(subject).__name__}")
-    return subject
 
 
 class Posing:

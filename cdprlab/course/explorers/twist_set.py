@@ -20,7 +20,7 @@ from ..pictures.set_charts import axis_names
 from ..props.changed_cables import every_cable
 from ..text_table import fixed, in_brackets, text_table
 from .explorer import Explorer, Slider, Values, once_a_move
-from .plane_sets import checked_set_world, set_patches
+from .plane_sets import check_set_world, set_patches
 from .posing import Posing, draw_arrow, velocity
 
 _DIRECTIONS = (("turn", "θ̇", "rad/s"), ("along", "ρ̇₁", "m/s"), ("across", "ρ̇₂", "m/s"))
@@ -83,7 +83,8 @@ class TwistSetExplorer(Explorer):
     """
 
     def __init__(self, world: World, components: Sequence[int] = (0, 1)) -> None:
-        self._robot = checked_set_world(world, "twist", "twists", "speed").robot
+        self._robot = world.robot
+        check_set_world(world, "twist", "twists", "speed")
         self._chosen, self._posing = _components(self._robot, components), Posing(world)
         self._names = [axis_names(self._robot.motion_pattern, "twist")[k] for k in self._chosen]
         # Beyond the set at the world's pose with the world's limits, to a half.

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
@@ -21,12 +20,13 @@ from ...view.outlines import floor_height
 from ...view.style import GREY, INK
 from ...workspace.capacity import best_tensions
 from ...workspace.criterion import Criterion
+from ...workspace.grids import PoseGrid, position_grid
 from ...workspace.tensions import DynamicEquilibrium, StaticEquilibrium, WrenchClosure, WrenchFeasible
 from ...world import World
 from ..props.changed_cables import every_cable
 from ..text_table import cable_table, fixed
 from .explorer import Choice, Explorer, Slider, Values, once_a_move, rounded_up
-from .posing import Posing, checked_world
+from .posing import Posing
 
 CRITERIA = ("wrench_feasible", "wrench_closure", "static_equilibrium", "dynamic_equilibrium")
 
@@ -36,35 +36,12 @@ _CELLS = 30
 _FOUND = {True: "inside", False: "OUTSIDE"}
 
 
-class Grid(NamedTuple):
-    """Square cells over the robot's frame, judged at their centers.
-
-    x, y : (columns,), (rows,) centers [m]
-    size : edge of a cell [m]
-    """
-
-    x: Array
-    y: Array
-    size: float
-
-    @property
-    def positions(self) -> Array:
-        """(rows × columns, 2) centers, row by row [m]."""
-        return np.stack(np.meshgrid(self.x, self.y), axis=-1).reshape(-1, 2)
-
-    @property
-    def extent(self) -> tuple[float, float, float, float]:
-        """Left, right, bottom, top [m]."""
-        half = self.size / 2
-        return self.x[0] - half, self.x[-1] + half, self.y[0] - half, self.y[-1] + half
-
-
 class WorkspaceState(NamedTuple):
     """What the controls ask, and the answers.
 
     robot : with the limits of the sliders
     criterion, words : which is asked, and in a sentence
-    inside, margin : (rows, columns) of the cells' centers
+    inside, margin : (columns, rows) of the cells' centers
     here : (inside, margin) where the platform is
     """
 
@@ -99,12 +76,14 @@ class WorkspaceExplorer(Explorer):
     """
 
     def __init__(self, world: World) -> None:
-        robot = checked_world(world, "workspace").robot
+        robot = world.robot
         if not {"x", "y"} <= set(robot.pattern.rows) or robot.dimension != 2:
             raise InvalidInput(f"a workspace explorer draws robots that move in a plane, such as planar_rigid; world "
                                f"{world.name!r} is {robot.motion_pattern}")
         self.grid = _grid(world)
-        self._posing = Posing(world, floor=self.grid.extent[2])
+        half = self.grid.step / 2
+        self._corners = self.grid.poses.position[[0, -1]] + np.stack([-half, half])
+        self._posing = Posing(world, floor=self._corners[0, 1])
         super().__init__([Choice("criterion", "criterion", CRITERIA), *_limit_sliders(robot),
                           *self._posing.turns,
                           *self._posing.places], f"Workspaces of {world.title}",
@@ -116,11 +95,9 @@ class WorkspaceExplorer(Explorer):
         robot = every_cable(self._posing.robot, tension_min=values["tension_min"],
                             tension_max=values["tension_max"])
         (criterion, words), here = _asked(robot, values), self._posing.pose(values)
-        places = np.vstack([self.grid.positions, here.position])
+        places = np.vstack([self.grid.poses.position, here.position])
         inside, margin = criterion.judge(robot, Pose(places, matrix=here.rotation))
-        shape = len(self.grid.y), len(self.grid.x)
-        return WorkspaceState(robot, criterion, words, inside[:-1].reshape(shape),
-                              margin[:-1].reshape(shape),
+        return WorkspaceState(robot, criterion, words, self.grid.field(inside[:-1]), self.grid.field(margin[:-1]),
                               (bool(inside[-1]), float(margin[-1])))
 
     def tensions(self, values: Values) -> Array | None:
@@ -138,10 +115,8 @@ class WorkspaceExplorer(Explorer):
     # --- picture --------------------------------------------------------------------------------------
     def build(self, figure: Figure) -> None:
         axes = figure.subplots()
-        left, right, bottom, top = self.grid.extent
-        self._drawing = RobotDrawing(axes, self._posing.robot, self._posing.scene,
-                                     Pose(np.array([[left, bottom], [right, top]])))
-        self._map = _map(axes, self.grid)
+        self._drawing = RobotDrawing(axes, self._posing.robot, self._posing.scene, Pose(self._corners))
+        self._map = _map(axes, self._corners, 3 * self.grid.step)   # room for the labels of cables
         axes.grid(visible=False)
         bar = figure.colorbar(self._map, ax=axes, shrink=0.75, pad=0.02)
         bar.set_label("margin, as a share of the largest [–]")
@@ -150,14 +125,14 @@ class WorkspaceExplorer(Explorer):
     def draw(self, values: Values) -> None:
         state, grid = self.state(values), self.grid
         share = state.margin / state.largest if state.largest > 0 else np.where(state.inside, 1.0, 0.0)
-        self._map.set_data(np.ma.masked_where(~state.inside, share))
+        self._map.set_data(np.ma.masked_where(~state.inside, share).T)
         axes = self._drawing.axes
-        axes.plot(*grid.positions[~state.inside.ravel()].T, "x", color=GREY, markersize=3.5,
+        axes.plot(*grid.poses.position[~state.inside.ravel()].T, "x", color=GREY, markersize=3.5,
                   markeredgewidth=0.7,
                   zorder=0.6)
-        self.border = LineCollection(_border(state.inside, grid), colors=INK, linewidths=1.8,
-                                     zorder=0.7)
-        axes.add_collection(self.border)
+        if state.inside.any() and not state.inside.all():
+            self.border = axes.contour(*grid.axes.values(), state.inside.T, [0.5], colors=INK, linewidths=1.8,
+                                       zorder=0.7)
         self._drawing.move(self._posing.pose(values))
 
     # --- text -----------------------------------------------------------------------------------------
@@ -166,7 +141,7 @@ class WorkspaceExplorer(Explorer):
         unit = state.criterion.unit
         inside, margin = state.here
         said = [f"inside          {100 * state.inside.mean():.1f} % of {state.inside.size} cells, "
-                f"{state.inside.sum() * self.grid.size**2:.2f} m²",
+                f"{state.inside.sum() * self.grid.cell:.2f} m²",
                 f"largest margin  {_with_unit(state.largest, unit)}",
                 f"platform        {_FOUND[inside]}, margin {_with_unit(margin, unit)}"]
         if tau is not None:
@@ -228,45 +203,28 @@ def _asked(robot: Robot, values: Values) -> tuple[Criterion, str]:
 
 
 # --- the map ------------------------------------------------------------------------------------------------
-def _grid(world: World) -> Grid:
+def _grid(world: World) -> PoseGrid:
     """Over the frame; without one over the exit points and down to the floor."""
     robot, frame = world.robot, world.scene.frame
     low, high = (robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)) if frame is None else frame
     if frame is None:
-        low = np.array([low[0], min(low[1], floor_height(robot, world.scene))])
-    size = (high - low).max() / _CELLS
-    centers = []
-    for bottom, top in zip(low, high):
-        count = max(2, round((top - bottom) / size))
-        centers.append((bottom + top) / 2 + size * (np.arange(count) - (count - 1) / 2))
-    return Grid(centers[0], centers[1], size)
+        low = np.minimum(low, [np.inf, floor_height(robot, world.scene)])
+    half = (high - low).max() / _CELLS / 2
+    return position_grid(low + half, high - half, 2 * half)
 
 
-def _map(axes: Axes, grid: Grid) -> Any:
+def _map(axes: Axes, corners: Array, room: Array) -> Any:
     # Neither so light that it looks like outside nor so dark that cables vanish on it.
     blues = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.18, 0.72, 128))).with_extremes(
         bad=(1.0, 1.0, 1.0, 0.0))
-    image = axes.imshow(np.zeros((len(grid.y), len(grid.x))), origin="lower",
-                        extent=grid.extent, cmap=blues,
+    (left, bottom), (right, top) = corners.tolist()
+    image = axes.imshow(np.zeros((1, 1)), origin="lower", extent=(left, right, bottom, top), cmap=blues,
                         norm=Normalize(0, 1), interpolation="nearest", zorder=0.5,
                         animated=True)
-    left, right, bottom, top = grid.extent
-    pad = 3 * grid.size  # for the labels of cables; a floor far below is not shown
-    axes.set(xlim=(left - pad, right + pad), ylim=(bottom - pad, top + pad))
+    # A floor far below is not shown.
+    xlim, ylim = (corners + np.stack([-room, room])).T
+    axes.set(xlim=xlim, ylim=ylim)
     return image
-
-
-def _border(inside: Flags, grid: Grid) -> list[Array]:
-    """Edges between a cell inside and one outside, as (2, 2) segments; beyond the map nobody knows."""
-    left, _, bottom, _ = grid.extent
-    size, right, up = grid.size, np.array([grid.size, 0.0]), np.array([0.0, grid.size])
-    beside = np.argwhere(inside[:, 1:] != inside[:, :-1]) + [0, 1]
-    above = np.argwhere(inside[1:] != inside[:-1]) + [1, 0]
-    segments = []
-    for cells, along in ((beside, up), (above, right)):
-        starts = np.array([left, bottom]) + size * cells[:, ::-1]
-        segments += list(np.stack([starts, starts + along], axis=1))
-    return segments
 
 
 def _with_unit(number: float, unit: str) -> str:

@@ -17,7 +17,7 @@ from ..pictures.set_charts import axis_names
 from ..props.changed_cables import every_cable
 from ..text_table import fixed, text_table
 from .explorer import Explorer, Slider, Values, movable, once_a_move
-from .plane_sets import checked_set_world, set_patches
+from .plane_sets import check_set_world, set_patches
 from .posing import Posing
 
 _LABELS = ("limits only", "no base tips")
@@ -103,7 +103,8 @@ class WrenchSetExplorer(Explorer):
     """
 
     def __init__(self, world: World) -> None:
-        robot = checked_set_world(world, "wrench", "wrenches", "tension").robot
+        robot = world.robot
+        check_set_world(world, "wrench", "wrenches", "tension")
         self._posing, self._chosen = Posing(world), [0, robot.dimension - 1]
         self._names = [axis_names(robot.motion_pattern, "wrench")[k] for k in self._chosen]
         high, low = robot.tension_max.max(), robot.tension_min.min()
