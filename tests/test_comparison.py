@@ -4,7 +4,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from cdprlab.course.pictures.comparison import plot_comparison
+from cdprlab.course.pictures.flights import plot_comparison
 from cdprlab.errors import InvalidInput
 
 

@@ -9,7 +9,8 @@ import cdprlab as cl
 from cdprlab import course
 from cdprlab.configurations import classify_configurations, plan_configurations
 from cdprlab.course.explorers.explorer import Slider
-from cdprlab.course.pictures.configuration_plan import plot_flight, plot_sequences, plot_triplets
+from cdprlab.course.pictures.configuration_plan import plot_sequences, plot_triplets
+from cdprlab.course.pictures.flights import plot_flight
 from cdprlab.errors import InvalidInput
 
 WORLDS = ("marionet", "marionet_five")

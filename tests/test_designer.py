@@ -13,8 +13,8 @@ from cdprlab.course.designer.assessment import CLEARANCE, PLANES, assess, worksp
 from cdprlab.course.designer.edits import contents, edited, opened, value_at, with_entry, without_entry
 from cdprlab.course.designer.fields import GROUPS, Place, rows, shown, typed
 from cdprlab.course.designer.history import History
+from cdprlab.course.designer.pictures import SlicePicture
 from cdprlab.course.designer.session import DesignSession
-from cdprlab.course.designer.slice_picture import SlicePicture
 from cdprlab.errors import InvalidInput, WorldError
 from cdprlab.workspace.interference import cable_distances
 

@@ -9,9 +9,9 @@ from scipy.optimize import linprog
 import cdprlab as cl
 from cdprlab import course
 from cdprlab.course.explorers.tension import BORDER
+from cdprlab.course.pictures.flights import plot_tension_runs
 from cdprlab.course.pictures.tension_panels import plot_tension_set
 from cdprlab.course.pictures.tension_polygon import set_in_words, tension_set
-from cdprlab.course.pictures.tension_runs import plot_tension_runs
 from cdprlab.errors import InvalidInput
 from robots import robot_1r2t, robot_2t, robot_3r3t
 

@@ -19,12 +19,11 @@ from ..brief import Brief
 from ..explorers.player import run_player
 from ..shown import Shown, boxed, style
 from .assessment import PLANES
-from .design_picture import DesignPicture
 from .fields import GROUPS, rows
 from .forms import Form
+from .pictures import DesignPicture, SlicePicture
 from .report import as_html, report, warnings_html
 from .session import DesignSession
-from .slice_picture import SlicePicture
 
 _START = "caroca"
 _WIDE = {"width": "auto"}

@@ -13,10 +13,8 @@ from ...configurations.classify import INSIDE, OUTSIDE, UNCERTAIN, classify_conf
 from ...configurations.configuration import Configuration, triplets
 from ...configurations.region import region
 from ...configurations.sequence import ConfigurationSequence
-from ...errors import InvalidInput
 from ...robot import Robot
 from ...view.plots import Figure
-from ...view.screen import check_like
 from ...view.style import BLUE, GREY, INK, ORANGE, VERMILION, cable_style
 from .panels import draw_exit_points, drawn, label
 
@@ -72,41 +70,6 @@ def plot_sequences(robot: Robot, sequences: Sequence[ConfigurationSequence], tit
             panel.set_title(title, fontsize=11)
             panel.label_outer()
         figure.alt_text = "Plans of the room with the way from S to G: " + "; ".join(map(str, sequences)) + "."
-    return figure
-
-
-@checked
-def plot_flight(run: Any, planned: Sequence[Sequence[bool]], taut: Sequence[Sequence[bool]]) -> Figure:
-    """How far the load was off the planned motion, and which cables carried, over time.
-
-    run : Run; planned, taut : (N, m) which cables the plan lets carry, and which did
-    """
-    plan, did = np.asarray(planned, dtype=bool), np.asarray(taut, dtype=bool)
-    check_like(run, "Run", "position_errors")
-    if not (plan.ndim == 2 and plan.shape == did.shape and len(plan) == len(run.time)):
-        raise InvalidInput(f"planned and taut must have a row a step, {len(run.time)}, and a column a cable, "
-                           f"got shapes {plan.shape} and {did.shape}")
-    off, time = 1e3 * run.position_errors, run.time
-    with drawn(8.0, 4.4) as figure:
-        above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1.0))
-        above.plot(time, off, color=INK)
-        above.set(ylabel="off the plan [mm]",
-                  title=f"{run.world.name}: distance from the planned motion")
-        above.set_ylim(0, max(1.15 * off.max(), 1e-3))
-        for i in range(did.shape[1]):
-            below.fill_between(time, i + 0.62, i + 1.38, plan[:, i], step="post",
-                               facecolor="none", edgecolor=GREY,
-                               linestyle="--")
-            below.fill_between(time, i + 0.78, i + 1.22, did[:, i], step="post",
-                               color=cable_style(i).color,
-                               linewidth=0)
-        below.set(xlabel="time [s]", ylabel="cable", yticks=range(1, did.shape[1] + 1),
-                  ylim=(did.shape[1] + 0.5, 0.5))
-        below.set_title("Taut: filled bars; allowed by the plan: dashed frames", fontsize=11)
-        below.grid(visible=False, axis="y")
-        wrong = 100 * (did & ~plan).any(axis=1).mean()
-        figure.alt_text = (f"The load is at most {off.max():.2g} mm off; cables planned slack carry "
-                           f"{wrong:.1f} % of the time.")
     return figure
 
 
