@@ -37,18 +37,19 @@ def test_fast_hangs_at_252_m(cables, dt):
 
 
 @pytest.mark.parametrize("cables", ["tension", "length", "elastic"])
-@pytest.mark.parametrize("mass", [1e8, 1e12])
+@pytest.mark.parametrize("mass", [1e8, 1e12, 1e16, 1e22])
 def test_no_weight_is_too_heavy_for_its_cables(mass, cables):
     """Neither the constraint's largest force nor its tip's largest speed, 1e8 N at 1 ms, is in the way."""
     world = light(mass)
     world = replace(world, robot=replace(world.robot, elasticity=cl.Elasticity(1e4 * mass)))
     run = cl.run(world, cables=cables, duration=0.05)
-    assert run.position_errors.max() < 1e-3 and run.feasible[-10:].all()
+    assert run.position_errors.max() < 1e-6 and run.feasible[-10:].all()   # 0.1 µm at 1 kg
     held = cl.wrench_matrix(world.robot, run.poses[-1]) @ run.measured_tensions[-1]
     np.testing.assert_allclose(held, [0, 0, 9.81 * mass], rtol=0.01, atol=0.01 * mass)
 
 
-def test_ropes_that_an_engine_does_not_hold_are_said():
+def test_ropes_that_an_engine_does_not_hold_are_said(monkeypatch):
+    monkeypatch.setattr("cdprlab.simulate.spatial._TOLD", 0.0)   # tips of 0.1 g beside 1e20 kg
     with pytest.warns(CdprWarning, match=r"at t = 0\.\d+ s cable \d spans 0\.\d+ m more than the .* smaller dt"):
         run = cl.run(light(1e20), cables="length", dt=1e-2, duration=0.1)
     assert not run.feasible.all()

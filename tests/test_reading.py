@@ -107,6 +107,8 @@ def test_columns_that_are_none_are_named(columns, message, world, tmp_path):
 @pytest.mark.parametrize(("text", "message"), [
     ("", "must hold a row of headings and rows of numbers"),
     ("time [s]\n", "must hold a row of headings and rows of numbers"),
+    ("a,b\n1,2\n", "tells nothing of a run"), ("time [s],time [s]\n1,2\n", "each heading once"),
+    ("time [s]\ninf\n", "at most 1e"), ("time [s]\n" + "1" * 200_000, "cannot read .*limit"),
     ("time [s],x\n1,2\n3\n", r"row 2 of .* must be 2 numbers, got \['3'\]"),
     ("time [s],x\n1,2\n3,four\n", "row 2 of .* must be 2 numbers"),
 ])

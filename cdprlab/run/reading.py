@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from csv import reader
+from csv import Error, reader
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, checked, frozen
+from ..arrays import LARGEST, Array, checked, frozen
 from ..errors import InvalidInput, quoted, shortened
 from ..mechanics.trajectory import Reference
 from ..robot.pose import Pose
@@ -76,9 +76,11 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
         width, own = known[name]
         sizes = _SIZES.get(own, {own: 1.0})
         if unit not in sizes or len(headings) != width or not {*headings} <= {*table}:
-            raise InvalidInput(f"{name} of this robot must be {width} of the columns {', '.join(table)} "
+            raise InvalidInput(f"{name} of this robot must be {width} of the columns {shortened(', '.join(table))} "
                                f"in {' or '.join(sizes)}, got {quoted(headings)} in {quoted(unit)}")
         told[name] = sizes[unit] * np.column_stack([table[one] for one in headings])
+    if all(np.isnan(values).all() for values in told.values()):
+        raise InvalidInput(f"{file} tells nothing of a run: say which of its columns are what, columns={{...}}")
     time = told["time"][:, 0] if np.isfinite(told["time"]).any() else np.arange(count, dtype=float)
     poses, reference, estimates = (_poses(told[f"{whose}position"], told[f"{whose}rotation"], robot.pattern.turns)
                                    for whose in ("", "reference_", "estimated_"))
@@ -115,7 +117,7 @@ def _table(file: Path) -> dict[str, Array]:
     try:
         with file.open(encoding="utf-8-sig", newline="") as text:
             headings, *rows = [row for row in reader(text) if row] or [[]]
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeDecodeError, Error) as error:
         raise InvalidInput(f"cannot read {shortened(str(file))}: {shortened(str(error))}") from None
     if not rows:
         raise InvalidInput(f"{file} must hold a row of headings and rows of numbers")
@@ -126,7 +128,10 @@ def _table(file: Path) -> dict[str, Array]:
         except ValueError:
             raise InvalidInput(f"row {line + 1} of {file} must be {len(headings)} numbers, "
                                f"got {quoted(row)}") from None
-    return dict(zip(headings, numbers.T))
+    table = dict(zip(headings, numbers.T))
+    if len(table) < len(headings) or (np.abs(np.nan_to_num(numbers)) > LARGEST).any():
+        raise InvalidInput(f"{file} must have each heading once, and numbers of at most {LARGEST:g}")
+    return table
 
 
 def _as_saved(headings: Iterable[str]) -> dict[str, list[str]]:

@@ -22,6 +22,7 @@ from .simulator import Simulator
 from .spatial_bases import SpatialBases
 
 _FELT = 0.01   # of the platform's mass: what its cables' tips may weigh
+_TOLD = 1e-12  # of it: what they must weigh to be told apart from nothing beside it, in double precision
 
 
 def closed(*_: Any) -> Any:
@@ -38,7 +39,8 @@ class SpatialSimulator(Simulator):
         world's ``cable:`` block says)
     dt : time step [s]
     bodies : whether mobile bases are bodies that stand on wheels, drive and tip
-    tip_mass : point mass at each leg's tip [kg]; the tension error is about tip_mass (g + a)
+    tip_mass : point mass at each leg's tip, 1e-12 of the platform's at least [kg]; the tension
+        error is about tip_mass (g + a)
     solver_iterations : of Bullet's constraint solver; for cables 5 give the digits of 200,
         contacts want 10 to 50
 
@@ -61,11 +63,12 @@ class SpatialSimulator(Simulator):
         if bodies and (cables == "force" or not robot.bases):
             raise InvalidInput("bases that stand and tip need a world with bases and cables that are bodies too: "
                                "\"tension\", \"length\" or \"elastic\"")
-        tips = robot.n_cables * as_number(tip_mass, "tip_mass", "kg", positive=True)
+        tip_mass = max(as_number(tip_mass, "tip_mass", "kg", positive=True), _TOLD * robot.mass)
+        tips = robot.n_cables * tip_mass
         if cables != "force" and tips > _FELT * robot.mass:
             warn(f"the platform of {robot.mass:g} kg feels its cables' tips of {tips:g} kg together; "
                  "use cables=\"force\" or a smaller tip_mass", CdprWarning, stacklevel=3)
-        self._tip_mass, self._bodies = float(tip_mass), bodies
+        self._tip_mass, self._bodies = tip_mass, bodies
         self._stand = np.array([base.pose for base in robot.bases]).reshape(-1, 3)
         self.bullet, self._frame = Bullet.connect(), _BodyFrame(robot)
         # Threshold 0: the default ends the iterations early, at a moment that depends on the

@@ -101,6 +101,7 @@ def as_path(path: str | Path) -> Path:
     cdprlab.errors.InvalidInput: a path must be text that can name a file, got ''
     """
     with suppress(TypeError, ValueError):   # a lone surrogate is the second
-        if path != "" and b"\0" not in os.fsencode(path) and max(map(len, os.fsencode(path).split(b"/"))) < 256:
+        name = os.fsencode(path)
+        if name and b"\0" not in name and len(name) < 4096 and max(map(len, name.split(b"/"))) < 256:
             return Path(path)
     raise InvalidInput(f"a path must be text that can name a file, got {quoted(path)}")
