@@ -74,4 +74,4 @@ def _told(value: Any) -> Any:
         return kind, {key: _told(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return kind, [_told(item) for item in value]
-    return np.ascontiguousarray(value) if isinstance(value, np.ndarray) else value
+    return kind, np.ascontiguousarray(value) if isinstance(value, np.ndarray) else value
