@@ -19,7 +19,7 @@ _MOST_STRAIN = 0.05
 """Up to which the stretch is taken as proportional to the tension."""
 
 _MOST_STEPS = 10_000
-"""Of Newton's method, with those that are halved; 60 were seen, between 400 and 1000 where a light cable is nearly plumb."""
+"""Of Newton's method, with those that are halved; 60 were seen, of light cables nearly plumb up to 1000."""
 
 _MOST_ROUNDS = 50
 """In which pulls and lengths are found; 10 were seen."""
