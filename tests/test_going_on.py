@@ -32,21 +32,22 @@ def test_what_passes_a_check_never_breaks_a_later_cell(lesson: str):
                 lists = mutants.around(name, "lists", outward=mutants.as_lists)
                 space.update(lists.wrap({name: space[name]}))
 
-    _run(lesson, written_as_lists)
+    _run(notebooks.read_source(lesson), written_as_lists)
 
 
 def test_recorded_results_carry_through_the_lesson(lesson: str):
     def stuck(cell: Any, space: dict[str, Any]) -> None:
-        role = notebooks.grader(cell)
-        if not role.get("solution") and not role.get("grade"):
+        """A student who wrote nothing, and ran each check in vain."""
+        in_vain = notebooks.grader(cell).get("grade", False)
+        with contextlib.suppress(NotImplementedError) if in_vain else contextlib.nullcontext():
             mutants.cells.run_cell(STAND_IN.sub(r"\1", cell.source), f"<{cell.id}>", space)
 
-    _run(lesson, stuck)
+    _run(notebooks.read_copy(lesson), stuck)
 
 
-def _run(lesson: str, run_cell: Any) -> None:
+def _run(notebook: Any, run_cell: Any) -> None:
     space: dict[str, Any] = {"__name__": "__main__", "display": lambda *shown: None}
-    for cell in notebooks.read_source(lesson).cells:
+    for cell in notebook.cells:
         if cell.cell_type == "code":
             with mutants.silence(), contextlib.suppress(SystemExit):
                 run_cell(cell, space)
