@@ -10,8 +10,7 @@ import pytest
 
 import cdprlab as cl
 
-FOREIGN = {"Annotated", "Any", "ArrayLike", "Callable", "Figure", "Iterable", "Literal", "Mapping", "None",
-           "Optional", "Path", "Sequence", "Union"}
+FOREIGN = {"Any", "ArrayLike", "Callable", "Figure", "Iterable", "Mapping", "None", "Path", "Sequence"}
 
 
 def test_annotations_of_public_functions_name_public_types():

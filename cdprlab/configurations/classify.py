@@ -1,5 +1,9 @@
 """Which triplets hold a point mass at a position: certainly, perhaps, or certainly not."""
 
+from __future__ import annotations
+
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -14,8 +18,9 @@ INSIDE, UNCERTAIN, OUTSIDE = "inside", "uncertain", "outside"
 
 @checked
 def classify_configurations(robot: Robot, position: ArrayLike,
-                            position_uncertainty: HalfWidth = 0.05,
-                            exit_uncertainty: HalfWidth = 0.02, *, form: str = "corners") -> dict[Configuration, str]:
+                            position_uncertainty: Annotated[float, "[m] ≥ 0"] = 0.05,
+                            exit_uncertainty: Annotated[float, "[m] ≥ 0"] = 0.02, *,
+                            form: str = "corners") -> dict[Configuration, str]:
     """Each triplet of cables → "inside", "uncertain" or "outside" at a position.
 
     Inside: for every exit point and position within the uncertainties the three sides

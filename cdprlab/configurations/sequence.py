@@ -1,11 +1,13 @@
 """Sequences of cable configurations along a straight way: where to change, how good each is, which is safest."""
 
+from __future__ import annotations
+
 import logging
 from dataclasses import dataclass
 from functools import cached_property
 from heapq import heapify, heappop, heappush
 from itertools import groupby, pairwise
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +16,7 @@ from ..arrays import Array, checked, frozen, lasting
 from ..errors import InvalidInput
 from ..robot import Robot
 from .accuracy import position_sensitivity
-from .configuration import Configuration, HalfWidth, as_position, triplets
+from .configuration import Configuration, as_position, triplets
 from .region import region
 
 UNSAFE_CHANGE = 4
@@ -151,7 +153,8 @@ class _Way:
 @checked
 def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike,
                         method: Literal["stability", "accuracy"] = "stability", *,
-                        position_uncertainty: HalfWidth = 0.05, exit_uncertainty: HalfWidth = 0.02
+                        position_uncertainty: Annotated[float, "[m] ≥ 0"] = 0.05,
+                        exit_uncertainty: Annotated[float, "[m] ≥ 0"] = 0.02
                         ) -> list[ConfigurationSequence]:
     """Ranked sequences of configurations from S straight to G with the fewest changes; best first.
 

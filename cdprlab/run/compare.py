@@ -1,5 +1,7 @@
 """Tension distributions side by side along one task: smoothness, effort, distance to the limits, time."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field

@@ -1,5 +1,7 @@
 """A run from its request: checked, given an engine, commanded, and logged."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import chain
@@ -32,8 +34,6 @@ from .winches import TorqueControl, VelocityControl, WinchControl
 Cuts = Mapping[float, ArrayLike]
 """Time [s] → the cables cut then, by index from 0."""
 
-Seconds = Annotated[float, "[s] > 0"]
-
 _WOUND = 1e-9   # m: what rounding leaves of a rope's length
 
 _MOST_STEPS = 10_000_000
@@ -44,10 +44,11 @@ _MOST_STEPS = 10_000_000
 def run(world: World, task: str = "default",
         method: str | Callable[..., Any] = "quadratic_program",
         cables: str = "tension",
-        controller: Controller | TorqueControl | VelocityControl | None = None, dt: Seconds = 1e-3,
-        control_period: Seconds | None = None, infeasible: str = "relax",
-        external_wrench: Any = None,
-        duration: Seconds | None = None, seed: int = 0, *, base_speeds: Any = None,
+        controller: Controller | TorqueControl | VelocityControl | None = None,
+        dt: Annotated[float, "[s] > 0"] = 1e-3,
+        control_period: Annotated[float, "[s] > 0"] | None = None, infeasible: str = "relax",
+        external_wrench: Any = None, duration: Annotated[float, "[s] > 0"] | None = None,
+        seed: int = 0, *, base_speeds: Any = None,
         cut: Cuts | None = None, winch: Literal["real", "ideal"] = "real",
         real: World | None = None, sensors: Sensors | None = None,
         progress: Progress | None = None, simulator: Simulator | None = None, **engine_options: Any) -> Run:
@@ -246,7 +247,8 @@ def _at_rest(engine: Any, body: Simulator, command: Command, begin: Reference) -
 
 
 @checked
-def control_steps(dt: Seconds, control_period: Seconds | None) -> tuple[int, float]:
+def control_steps(dt: Annotated[float, "[s] > 0"],
+                  control_period: Annotated[float, "[s] > 0"] | None) -> tuple[int, float]:
     """Engine steps in a control step, and its length [s]; the second must be a multiple of the first.
 
     >>> control_steps(1e-3, 4e-3)

@@ -1,5 +1,7 @@
 """Robots that are not what their model says: each number off by a small error, drawn from a seed."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 from typing import Annotated
 
@@ -9,13 +11,12 @@ from ..arrays import as_seed, checked, frozen
 from ..errors import InvalidInput
 from .world import World
 
-Size = Annotated[float, "[m] ≥ 0"]
-
 
 @checked
-def perturbed(world: World, exit_points: Size = 0.0, anchor_points: Size = 0.0,
-              mass: Annotated[float, "≥ 0"] = 0.0, center_of_mass: Size = 0.0, lengths: Size = 0.0,
-              seed: int = 0) -> World:
+def perturbed(world: World, exit_points: Annotated[float, "[m] ≥ 0"] = 0.0,
+              anchor_points: Annotated[float, "[m] ≥ 0"] = 0.0, mass: Annotated[float, "≥ 0"] = 0.0,
+              center_of_mass: Annotated[float, "[m] ≥ 0"] = 0.0,
+              lengths: Annotated[float, "[m] ≥ 0"] = 0.0, seed: int = 0) -> World:
     """A world like it, each number off by an error drawn evenly from ± the one given.
 
     exit_points, anchor_points, center_of_mass : of each coordinate that the motion pattern leaves
