@@ -158,7 +158,8 @@ def test_whatever_is_typed_is_done_or_refused_in_one_line(count, tmp_path, monke
             code = stop.code
         error = capsys.readouterr().err
         told = [line for line in error.splitlines() if line.startswith("cdprlab")]
-        assert code in (0, 2) and len(told) == (code == 2) and len(error) < 1000, (typed, code, error)
+        cut_short = code == 1 and {"--infeasible", "stop"} <= {*typed}   # as was asked
+        assert (code in (0, 2) or cut_short) and len(told) == (code != 0) and len(error) < 1000, (typed, code, error)
         refused += code == 2
     assert count / 4 < refused < count
 
