@@ -226,10 +226,15 @@ def checked(public: Public) -> Public:
         said, names = public.__annotations__, public.__globals__
         return {name: _evaluated(said.get(name, Any), names) for name in signature(public).parameters}
 
+    @cache
+    def usual() -> dict[str, Any]:   # what its gates make of its defaults
+        return {name: gate(asked.default, name) for name, asked in signature(public).parameters.items()
+                if isfunction(gate := kinds()[name]) and asked.default is not asked.empty}
+
     @wraps(public)
     def checking(*arguments: Any, **options: Any) -> Any:
         wanted = kinds()
-        gated = False
+        gated = bool(usual())
         for name, value in chain(zip(wanted, arguments), options.items()):
             kind = wanted.get(name, Any)
             if isfunction(kind):
@@ -237,8 +242,8 @@ def checked(public: Public) -> Public:
             elif not _is(value, kind):
                 raise InvalidInput(f"{name} must be {_words(kind)}, got {quoted(value)}")
         if gated:
-            return public(**{name: gate(value, name) if isfunction(gate := wanted.get(name)) else value
-                             for name, value in chain(zip(wanted, arguments), options.items())})
+            return public(**usual() | {name: gate(value, name) if isfunction(gate := wanted.get(name)) else value
+                                       for name, value in chain(zip(wanted, arguments), options.items())})
         return public(*arguments, **options)
 
     # For who asks what a function takes: kinds that a program can name. The gates stand in `inspect.signature`.

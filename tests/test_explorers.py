@@ -15,8 +15,8 @@ from cdprlab import course
 from cdprlab.course import Choice, Explorer, Slider, play, pose_explorer, run_player
 from cdprlab.course.explorers.posing import ROW_NAMES
 from cdprlab.course.explorers.since_start import with_changes
-from cdprlab.course.text_table import text_table
 from cdprlab.errors import InvalidInput
+from cdprlab.run.log import text_table
 from cdprlab.view.drawing import RobotDrawing
 from cdprlab.view.projection import Projection
 from robots import ROBOTS

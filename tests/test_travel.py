@@ -34,7 +34,7 @@ MADE: dict[str, Callable[[], Any]] = {
     "TwistFeasible": lambda: cl.TwistFeasible(half_widths=ONES), "WrenchFeasible": lambda: cl.WrenchFeasible(ONES),
     "DynamicEquilibrium": lambda: cl.DynamicEquilibrium(ONES), "Box": lambda: cl.Box(np.zeros(3), np.ones(3)),
     "Both": lambda: cl.WrenchFeasible(ONES) & cl.DynamicEquilibrium(ONES),
-    "ComputedTorque": lambda: cl.ComputedTorque([100.0] * 6, [20.0] * 6),
+    "ComputedTorque": lambda: cl.ComputedTorque(),
     "LengthControl": lambda: cl.LengthControl(100.0, [20.0] * 8), "Pulley": lambda: cl.Pulley(0.04, [0, 0, 1]),
     "Sensors": lambda: cl.Sensors(length_offset=np.full(8, 1e-3)),
     "perturbed": lambda: cl.perturbed(CAROCA, exit_points=0.01, lengths=0.001),

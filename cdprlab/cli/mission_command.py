@@ -1,4 +1,4 @@
-"""``python -m cdprlab run WORLD --task mission``: a hall around the shelf, there, work, back, pictures, a film."""
+"""``python -m cdprlab run WORLD --task mission``: a hall around the shelf, there, work, back, a scene."""
 
 import argparse
 from pathlib import Path

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from ..run.log import text_table as text_table
+from ..run.log import text_table
 
 
 def fixed(value: float, digits: int) -> str:

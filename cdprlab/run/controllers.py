@@ -129,6 +129,5 @@ def described(controller: Any) -> str:
     name = getattr(controller, "__name__", type(controller).__name__)
     if isinstance(controller, ComputedTorque | LengthControl):
         gains = {key: getattr(controller, key, None) for key in ("kp", "kd", "ki")}
-        told = (f"{key}={np.asarray(gain).tolist()}" for key, gain in gains.items() if gain is not None)
-        name += f"({', '.join(told)})"
+        name += f"({', '.join(f'{key}={gain.tolist()}' for key, gain in gains.items() if gain is not None)})"
     return str(name)

@@ -6,9 +6,10 @@ import numpy as np
 
 from ...mechanics.cables import cable_lengths
 from ...mechanics.statics import wrench_matrix
+from ...run.log import text_table
 from ...view.style import WARNING
 from ...world import World
-from ..text_table import fixed, text_table
+from ..text_table import fixed
 from .assessment import Assessment, Slice, stretch
 
 

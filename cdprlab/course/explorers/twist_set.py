@@ -13,12 +13,13 @@ from ...mechanics.kinematics import jacobian
 from ...mechanics.redundancy import TwistResolution, resolve_twist
 from ...robot import Robot
 from ...robot.pose import Pose
+from ...run.log import text_table
 from ...sets import Polytope, available_twist_set
 from ...view.style import GREEN, INK, VERMILION
 from ...world import World
 from ..pictures.set_charts import axis_names
 from ..props.changed_cables import every_cable
-from ..text_table import fixed, in_brackets, text_table
+from ..text_table import fixed, in_brackets
 from .explorer import Explorer, Slider, Values, once_a_move
 from .plane_sets import check_set_world, set_patches
 from .posing import Posing, draw_arrow, velocity

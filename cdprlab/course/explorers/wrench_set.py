@@ -10,12 +10,13 @@ from ...arrays import Array, checked
 from ...mechanics.statics import gravity_wrench, tipping_rows, wrench_matrix
 from ...robot import Base, Robot
 from ...robot.pose import Pose
+from ...run.log import text_table
 from ...sets import Polytope, available_wrench_set
 from ...view.style import GREEN, INK, VERMILION
 from ...world import World
 from ..pictures.set_charts import axis_names
 from ..props.changed_cables import every_cable
-from ..text_table import fixed, text_table
+from ..text_table import fixed
 from .explorer import Explorer, Slider, Values, movable, once_a_move
 from .plane_sets import check_set_world, set_patches
 from .posing import Posing
