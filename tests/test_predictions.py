@@ -70,6 +70,14 @@ def test_a_truth_can_be_chosen():
         Question("the pulls", "stay", "rise / fall")
 
 
+def test_the_truths_are_folded_away():
+    """They stand in the cell that asks."""
+    asking = [(name, cell) for name in notebooks.names() for cell in notebooks.read_source(name).cells
+              if cell.cell_type == "code" and "course.predict(" in cell.source]
+    assert len(asking) >= 16
+    assert [name for name, cell in asking if not cell.metadata.get("jupyter", {}).get("source_hidden")] == []
+
+
 WORLDS = {
     "00": {"world": "caroca"}, "01": {"room": "caroca"}, "04": {"caroca": "caroca"}, "06": {"rigid": "planar_rigid"},
     "11": {"room": "marionet"}, "12": {"room": "marionet"}, "14": {"world": "fastkit_suspended"},
