@@ -17,6 +17,12 @@ SAME = 1e-8
 _FULL_RANK = 1e-12
 """Smallest eigenvalue of Σ n nᵀ over unit normals that meet in a corner; rounding is 1e-15."""
 
+_ROUNDING = 1e-15
+"""Share of a coordinate by which another machine may round it otherwise."""
+
+_ATTEMPTS = 4
+"""Where many facets meet, Qhull gives up on one rounding of the points in thirty, and not on the next."""
+
 _MOST_CANDIDATES = 20_000
 """Rows to be sorted into facets and others, before a listing is called too long."""
 
@@ -101,11 +107,14 @@ def hull(points: Array) -> Any:
     """Qhull's; raises NotListable where it gives up."""
     from scipy.spatial import ConvexHull, QhullError
 
-    try:
-        return ConvexHull(points)
-    except QhullError as error:
-        raise NotListable("Qhull cannot tell the facets of this set apart (too many meet in one corner); ask contains, "
-                          "support or axis_section, or list a part of it by project or slice") from error
+    for attempt in range(_ATTEMPTS):
+        luck = np.random.default_rng(attempt).uniform(-1.0, 1.0, points.shape) if attempt else 0.0
+        try:
+            return ConvexHull(points * (1 + _ROUNDING * luck))
+        except QhullError as error:
+            refused = error
+    raise NotListable("Qhull cannot tell the facets of this set apart (too many meet in one corner); ask contains, "
+                      "support or axis_section, or list a part of it by project or slice") from refused
 
 
 def _from_dual(equations: Array) -> Array:
