@@ -7,40 +7,48 @@
 """
 
 from . import errors
-from .arrays import Array as Array
-from .arrays import Flags as Flags
-from .arrays import Progress as Progress
+from .arrays import Array as Array, Flags as Flags, Progress as Progress
 from .configurations import Configuration, ConfigurationSequence, classify_configurations, plan_configurations
 from .errors import CdprError
 from .mechanics.cables import cable_directions, cable_lengths, cable_vectors
 from .mechanics.calibration import Calibration, calibrate
-from .mechanics.catenary import SaggingCable as SaggingCable
-from .mechanics.catenary import SaggingLengths as SaggingLengths
-from .mechanics.catenary import sagging_cable, sagging_lengths
-from .mechanics.kinematics import Pivot as Pivot
-from .mechanics.kinematics import base_jacobian, forward_kinematics, jacobian
+from .mechanics.catenary import (
+    SaggingCable as SaggingCable,
+    SaggingLengths as SaggingLengths,
+    sagging_cable,
+    sagging_lengths,
+)
+from .mechanics.kinematics import Pivot as Pivot, base_jacobian, forward_kinematics, jacobian
 from .mechanics.redundancy import TwistResolution, resolve_twist
-from .mechanics.rest import AtRest as AtRest
-from .mechanics.rest import equilibrium
-from .mechanics.statics import TippingRows as TippingRows
-from .mechanics.statics import gravity_wrench, stiffness, tipping_moments, tipping_rows, wrench_matrix
+from .mechanics.rest import AtRest as AtRest, equilibrium
+from .mechanics.statics import (
+    TippingRows as TippingRows,
+    gravity_wrench,
+    stiffness,
+    tipping_moments,
+    tipping_rows,
+    wrench_matrix,
+)
 from .mechanics.trajectory import Reference, Trajectory, hold, quintic
 from .mechanics.winch import Friction as Friction
-from .robot import Base, Cable, Platform, Pulley, Robot
-from .robot.parts import Elasticity as Elasticity
-from .robot.parts import Winch as Winch
-from .robot.pattern import MotionPattern as MotionPattern
+from .robot import (
+    Base,
+    Cable,
+    Elasticity as Elasticity,
+    MotionPattern as MotionPattern,
+    Platform,
+    Pulley,
+    Robot,
+    Winch as Winch,
+)
 from .robot.pose import Pose
-from .run import Run, run
+from .run import Cuts as Cuts, Run, run
 from .run.compare import TensionComparison, compare_tensions
-from .run.controllers import ComputedTorque, LengthControl
-from .run.controllers import Controller as Controller
+from .run.controllers import ComputedTorque, Controller as Controller, LengthControl
 from .run.motors import identify_friction
 from .run.reading import read_log
-from .run.repeat import Repetition as Repetition
-from .run.repeat import repeat
+from .run.repeat import Repetition as Repetition, repeat
 from .run.sensors import Sensors
-from .run.start import Cuts as Cuts
 from .run.winches import TorqueControl, VelocityControl
 from .sets import Polytope, available_twist_set, available_wrench_set
 from .simulate import Simulator, open_simulator
@@ -63,10 +71,7 @@ from .workspace import (
 )
 from .workspace.calibration_poses import calibration_poses
 from .workspace.placement import place_bases
-from .world import World, load_world, world_names, world_schema
-from .world.model import Box as Box
-from .world.model import Scene as Scene
-from .world.model import Task as Task
+from .world import Box as Box, Scene as Scene, Task as Task, World, load_world, world_names, world_schema
 from .world.perturbation import perturbed
 
 __version__ = "0.2.0"

@@ -234,16 +234,16 @@ def checked(public: Public) -> Public:
     @wraps(public)
     def checking(*arguments: Any, **options: Any) -> Any:
         wanted = kinds()
+        given = dict(zip(wanted, arguments)) | options
         gated = bool(usual())
-        for name, value in chain(zip(wanted, arguments), options.items()):
+        for name, value in given.items():
             kind = wanted.get(name, Any)
             if isfunction(kind):
-                gated = True
+                given[name], gated = kind(value, name), True
             elif not _is(value, kind):
                 raise InvalidInput(f"{name} must be {_words(kind)}, got {quoted(value)}")
-        if gated:
-            return public(**usual() | {name: gate(value, name) if isfunction(gate := wanted.get(name)) else value
-                                       for name, value in chain(zip(wanted, arguments), options.items())})
+        if gated and len(given) == len(arguments) + len(options):   # else Python says what is one too many
+            return public(**usual() | given)
         return public(*arguments, **options)
 
     # For who asks what a function takes: kinds that a program can name. The gates stand in `inspect.signature`.

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
 from reprlib import Repr
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -67,36 +67,37 @@ def _one_line(text: str) -> str:
 
 
 class CdprError(Exception):
-    """Root of every error that cdprlab raises on purpose, told on one line; ``run`` is what it cut short, if a run."""
+    """Root of every error that cdprlab raises on purpose, told on one line; ``run`` is what it cut short, if a run.
+
+    carries : names of what its kind is given after the message, and keeps
+    """
 
     run: Any = None
+    carries: ClassVar[tuple[str, ...]] = ()
 
-    def __init__(self, message: str = "") -> None:
+    def __init__(self, message: str = "", *carried: Any) -> None:
         super().__init__(_one_line(message))
+        vars(self).update(zip(self.carries, carried, strict=True))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """What an error carries travels between processes, whatever its class asks for."""
         return copyreg.__newobj__, (type(self), *self.args), self.__dict__  # type: ignore[attr-defined]
 
 
-class Recording:
+@contextmanager
+def recording(record: Callable[[str, Any], Any]) -> Iterator[None]:
     """Whatever ends early what is inside, Ctrl-C and errors of the caller's included, carries its record as ``run``.
 
     record : makes it of the reason, and of what a part of it has recorded, None: nothing
     """
-
-    def __init__(self, record: Callable[[str, Any], Any]) -> None:
-        self.record = record
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, _: Any, error: BaseException | None, __: Any) -> None:
-        if error is not None:
-            reason = f"{type(error).__name__}: {error}".removesuffix(": ")
-            run = self.record(reason[:_LONGEST], getattr(error, "run", None))
-            with suppress(AttributeError, TypeError):   # an error may refuse to carry more
-                error.run = run   # type: ignore[attr-defined]
+    try:
+        yield
+    except BaseException as error:
+        reason = f"{type(error).__name__}: {error}".removesuffix(": ")
+        run = record(reason[:_LONGEST], getattr(error, "run", None))
+        with suppress(AttributeError, TypeError):   # an error may refuse to carry more
+            error.run = run   # type: ignore[attr-defined]
+        raise
 
 
 class CdprWarning(UserWarning):
@@ -138,17 +139,15 @@ class CannotWrite(CdprError, OSError):
 class NoConvergence(CdprError):
     """No pose fits the cable lengths; ``residuals`` holds what is left of each length [m]."""
 
-    def __init__(self, message: str, residuals: NDArray[Any]) -> None:
-        super().__init__(message)
-        self.residuals = residuals
+    carries = ("residuals",)
+    residuals: NDArray[Any]
 
 
 class InfeasibleTensions(CdprError):
     """No usable tensions; ``distribution`` holds the method's last answer."""
 
-    def __init__(self, message: str, distribution: Any) -> None:
-        super().__init__(message)
-        self.distribution = distribution
+    carries = ("distribution",)
+    distribution: Any
 
 
 class NotListable(CdprError):
@@ -158,32 +157,27 @@ class NotListable(CdprError):
 class InfeasibleTwist(CdprError):
     """A platform twist beyond the speed limits; ``resolution`` holds the speeds and the largest feasible scale."""
 
-    def __init__(self, message: str, resolution: Any) -> None:
-        super().__init__(message)
-        self.resolution = resolution
+    carries = ("resolution",)
+    resolution: Any
 
 
 class NoPlacement(CdprError):
     """No base poses were found that serve the wanted poses; ``robot`` stands as near to it as was found."""
 
-    def __init__(self, message: str, robot: Any) -> None:
-        super().__init__(message)
-        self.robot = robot
+    carries = ("robot",)
+    robot: Any
 
 
 class SimulationDiverged(CdprError):
     """The engine lost the robot at ``time`` [s]; ``cable`` (from 1) pulled hardest."""
 
-    def __init__(self, message: str, time: float, cable: int) -> None:
-        super().__init__(message)
-        self.time = time
-        self.cable = cable
+    carries = ("time", "cable")
+    time: float
+    cable: int
 
 
 class WinchOverrun(SimulationDiverged):
     """A load ran away with a winch: it turns the motor of ``cable`` faster than it can turn, at ``time`` [s]."""
-
-    run: Any
 
 
 class MissingDependency(CdprError, ImportError):

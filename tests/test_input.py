@@ -208,6 +208,14 @@ def test_options_of_engines_are_checked(name: str, options: dict[str, Any]):
 WALL = fastkit.Hall.of([[2, 0, 1, 1, 0]], [[-5, -5], [5, 5]])
 
 
+def test_an_argument_too_many_is_not_left_out_in_silence():
+    with pytest.raises(TypeError, match="positional"):
+        fastkit.Scanner(0.0, 0.0, 0.0, 3.0, 1.0, 9, 0.01, 0.2, 5.0)
+    with pytest.raises(TypeError, match="multiple values"):
+        fastkit.Scanner(0.0, x=1.0)
+
+
+
 @pytest.mark.parametrize("make", [
     lambda bad: cl.Winch(bad), lambda bad: cl.Winch(0.04, bad), lambda bad: cl.Winch(0.04, efficiency=3 + bad),
     lambda bad: cl.Winch(0.04, coulomb=bad), lambda bad: cl.Winch(0.04, torque=bad), lambda bad: cl.Elasticity(bad),

@@ -62,7 +62,7 @@ def test_all_methods_side_by_side_need_no_engine(pictures, tmp_path, capsys):
     (["planar_suspended", "--criterion", "static_equilibrium", "--step", "0.2"], cl.StaticEquilibrium()),
     (["caroca", "--criterion", "wrench_feasible,interference_free", "--step", "0.4", "--at", "0.5"],
      cl.WrenchFeasible() & cl.InterferenceFree()),
-    (["caroca", "--volume", "--step", "0.7", "--criterion", "dynamic_equilibrium"],
+    (["caroca", "--plane", "yx", "--step", "0.7", "--criterion", "dynamic_equilibrium"],
      cl.DynamicEquilibrium([1, 1, 1, 0, 0, 0])),
     (["fastkit_suspended", "--criterion", "twist_feasible,statically_stable", "--step", "0.7"],
      cl.TwistFeasible(half_widths=[1, 1, 1, 0, 0, 0], moving="all") & cl.StaticallyStable()),
@@ -104,10 +104,9 @@ def test_workspace_writes_map_table_and_data(arguments, criterion, tmp_path, cap
     (["workspace", "planar_rigid", "--step", "0"], "step must be positive"),
     (["workspace", "planar_rigid", "--step", "1e-9"], "at most 1e+08 poses"),
     (["workspace", "planar_rigid", "--step", "1", "--jobs", "0"], "n_jobs must be"),
-    (["workspace", "planar_rigid", "--volume"], "choose a plane in space"),
+    (["workspace", "planar_rigid", "--at", "1"], "choose a plane in space"),
     (["workspace", "planar_rigid", "--step", "1", "--checkpoint", ""], "a path must be text"),
     (["workspace", "caroca", "--plane", ""], "plane must be"),
-    (["workspace", "caroca", "--volume", "--at", "1"], "this is a volume"),
     (["workspace", "caroca", "--at", "inf"], "at must be finite"),
 ])
 def test_wrong_input_is_one_line_and_exit_2(arguments, message, tmp_path, monkeypatch, capsys):
@@ -134,7 +133,7 @@ WORDS = {"run": {"--task": ["default", "x", "", "mission"], "--method": ["kernel
                  "--infeasible": ["stop", "x"],
                  "--control": ["velocity"], "--speed": ["1"], "--no-pictures": []},
          "workspace": {"--criterion": ["wrench_closure", "statically_stable", "x", "", ",", "twist_feasible"],
-                       "--plane": ["xz", "qq"], "--at": ["1", "nan", "x"], "--volume": [],
+                       "--plane": ["xz", "qq"], "--at": ["1", "nan", "x"],
                        "--step": ["0", "-1", "1e-9", "x", "nan"],
                        "--jobs": ["0", "1", "x", "2.5"], "--no-pictures": []}}
 WORLDS = ["planar_point", "planar_rigid", "planar_suspended", "", "x", "no/such.yaml", "caroca.yaml", "a\nb"]
@@ -273,7 +272,7 @@ def test_ctrl_c_while_results_are_written_loses_none(what, where, tmp_path, monk
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
 def test_ctrl_c_is_told_once_also_with_workers(tmp_path):
-    command = [sys.executable, "-m", "cdprlab", "workspace", "caroca", "--volume", "--step", "0.03", "--jobs", "2",
+    command = [sys.executable, "-m", "cdprlab", "workspace", "caroca", "--step", "0.002", "--jobs", "2",
                "--no-pictures", "--out", str(tmp_path)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                           start_new_session=True) as process:

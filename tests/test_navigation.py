@@ -66,7 +66,7 @@ def test_distance_of_rectangles_is_that_of_their_points():
 def test_a_pose_seen_from_another_and_put_back_is_the_same():
     random = np.random.default_rng(7)
     for frame, pose in random.uniform(-3, 3, size=(50, 2, 3)):
-        back = placed(frame, [relative(pose, frame)])[0]
+        back = placed(frame, relative(pose, frame))
         np.testing.assert_allclose(difference(back, pose), 0, atol=1e-12)
         np.testing.assert_allclose(difference(moved(frame, step_between(frame, pose)), pose), 0, atol=1e-12)
 

@@ -23,8 +23,7 @@ from .navigation.localization import Localization, Odometry
 from .navigation.occupancy import OccupancyGrid
 from .navigation.planner import Plan, inflated_width, plan_path
 from .navigation.vehicle import Vehicle
-from .plane import carried as _carried
-from .plane import difference as _difference
+from .plane import carried as _carried, difference as _difference
 
 carried = checked(_carried)   # here, for inside all goes through them
 difference = checked(_difference)

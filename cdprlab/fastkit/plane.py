@@ -46,20 +46,24 @@ def carried(poses: Places, points: Points) -> Array:
     return q[..., None, :2] + np.asarray(points) @ np.swapaxes(turn(q[..., 2]), -1, -2)
 
 
-def placed(frames: ArrayLike, poses: ArrayLike) -> Array:
-    """(…, k, 3) where poses (k, 3) in a moving frame are, with the frame at (…, 3).
+def placed(frames: ArrayLike, poses: ArrayLike, turned: float = 0.0) -> Array:
+    """(…, 3) where poses (…, 3) in a moving frame are, with the frame at (…, 3).
 
-    >>> placed([1, 2, np.pi / 2], [[0.5, 0, 0.1]]).round(2).tolist()
-    [[1.0, 2.5, 1.67]]
+    turned : share of each pose's own angle by which the frame has turned as its place counts
+
+    >>> placed([1, 2, np.pi / 2], [0.5, 0, 0.1]).round(2).tolist()
+    [1.0, 2.5, 1.67]
     """
-    q, p = np.asarray(frames, dtype=float), np.asarray(poses, dtype=float)
-    return np.concatenate([carried(q, p[:, :2]), q[..., None, 2:] + p[:, 2:]], axis=-1)
+    q, p = np.broadcast_arrays(frames, poses)
+    way = turn(q[..., 2] + turned * p[..., 2]) @ p[..., :2, None]
+    return q + np.concatenate([way[..., 0], p[..., 2:]], axis=-1)
 
 
-def relative(pose: ArrayLike, frame: ArrayLike) -> Array:
-    """(3,) a pose as its frame, another pose, sees it: what `placed` puts back."""
-    d = difference(pose, frame)
-    return np.array([*(d[:2] @ turn(np.asarray(frame)[2])), d[2]])
+def relative(poses: ArrayLike, frames: ArrayLike, turned: float = 0.0) -> Array:
+    """(…, 3) poses as their frames, other poses, see them: what `placed` puts back."""
+    d = difference(poses, frames)
+    way = d[..., None, :2] @ turn(np.asarray(frames)[..., 2] + turned * d[..., 2])
+    return np.concatenate([way[..., 0, :], d[..., 2:]], axis=-1)
 
 
 def difference(target: Places, pose: Places) -> Array:
@@ -70,21 +74,17 @@ def difference(target: Places, pose: Places) -> Array:
 
 def moved(pose: ArrayLike, twist: ArrayLike, period: float = 1.0) -> Array:
     """(…, 3) pose after driving on at (v_x, v_y, ω), in the vehicle's frame, for a short while [s]."""
-    q, step = np.asarray(pose, dtype=float), np.multiply(twist, period)
-    way = turn(q[..., 2] + step[..., 2] / 2) @ step[..., :2, None]
-    return q + np.concatenate([way[..., 0], step[..., 2:]], axis=-1)
+    return placed(pose, np.multiply(twist, period), 0.5)
 
 
 def step_between(before: ArrayLike, after: ArrayLike) -> Array:
     """(…, 3) (dx, dy, dθ) in the vehicle's frame, as `moved` takes it."""
-    d = difference(after, before)
-    way = d[..., None, :2] @ turn(np.asarray(before)[..., 2] + d[..., 2] / 2)
-    return np.concatenate([way[..., 0, :], d[..., 2:]], axis=-1)
+    return relative(after, before, 0.5)
 
 
 def cross(a: Array, b: Array) -> Array:
     """(…) a_x b_y − a_y b_x of (…, 2)."""
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
 # --- segments and rectangles --------------------------------------------------------------------------------

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from io import TextIOWrapper
 from itertools import chain
 from pathlib import Path
-from struct import Struct
-from struct import error as StructError
+from struct import Struct, error as StructError
 from typing import Any
 
 import numpy as np

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from ..arrays import Array, Progress, as_answer
-from ..errors import Recording
+from ..errors import recording
 from ..mechanics.cables import cables_at
 from ..mechanics.dynamics import inverse_dynamics
 from ..mechanics.trajectory import Reference
@@ -139,7 +139,7 @@ def fly(engine: Simulator, command: Command, wishes: Iterable[Any],
     """Command one wish after the other, as long as there are any; returns the record of the flight.
 
     Whatever ends it early carries the record of the steps that were flown to their end, see
-    `Recording`.
+    `recording`.
 
     engine : reset to where it begins; substeps : its steps in a control step
     wishes : what the command takes; an iterator may decide by what the engine has come to
@@ -160,7 +160,7 @@ def fly(engine: Simulator, command: Command, wishes: Iterable[Any],
             keep((*end, *[np.nan] * (log.width - len(end))))
         return record(Flight(log, time.perf_counter() - began, cut_short))
 
-    with Recording(flown):
+    with recording(flown):
         for k, wish in enumerate(wishes):
             seen = sample()
             if happen is not None:

@@ -9,9 +9,17 @@ from functools import cache
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, model_validator
-from pydantic import NonNegativeFloat as NotNegative
-from pydantic import PositiveFloat as Positive
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    NonNegativeFloat as NotNegative,
+    PositiveFloat as Positive,
+    PrivateAttr,
+    ValidationInfo,
+    model_validator,
+)
 
 from ..arrays import frozen
 from ..errors import InvalidInput, Location, quoted, under

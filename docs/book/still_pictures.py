@@ -4,8 +4,7 @@ from base64 import b64encode
 
 from matplotlib.figure import Figure
 
-from cdprlab.course import Explorer
-from cdprlab.course import Figure as ToldFigure
+from cdprlab.course import Explorer, Figure as ToldFigure
 from cdprlab.course.designer.panel import RobotDesigner
 from cdprlab.course.explorers.player import MotionPlayer
 from cdprlab.course.shown import describe

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import count
 from typing import Any
 from warnings import warn
@@ -81,13 +82,9 @@ def pick_and_place(world: World, task: str = "pick_and_place",
         motors.reset()
         engine.boxes.add(BOX, job.box_position, job.box_size, job.box_mass, friction=_ROLLERS)
         work = _Work(engine, job, machine, law, period)
-        settings = {"dt": dt, "control_period": period, "speed": speed}
-
-        def record(flight: Flight) -> Job:
-            return work.record(flight, world=world, real=real, task=task, method=law.name,
-                               cables=cables, dt=dt, control_period=period,
-                               settings=settings)
-
+        record = partial(work.record, world=world, real=real, task=task, method=law.name,
+                         cables=cables, dt=dt, control_period=period,
+                         settings={"dt": dt, "control_period": period, "speed": speed})
         try:
             return fly(motors, law, work.wishes(progress), record, substeps)
         except WinchOverrun as error:
@@ -111,10 +108,9 @@ class _Work:
 
     def __post_init__(self) -> None:
         self._follow(hold(self.task.start, 1.0))
-        self.bases = self.engine.base_poses.copy()
-        self.driven, self.offset = np.zeros(self.bases.size), np.zeros(3)
         self.empty = self.engine.world.robot
         p, k = len(self.empty.bases), len(self.empty.bases[0].footprint)
+        self.driven, self.offset = np.zeros(3 * p), np.zeros(3)
         self.log = Log({"base_poses": ((p, 3), "m, m, rad"), "tilts": ((p,), "rad"),
                         "wheels": ((p, k), "N"),
                         "box_positions": ((3,), "m"), "box_rotations": ((3, 3), ""),
@@ -123,8 +119,8 @@ class _Work:
 
     def wishes(self, progress: Progress | None) -> Iterator[Reference]:
         """Where the platform should be, step after step, until the job is done or has been stopped for a while."""
-        machine, total = self.machine, round(1e3 * sum(phase.duration
-                                                       for phase in self.machine.phases))
+        engine, machine = self.engine, self.machine
+        total = round(1e3 * sum(phase.duration for phase in machine.phases))
         self._enter()
         for step in count():
             now = step * self.period
@@ -134,9 +130,11 @@ class _Work:
                                     len(self.sampled) - 1)]
             self._drive(now)
             self._draw(now)
-            box = self.engine.boxes.pose(BOX)
+            box = engine.boxes.pose(BOX)
             sensors = self._look(now, wish, box)
-            self._note(wish, box, sensors)
+            self.wished.append(wish)
+            self.log.keep(engine.base_poses, engine.tilts, *sensors.wheels.values(), box.position,
+                          box.rotation, self.stroke, self.carried[0], len(machine.history) - 1)
             yield wish
             self._judge()
             if machine.step(sensors._replace(time=(step + 1) * self.period)):
@@ -154,42 +152,47 @@ class _Work:
         """A phase begins, or the job has ended: then all stays as it is."""
         engine, phase, end = self.engine, self.machine.phase, self.path.end
         if self.machine.ended:
-            stays = Pose.of(engine.position, engine.rotation) if self.machine.ended == STOPPED else end
-            return self._follow(hold(stays, 1.0))
+            if self.machine.ended == STOPPED:
+                end = Pose.of(engine.position, engine.rotation)
+            return self._follow(hold(end, 1.0))
         phase.begin(engine)
         self._follow(hold(end, phase.duration)
                      if phase.to is None else quintic(end, phase.to, phase.duration))
         if engine.boxes.is_gripped(BOX) and not self.offset.any():
-            self.offset = self._held(engine.boxes.pose(BOX)) - (self.stroke - 1) * self.task.stroke
+            self.offset = self._held(engine.boxes.pose(BOX)) - self._drawn()
         self.bases = engine.base_poses.copy()
 
     def _drive(self, now: float) -> None:
-        speeds = np.zeros(self.bases.size)
-        if self.machine.ended == STOPPED:   # brake, not stop dead: the cables would feel it
+        machine, speeds = self.machine, 0 * self.driven
+        if machine.ended == STOPPED:   # brake, not stop dead: the cables would feel it
             slower = np.abs(self.driven) - ACCELERATION * self.period
             speeds = np.sign(self.driven) * np.maximum(slower, 0.0)
-        elif not self.machine.ended:
-            t = now - self.machine.began + self.period / 2
+        elif not machine.ended:
+            t = now - machine.began + self.period / 2
             for k, (base, stood) in enumerate(zip(self.empty.bases, self.bases)):
-                if base.name in self.machine.phase.drives:   # θ̇, ρ̇₁, ρ̇₂, a rest-to-rest drive along each
-                    way = relative(self.machine.phase.drives[base.name], stood)[[2, 0, 1]]
-                    speeds[3 * k:3 * k + 3] = driving_speed(t, way, base.speed_max,
-                                                            ACCELERATION)
+                if base.name in machine.phase.drives:   # θ̇, ρ̇₁, ρ̇₂, a rest-to-rest drive along each
+                    way = relative(machine.phase.drives[base.name], stood)[[2, 0, 1]]
+                    speeds[3 * k:3 * k + 3] = driving_speed(t, way, base.speed_max, ACCELERATION)
         self.driven = self.engine.drive(speeds)
 
     def _draw(self, now: float) -> None:
         """The gripper's stroke, and what the platform is known to carry."""
         phase, engine = self.machine.phase, self.engine
         if phase.stroke is not None and not self.machine.ended:
+            before, after = phase.stroke
             share = rest_to_rest((now - self.machine.began) / phase.duration)
-            self.stroke = float(phase.stroke[0] + share * (phase.stroke[1] - phase.stroke[0]))
-            engine.boxes.draw(BOX, (self.stroke - 1) * self.task.stroke)
+            self.stroke = float(before + share * (after - before))
+            engine.boxes.draw(BOX, self._drawn())
         load, place = payload(self.task, self.stroke) if engine.boxes.is_gripped(BOX) else (0.0, self.task.seat)
         if (load, *place) != self.carried:
             self.carried = load, *place
             engine.carry(load, place)
 
     # --- looking and writing down -----------------------------------------------------------------
+    def _drawn(self) -> Array:
+        """(3,) from a box on its board to where the gripper has drawn it [m]."""
+        return (self.stroke - 1) * self.task.stroke
+
     def _held(self, box: Pose) -> Array:
         """(3,) the box's center in the platform frame [m]."""
         return (box.position - self.engine.position) @ self.engine.rotation
@@ -197,7 +200,7 @@ class _Work:
     def _look(self, now: float, wish: Reference, box: Pose) -> Readings:
         engine, phase = self.engine, self.machine.phase
         gripped = engine.boxes.is_gripped(BOX)
-        place = self.offset + (self.stroke - 1) * self.task.stroke if gripped else self.task.seat + self.task.stroke
+        place = self.offset + self._drawn() if gripped else self.task.seat + self.task.stroke
         slipped = float(np.linalg.norm(self._held(box) - place))
         base_error = max((math.dist(stands[:2], phase.drives[base.name][:2])
                           for base, stands in zip(self.empty.bases, engine.base_poses)
@@ -209,13 +212,6 @@ class _Work:
                        self.overloaded, self.missing, engine.wheel_loads(), base_error,
                        gripped, slipped)
 
-    def _note(self, wish: Reference, box: Pose, sensors: Readings) -> None:
-        """A row: how all is as the step begins."""
-        engine = self.engine
-        self.wished.append(wish)
-        self.log.keep(engine.base_poses, engine.tilts, *sensors.wheels.values(), box.position,
-                      box.rotation, self.stroke, self.carried[0], len(self.machine.history) - 1)
-
     def _judge(self) -> None:
         """For how long cables have been off their limits, and wrenches unbalanced, now that the step is over."""
         tau, robot = self.engine.tensions, self.empty
@@ -226,14 +222,13 @@ class _Work:
     def record(self, flight: Flight, **about: Any) -> Job:
         """The job from what `fly` kept of it and what was noted beside."""
         steps = flight.steps
-        poses, twists, accelerations = zip(*self.wished or self.sampled[:1])
+        poses, *rates = zip(*self.wished or self.sampled[:1])
         wanted = Pose.of(np.array([pose.position for pose in poses]),
                          np.array([pose.rotation for pose in poses]))
         kept: dict[str, Any] = {name: self.log[name][:steps] for name in self.log.units}
         boxes = Pose.of(kept.pop("box_positions"), kept.pop("box_rotations"))
-        time = frozen(np.arange(steps, dtype=float) * self.period)
-        return Job.of(flight, Reference(wanted, np.array(twists), np.array(accelerations)),
-                      time=time, events=tuple(self.machine.history),
+        return Job.of(flight, Reference(wanted, *map(np.array, rates)),
+                      time=frozen(np.arange(steps, dtype=float) * self.period), events=tuple(self.machine.history),
                       states=kept.pop("states").astype(int),
                       words={phase.name: phase.what for phase in self.machine.phases},
                       box_poses=boxes, real_time_factor=steps * self.period / flight.elapsed, **kept, **about)

@@ -104,4 +104,4 @@ class Job(Chronicle, Run):
 @checked
 def least_edge_loads(wheels: Annotated[Array, "(N, p, k) [N]"]) -> Array:
     """(N, p) what the two wheels of a base's least loaded edge carry, from (N, p, k) wheel loads [N]."""
-    return np.asarray((wheels + np.roll(wheels, -1, axis=-1)).min(axis=-1))
+    return (wheels + np.roll(wheels, -1, axis=-1)).min(axis=-1)

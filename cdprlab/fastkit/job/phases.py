@@ -77,7 +77,7 @@ def _legs(world: World, task: PickAndPlace, words: tuple[tuple[str, str], ...],
         ends = [base.pose, coupled] if back else [coupled, base.pose]
         stops, told = ends, words[1:2]
         if task.aside:   # along the base's own y axis
-            beside = placed(ends, [[0.0, task.aside, 0.0]])[:, 0].tolist()
+            beside = placed(ends, [0.0, task.aside, 0.0]).tolist()
             stops, told = [ends[0], *map(tuple, beside), ends[1]], words
         for (state, what), here, there in zip(told, stops, stops[1:]):
             lasting = driving_time(relative(there, here), base.speed_max[[1, 2, 0]],
@@ -152,7 +152,7 @@ def driving_time(way: ArrayLike, limit: ArrayLike, acceleration: float) -> Array
     top = np.minimum(limit, np.sqrt(far * acceleration))
     if ((top <= 0) & (far > 0)).any():
         raise InvalidInput("a base is to drive in a direction that its speed limits hold")
-    return np.asarray(far / np.where(far > 0, top, 1.0) + top / acceleration)
+    return far / np.where(far > 0, top, 1.0) + top / acceleration
 
 
 def driving_speed(t: float, way: ArrayLike, limit: ArrayLike, acceleration: float) -> Array:

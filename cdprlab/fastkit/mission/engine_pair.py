@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Array, checked
 from ...errors import InvalidInput
+from ...robot import Robot
 from ...robot.pose import Pose
 from ...run.log import Log
 from ...simulate.spatial import SpatialSimulator
@@ -89,9 +90,13 @@ def moved_pair(world: World, pose: ArrayLike) -> World:
     pose : (3,) of the pair [m, m, rad]
     """
     here = pair_pose(world)[0]
-    bases = {base.name: shifted(base.pose, here, pose) for base in world.robot.bases}
-    platform = shifted_pose(world.pose, here, pose)
-    return replace(world, robot=world.robot.with_bases(bases), pose=platform, tasks={})
+    return replace(world, robot=shifted_bases(world.robot, here, pose),
+                   pose=shifted_pose(world.pose, here, pose), tasks={})
+
+
+def shifted_bases(robot: Robot, here: ArrayLike, there: ArrayLike) -> Robot:
+    """A robot whose bases stand as they do when all that belongs to the pose ``here`` is where ``there`` is."""
+    return robot.with_bases({base.name: shifted(base.pose, here, there) for base in robot.bases})
 
 
 def shifted_pose(pose: Pose, here: ArrayLike, there: ArrayLike) -> Pose:
@@ -103,4 +108,4 @@ def shifted_pose(pose: Pose, here: ArrayLike, there: ArrayLike) -> Pose:
 
 def shifted(place: ArrayLike, here: ArrayLike, there: ArrayLike) -> tuple[float, float, float]:
     """A place (x, y, heading) as it is when all that belongs to the pose ``here`` is where ``there`` is."""
-    return tuple(placed(there, [relative(place, here)])[0].tolist())
+    return tuple(placed(there, relative(place, here)).tolist())

@@ -18,7 +18,7 @@ from ..navigation.hall import Hall
 from ..navigation.journey import Journey, navigate
 from ..navigation.vehicle import Vehicle
 from ..plane import placed
-from .engine_pair import EnginePair, pair_pose, shifted
+from .engine_pair import EnginePair, pair_pose, shifted, shifted_bases
 from .mission_record import Mission
 
 COUPLED = 0.01
@@ -64,7 +64,7 @@ class Trip:
     @property
     def gate(self) -> Array:
         """(3,) where the straight way into the berth, and out of it, begins [m, m, rad]."""
-        return np.asarray(placed(self.berth, [self.station])[0])
+        return placed(self.berth, self.station)
 
     def drive_there(self, mission: Mission) -> None:
         """Navigate to the berth in the engine, the true start a little off the one told."""
@@ -108,11 +108,8 @@ class Trip:
         if mission.journey is None:
             raise InvalidInput("a mission arrives after its journey, which this one has not made")
         berth, stands = self.berth, mission.journey.poses[-1]
-        coupled = {name: shifted(place, berth, stands)
-                   for name, place in self.task.coupled.items()}
-        deployed = {base.name: shifted(base.pose, berth, stands)
-                    for base in self.world.robot.bases}
-        return replace(self.world, robot=self.world.robot.with_bases(deployed),
+        coupled = {name: shifted(place, berth, stands) for name, place in self.task.coupled.items()}
+        return replace(self.world, robot=shifted_bases(self.world.robot, berth, stands),
                        tasks={mission.task: replace(self.task, coupled=coupled)})
 
     def work_there(self, mission: Mission, work: Work | None = None) -> None:

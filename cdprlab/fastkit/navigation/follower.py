@@ -54,8 +54,7 @@ class Follower:
         wish = self.vehicle.within_limits(_GAIN * relative(self.way[self.aim], pose))
         # Slow enough to stop at the end, v = √(2 a s).
         left = self.vehicle.way(self.way[-1], pose) + 0.01 * (len(self.way) - 1 - self.aim)
-        speed = max(float(np.linalg.norm(wish[:2])),
-                    self.vehicle.arm * abs(float(wish[2])), 1e-9)
+        speed = max(np.linalg.norm(wish[:2]), self.vehicle.arm * abs(wish[2]), 1e-9)
         wish = wish * min(1.0, np.sqrt(1.6 * _ACCELERATION * left) / speed)
         most = _ACCELERATION * period * np.array([1, 1, 1 / self.vehicle.arm])
         wish = self.twist + np.clip(wish - self.twist, -most, most)

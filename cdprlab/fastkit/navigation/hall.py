@@ -48,8 +48,7 @@ class Hall:
         rows = np.asarray(rectangles)
         if np.shape(seen) not in ((), (len(rows),)):
             raise InvalidInput(f"seen must be one truth value, or one a rectangle, got {quoted(seen)}")
-        return cls(frozen(rows[:, [0, 1, 4]]), rows[:, 2:4],
-                   np.asarray(bounds),
+        return cls(rows[:, [0, 1, 4]], rows[:, 2:4], np.asarray(bounds),
                    np.broadcast_to(np.asarray(seen), len(rows)))
 
     @classmethod
@@ -69,9 +68,8 @@ class Hall:
     def with_rectangles(self, rectangles: ArrayLike) -> Hall:
         """The hall and more that stands in it; (k, 5) as in `of`."""
         more = Hall.of(rectangles, self.bounds)
-        places, sizes = np.vstack([self.places, more.places]), np.vstack([self.sizes,
-                                                                          more.sizes])
-        return Hall(frozen(places), frozen(sizes), self.bounds, np.append(self.seen, more.seen))
+        return Hall(np.vstack([self.places, more.places]), np.vstack([self.sizes, more.sizes]),
+                    self.bounds, np.append(self.seen, more.seen))
 
     @cached_property
     def outlines(self) -> Array:

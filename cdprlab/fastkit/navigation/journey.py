@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_number, checked, frozen, lasting
-from ...errors import Recording
+from ...arrays import Array, as_number, checked, lasting
+from ...errors import recording
 from ...run.log import Log
 from ..events import STOPPED
-from ..plane import Place, carried, checked_pose, difference
+from ..plane import NO_POINTS, Place, carried, checked_pose, difference
 from .driving import KinematicPair, clearance
 from .follower import Follower
 from .hall import Hall
@@ -116,7 +116,9 @@ def navigate(pair: KinematicPair, hall: Hall, start: ArrayLike, goal: ArrayLike,
     where = Localization(hall, checked_pose(start, "start"), uncertainty, pair.odometry, pair.vehicle.eyes)
     stops = [checked_pose(goal, "goal")] + ([] if berth is None else [checked_pose(berth, "berth")])
     out = None if leaving is None else checked_pose(leaving, "leaving")
-    return _Driver(pair, hall, stops, out, where, period).run(progress)
+    driver = _Driver(pair, hall, stops, out, where, period)
+    with recording(driver.cut):
+        return driver.drive(progress)
 
 
 def with_berth(hall: Hall, vehicle: Vehicle, plan: Plan, berth: Array,
@@ -129,7 +131,7 @@ def with_berth(hall: Hall, vehicle: Vehicle, plan: Plan, berth: Array,
     if nearest < DOCKING_MARGIN:
         return Plan.none(f"no room to {'leave' if leaving else 'dock'}: {nearest:.2f} m are left between berth and "
                          f"map on the straight way, {DOCKING_MARGIN:g} m are wanted")
-    return Plan(frozen(np.vstack([berth, plan.poses] if leaving else [plan.poses, berth])))
+    return Plan(np.vstack([berth, plan.poses] if leaving else [plan.poses, berth]))
 
 
 @dataclass(eq=False)
@@ -144,6 +146,7 @@ class _Driver:
     period: float
     plans: list[tuple[float, Plan]] = field(default_factory=list)
     scans: list[Array] = field(default_factory=list)
+    now: float = 0.0
     blocked: float = 0.0
     since_plan: float = 0.0
 
@@ -155,41 +158,45 @@ class _Driver:
                         "waiting": ((), ""),
                         "people": (self.pair.people.shape, "m")})
 
-    def run(self, progress: Callable[[float], Any] | None) -> Journey:
-        with Recording(self._cut):
-            return self._driven(progress)
+    def drive(self, progress: Callable[[float], Any] | None) -> Journey:
+        """Period after period, until there or stopped."""
+        self._look()
+        # Around all that is in sight; if there is no way, perhaps it is only somebody who walks on soon.
+        follower = self._plan(self.unexpected) or self._plan(NO_POINTS)
+        while follower and not follower.arrived(self.where.pose):
+            reason = self._fault()
+            if reason:
+                return self._journey(STOPPED, reason)
+            twist = follower.command(self.where.pose, self.unexpected, self.period)
+            follower = self._patient(follower)
+            self.where.drive(self.pair.drive(twist, self.period))
+            self.now += self.period
+            self._look()
+            if progress is not None:
+                progress(self.now)
+        return self._journey(ARRIVED) if follower else self._journey(STOPPED, self.plans[-1][1].reason)
 
-    def _cut(self, reason: str, _: Any) -> Journey | None:
+    def cut(self, reason: str, _: Any) -> Journey | None:
         """What was driven until it was cut short, if anything."""
         return replace(self._journey(STOPPED, reason), cut_short=reason) if len(self.log) else None
 
-    def _driven(self, progress: Callable[[float], Any] | None) -> Journey:
-        pair, where, now = self.pair, self.where, 0.0
+    def _look(self) -> None:
+        """Correct the belief by a scan, and write down how all is."""
+        pair, where = self.pair, self.where
         points = pair.scan()
         where.look(points)
-        follower, reason = self._hopeful(now, points)
-        while True:
-            self._note(now, points)
-            if follower is None:
-                return self._journey(STOPPED, reason)
-            if follower.arrived(where.pose):
-                return self._journey(ARRIVED, "")
-            reason = self._fault(now)
-            if reason:
-                return self._journey(STOPPED, reason)
-            twist = follower.command(where.pose, where.unexpected(points), self.period)
-            follower = self._patient(follower, now, points)
-            where.drive(pair.drive(twist, self.period))
-            points = pair.scan()
-            where.look(points)
-            self._mind_the_berth()
-            now += self.period
-            if progress is not None:
-                progress(now)
+        self.unexpected = where.unexpected(points)
+        # Once out of the berth, plans begin where the pair is.
+        if self.leaving is not None and (np.abs(difference(self.leaving, where.pose)) < _OUT).all():
+            self.leaving = None
+        room = clearance(pair.vehicle, pair.pose, pair.hall, pair.people)
+        self.log.keep(self.now, pair.pose, where.pose, where.deviation, room,
+                      self.blocked > 0, pair.people)
+        self.scans.append(points)
 
-    def _fault(self, now: float) -> str:
+    def _fault(self) -> str:
         """'' while the pair may drive on, else why it has to stop."""
-        if now > _LONGEST:
+        if self.now > _LONGEST:
             return f"not there after {_LONGEST:g} s"
         if (self.where.deviation > _SURE).any():
             return "lost: the scanners see too little of the map to know where the pair is"
@@ -197,25 +204,16 @@ class _Driver:
             return "the way is blocked by something that is not on the map, and there is no other way"
         return ""
 
-    def _hopeful(self, now: float, points: Array) -> tuple[Follower | None, str]:
-        """A way around all that is in sight; if there is none, perhaps it is only somebody who walks on soon."""
-        follower, reason = self._plan(now, self.where.unexpected(points))
-        return (follower, reason) if follower else self._plan(now, np.zeros((0, 2)))
-
-    def _patient(self, follower: Follower, now: float, points: Array) -> Follower:
+    def _patient(self, follower: Follower) -> Follower:
         """Where something is in the way: wait a little, then look for a way around it."""
-        if follower.blocked:
-            self.blocked += self.period
-        else:
-            self.blocked = max(0.0, self.blocked - self.period)
+        self.blocked = max(0.0, self.blocked + self.period * (1 if follower.blocked else -1))
         self.since_plan += self.period
-        if not follower.blocked or self.blocked < _WAIT or self.since_plan < _WAIT:
+        if not follower.blocked or min(self.blocked, self.since_plan) < _WAIT:
             return follower
-        other, _ = self._plan(now, self.where.unexpected(points))
-        return other or follower
+        return self._plan(self.unexpected) or follower
 
-    def _plan(self, now: float, unexpected: Array) -> tuple[Follower | None, str]:
-        """A way around points that no map shows, or why there is none."""
+    def _plan(self, unexpected: Array) -> Follower | None:
+        """What follows a way around points that no map shows; None: there is none, the last plan says why."""
         pose, vehicle, grid = self.where.pose, self.pair.vehicle, self.grid
         if len(unexpected):
             grid = OccupancyGrid.of(self.hall, points=carried(pose, unexpected), reach=_AROUND)
@@ -225,23 +223,11 @@ class _Driver:
             plan = with_berth(self.hall, vehicle, plan, pose, leaving=True)
         if plan.found and len(self.stops) > 1:
             plan = with_berth(self.hall, vehicle, plan, self.stops[1])
-        self.plans.append((now, plan))
+        self.plans.append((self.now, plan))
         self.since_plan = 0.0
-        return (Follower(vehicle, plan.poses) if plan.found else None), plan.reason
+        return Follower(vehicle, plan.poses) if plan.found else None
 
-    def _mind_the_berth(self) -> None:
-        """Once out of the berth, plans begin where the pair is."""
-        if self.leaving is not None and (np.abs(difference(self.leaving, self.where.pose)) < _OUT).all():
-            self.leaving = None
-
-    def _note(self, now: float, points: Array) -> None:
-        pair, where = self.pair, self.where
-        room = clearance(pair.vehicle, pair.pose, pair.hall, pair.people)
-        self.log.keep(now, pair.pose, where.pose, where.deviation, room,
-                      self.blocked > 0, pair.people)
-        self.scans.append(points)
-
-    def _journey(self, state: str, reason: str) -> Journey:
+    def _journey(self, state: str, reason: str = "") -> Journey:
         columns: dict[str, Any] = {name: self.log[name] for name in self.log.units}
         columns["waiting"] = columns["waiting"] > 0
         return Journey(self.hall, self.pair.vehicle, self.stops[-1], state, reason,

@@ -72,19 +72,14 @@ def cast(origin: Annotated[Array, "(2,) [m]"], directions: Annotated[Array, "(b,
     >>> cast(np.zeros(2), np.array([[1.0, 0.0]]), np.array([[[2.0, -1.0], [2.0, 1.0]]]), [[1.0, 0.0, 0.25]])
     array([0.75])
     """
-    nearest = np.full(len(directions), np.inf)
-    if len(segments):
-        along, off = segments[:, 1] - segments[:, 0], segments[:, 0] - origin
+    off, along = segments[:, 0] - origin, segments[:, 1] - segments[:, 0]
+    centers, radii = np.split(np.reshape(circles, (-1, 3)), [2], axis=1)
+    middles = directions @ (centers - origin).T              # (b, c)
+    # What a beam is parallel to, or passes by, it reaches nowhere: infinite or NaN.
+    with np.errstate(divide="ignore", invalid="ignore"):
         across = cross(directions[:, None], along)           # (b, s)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            reach = cross(off, along) / across
-            share = cross(off, directions[:, None]) / across
-        hits = (across != 0) & (reach > 0) & (share >= 0) & (share <= 1)
-        nearest = np.where(hits, reach, np.inf).min(axis=1)
-    for x, y, radius in np.asarray(circles, dtype=float).reshape(-1, 3).tolist():
-        off = np.array([x, y]) - origin
-        middle = directions @ off
-        depth = radius**2 - off @ off + middle**2
-        reach = middle - np.sqrt(np.maximum(depth, 0.0))
-        nearest = np.minimum(nearest, np.where((depth >= 0) & (reach > 0), reach, np.inf))
-    return nearest
+        share = cross(off, directions[:, None]) / across
+        walls = np.where((share >= 0) & (share <= 1), cross(off, along) / across, np.nan)
+        bodies = middles - np.sqrt(radii.T**2 - ((centers - origin)**2).sum(axis=1) + middles**2)
+    reach = np.concatenate([walls, bodies], axis=1)
+    return np.where(reach > 0, reach, np.inf).min(axis=1, initial=np.inf)

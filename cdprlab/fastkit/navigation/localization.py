@@ -32,9 +32,9 @@ class Odometry:
 
     def covariance(self, step: Motion) -> Array:
         """(3, 3) of a step (dx, dy, dθ) in the vehicle's frame."""
-        dx, dy, spin = np.asarray(step, dtype=float).tolist()
-        way = float(np.hypot(dx, dy))
-        across, about = self.scale * way + 1e-5, self.per_turn * abs(spin) + self.per_meter * way + 1e-5
+        dx, dy, spin = np.abs(step)
+        way = np.hypot(dx, dy)
+        across, about = self.scale * way + 1e-5, self.per_turn * spin + self.per_meter * way + 1e-5
         return np.diag([across, across, about]) ** 2
 
     def measured(self, step: Motion, random: np.random.Generator) -> Array:
@@ -60,9 +60,8 @@ class Localization:
 
     def __init__(self, hall: Hall, pose: Place, uncertainty: Place = (0.1, 0.1, 0.05),
                  odometry: Odometry | None = None, eyes: Points = ((0.0, 0.0),)) -> None:
-        self.segments, self.eyes = hall.segments, np.asarray(eyes, dtype=float)
-        self.pose = np.array(pose, dtype=float)
-        self.covariance = np.diag(np.asarray(uncertainty, dtype=float)) ** 2
+        self.segments, self.eyes, self.pose = hall.segments, eyes, np.asarray(pose)
+        self.covariance = np.diag(np.square(uncertainty))
         self.odometry = odometry or Odometry()
 
     @property
@@ -72,13 +71,12 @@ class Localization:
 
     def drive(self, step: Motion) -> Array:
         """Prediction: the wheels say (dx, dy, dθ) in the vehicle's frame; returns the pose."""
-        d = np.asarray(step, dtype=float)
-        before, self.pose = self.pose, moved(self.pose, d)
+        before, self.pose = self.pose, moved(self.pose, step)
         x, y, _ = self.pose - before
         F, G = np.eye(3), np.eye(3)
         F[:2, 2] = [-y, x]
-        G[:2, :2] = turn(before[2] + d[2] / 2)
-        self.covariance = F @ self.covariance @ F.T + G @ self.odometry.covariance(d) @ G.T
+        G[:2, :2] = turn(before[2] + np.asarray(step)[2] / 2)
+        self.covariance = F @ self.covariance @ F.T + G @ self.odometry.covariance(step) @ G.T
         return self.pose
 
     def look(self, points: Scan) -> Array:
@@ -89,7 +87,7 @@ class Localization:
         """
         if not len(points) or not len(self.segments):
             return self.pose
-        predicted, prior, segments = self.pose.copy(), np.linalg.inv(self.covariance), self._facing()
+        predicted, prior, segments = self.pose, np.linalg.inv(self.covariance), self._facing()
         H = prior
         gate = float(np.clip(_NEAR + 3 * self.deviation[:2].max(), _NEAR, _FAR))
         for _ in range(_ROUNDS):
@@ -99,8 +97,9 @@ class Localization:
             weight = near / np.maximum(1.0, e / _DOUBTFUL) / _BEAM**2
             # ∂e/∂q
             slope = np.column_stack([off, cross(arms, off)]) / np.maximum(e, 1e-9)[:, None]
-            H = prior + (slope * weight[:, None]).T @ slope
-            g = (slope * weight[:, None]).T @ e + prior @ difference(self.pose, predicted)
+            weighted = (slope * weight[:, None]).T
+            H = prior + weighted @ slope
+            g = weighted @ e + prior @ difference(self.pose, predicted)
             step = np.linalg.solve(H, -g)
             self.pose = self.pose + step
             if np.abs(step).max() < 2e-4:

@@ -8,9 +8,10 @@ from typing import Annotated
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt
+from scipy.spatial import KDTree
 
-from ...arrays import Array, Flags, as_number, checked, frozen, lasting
-from ..plane import NO_POINTS, Places, Scan, Spots, carried, point_distance
+from ...arrays import Array, Flags, checked, frozen, lasting
+from ..plane import NO_POINTS, Places, Scan, Spots, carried, turn
 from .hall import Hall
 from .vehicle import Vehicle
 
@@ -36,7 +37,7 @@ class OccupancyGrid:
     clearance: Array
 
     @classmethod
-    def of(cls, hall: Hall, cell: float = 0.03, points: Scan = NO_POINTS,
+    def of(cls, hall: Hall, cell: Annotated[float, "[m] > 0"] = 0.03, points: Scan = NO_POINTS,
            reach: Annotated[float, "[m] ≥ 0"] = 0.0) -> OccupancyGrid:
         """The grid of a hall.
 
@@ -47,18 +48,14 @@ class OccupancyGrid:
         >>> round(float(grid.clearance_at([0.5, 0.0])), 1)    # 1 m, less what a cell hides
         0.9
         """
-        as_number(cell, "cell", "m", positive=True)
         low, high = hall.bounds
         shape = np.maximum(np.ceil((high - low) / cell - 1e-9).astype(int), 1)
-        occupied = np.zeros(shape, dtype=bool)
+        centers = low + (np.moveaxis(np.indices(shape), 0, -1) + 0.5) * cell
         hidden = cell / np.sqrt(2)                      # from a cell's center to its corner
+        occupied = KDTree(points).query(centers)[0] <= reach + hidden
         for place, size in zip(hall.places, hall.sizes):
-            where, centers = _near(occupied, low, cell, place[:2],
-                                   float(np.hypot(*size)) / 2 + hidden)
-            occupied[where] |= point_distance(centers, place, size + 2 * hidden) == 0
-        for point in points:
-            where, centers = _near(occupied, low, cell, point, reach + hidden)
-            occupied[where] |= np.linalg.norm(centers - point, axis=-1) <= reach + hidden
+            off = (centers - place[:2]) @ turn(place[2])
+            occupied |= (np.abs(off) <= size / 2 + hidden).all(axis=-1)
         occupied.setflags(write=False)
         # One ring of occupied cells outside: the floor's edge is a wall.
         walled = np.pad(occupied, 1, constant_values=True)
@@ -73,7 +70,7 @@ class OccupancyGrid:
 
     def clearance_at(self, points: Spots) -> Array:
         """(…) clearance at points (…, 2); 0 off the floor [m]."""
-        return self._at(*np.moveaxis(np.asarray(points, dtype=float), -1, 0))
+        return self._at(*np.moveaxis(np.asarray(points), -1, 0))
 
     def room(self, vehicle: Vehicle, poses: Places) -> Array:
         """(…) what is surely left between a vehicle at poses (…, 3) and all that stands there [m]."""
@@ -94,13 +91,3 @@ class OccupancyGrid:
                 for along, low, count in zip((x, y), self.corner, self._walled.shape))
         return self._walled[i, j]
 
-
-def _near(occupied: Flags, low: Array, cell: float, middle: Array,
-          radius: float) -> tuple[tuple[slice, slice], Array]:
-    """The cells around a place, and (…, 2) where their centers are [m]."""
-    first = np.clip(np.floor((middle - radius - low) / cell).astype(int), 0, occupied.shape)
-    last = np.clip(np.ceil((middle + radius - low) / cell).astype(int) + 1, first,
-                   occupied.shape)
-    x, y = (low[i] + (np.arange(first[i], last[i]) + 0.5) * cell for i in (0, 1))
-    centers = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
-    return (slice(first[0], last[0]), slice(first[1], last[1])), centers

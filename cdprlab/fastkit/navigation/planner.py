@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from ...arrays import Array, Indices, checked, frozen, lasting
+from ...arrays import Array, Indices, checked, lasting
 from ..plane import Way, checked_pose, difference
 from .occupancy import OccupancyGrid
 from .vehicle import Vehicle
@@ -94,25 +94,18 @@ def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: Arr
     if not len(nodes):
         wide = inflated_width(grid, vehicle, margin)
         return Plan.none(f"there is no way of {wide:.2f} m width from the start to the goal")
+    poses = np.vstack([a, nodes, b])
     # Out of a tight place as the lattice goes: a straight drive could stay as tight for long.
-    tight = np.zeros((0, 3)) if here >= margin else a[None]
-    poses = np.concatenate([a[None], nodes, b[None]])[len(tight):]
-    return Plan(frozen(np.concatenate([tight, _shortened(grid, vehicle, poses, margin)])))
+    tight = int(here < margin)
+    return Plan(np.vstack([poses[:tight], _shortened(grid, vehicle, poses[tight:], margin)]))
 
 
 def between(a: ArrayLike, b: ArrayLike, step: float = 0.04, turn_step: float = 0.03) -> Array:
-    """(k, 3) poses from a to b, both included, close enough together to be looked at one by one."""
-    return _ways(a, np.asarray(b)[None], step, turn_step)[0]
-
-
-def _ways(a: ArrayLike, ends: Array, step: float = 0.04, turn_step: float = 0.03) -> tuple[Array, Indices]:
-    """The same to each of some ends (n, 3), one after the other, and where each begins (n,)."""
-    d = difference(ends, a)
-    far = np.maximum(np.linalg.norm(d[:, :2], axis=1) / step, np.abs(d[:, 2]) / turn_step)
-    counts = np.ceil(np.maximum(far, 1.0)).astype(int)
-    begins = np.cumsum(counts + 1) - counts - 1
-    share = (np.arange(begins[-1] + counts[-1] + 1) - np.repeat(begins, counts + 1)) / np.repeat(counts, counts + 1)
-    return np.asarray(a) + share[:, None] * np.repeat(d, counts + 1, axis=0), begins
+    """(…, k, 3) poses from a to b (…, 3), both included, close enough together to be looked at one by one."""
+    d = difference(b, a)
+    far = np.maximum(np.linalg.norm(d[..., :2], axis=-1) / step, np.abs(d[..., 2]) / turn_step)
+    count = int(np.ceil(far.max(initial=1.0)))
+    return np.asarray(a) + np.arange(count + 1)[:, None] / count * d[..., None, :]
 
 
 class _Lattice:
@@ -132,12 +125,12 @@ class _Lattice:
 
     def way(self, start: Array, goal: Array, least: float) -> Array:
         """(n, 3) poses of the best way between the nodes that start and goal join; (0, 3) if there is none."""
-        ends, begins = self._joined(goal, self.margin), self._joined(start, least)
+        (ends, _), (begins, joining) = self._joined(goal, self.margin), self._joined(start, least)
         if not (len(ends) and len(begins)):
             return np.zeros((0, 3))
         times, previous = dijkstra(self._graph, directed=False, indices=ends[0],
                                    return_predecessors=True)
-        best = int(begins[np.argmin(times[begins] + self._joining_times(begins, start))])
+        best = int(begins[np.argmin(times[begins] + joining)])
         nodes = []
         while best >= 0 and np.isfinite(times[best]):
             nodes.append(best)
@@ -148,23 +141,16 @@ class _Lattice:
         h, x, y = np.unravel_index(nodes, self.free.shape)
         return np.stack([self.xs[x], self.ys[y], self.headings[::_BETWEEN][h]], axis=-1)
 
-    def _joining_times(self, nodes: Indices, pose: Array) -> Array:
-        d = np.abs(difference(self._poses(nodes), pose))
-        return np.asarray((d / self.vehicle.speed_max[[1, 2, 0]]).sum(axis=-1))
-
-    def _joined(self, pose: Array, least: float) -> Indices:
-        """Free nodes near a pose that a straight free drive reaches, nearest first."""
+    def _joined(self, pose: Array, least: float) -> tuple[Indices, Array]:
+        """Free nodes near a pose that a straight free drive reaches, nearest first, and in what time [s]."""
         nodes = np.flatnonzero(self.free)
         d = np.abs(difference(self._poses(nodes), pose))
-        nodes = nodes[(d[:, :2].max(axis=1) <= _JOIN) & (d[:, 2] <= 2.2 * np.pi / _HEADINGS)]
-        nodes = nodes[np.argsort(self._joining_times(nodes, pose), kind="stable")]
-        kept: list[int] = []
-        for some in np.array_split(nodes, range(_JOINED, len(nodes), _JOINED)):
-            if len(kept) < _JOINED and len(some):
-                ways, begins = _ways(pose, self._poses(some))
-                room = np.minimum.reduceat(self.grid.room(self.vehicle, ways), begins)
-                kept += some[room >= least - 1e-9].tolist()
-        return np.array(kept[:_JOINED], dtype=int)
+        near = (d[:, :2].max(axis=1) <= _JOIN) & (d[:, 2] <= 2.2 * np.pi / _HEADINGS)
+        nodes, times = nodes[near], (d[near] / self.vehicle.speed_max[[1, 2, 0]]).sum(axis=-1)
+        room = self.grid.room(self.vehicle, between(pose, self._poses(nodes))).min(axis=-1)
+        best = np.argsort(times, kind="stable")
+        best = best[room[best] >= least - 1e-9][:_JOINED]
+        return nodes[best], times[best]
 
     @cached_property
     def _graph(self) -> csr_array:
@@ -196,16 +182,13 @@ _lattice = lru_cache(1)(_Lattice)
 
 def _shortened(grid: OccupancyGrid, vehicle: Vehicle, poses: Array, margin: float) -> Array:
     """The way with corners left out, wherever the straight drive is as free as the way around has to be."""
-    kept, k = [poses[0]], 0
-    while k < len(poses) - 1:
-        ahead = min(len(poses) - 1, k + 30)
-        while ahead > k + 1:
-            way = between(poses[k], poses[ahead])
+    room, kept = grid.room(vehicle, poses), [0]
+    while (k := kept[-1]) < len(poses) - 1:
+        for ahead in range(min(len(poses) - 1, k + 30), k, -1):
             # Not through a narrower place than the lattice chose.
-            least = min(grid.room(vehicle, poses[k:ahead + 1]).min(), margin + 0.15)
-            if (grid.room(vehicle, way) >= max(margin, least) - 1e-9).all():
+            least = np.clip(room[k:ahead + 1].min(), margin, margin + 0.15)
+            way = between(poses[k], poses[ahead])
+            if ahead == k + 1 or (grid.room(vehicle, way) >= least - 1e-9).all():
                 break
-            ahead -= 1
-        kept.append(poses[ahead])
-        k = ahead
-    return np.array(kept)
+        kept.append(ahead)
+    return poses[kept]

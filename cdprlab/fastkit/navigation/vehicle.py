@@ -89,7 +89,7 @@ class Vehicle:
     # --- the bases --------------------------------------------------------------------------------
     def bases(self, pose: Places) -> Array:
         """(…, 2, 3) poses of the active and the passive base, the pair at pose (…, 3)."""
-        return placed(pose, [[-self.arm, 0.0, 0.0], [self.arm, 0.0, 0.0]])
+        return placed(np.asarray(pose)[..., None, :], [[-self.arm, 0, 0], [self.arm, 0, 0]])
 
     def base_outlines(self, pose: Places) -> Array:
         """(…, 2, 4, 2) corners of their rectangles [m]."""
@@ -97,23 +97,23 @@ class Vehicle:
 
     def pose_of(self, active: Places) -> Array:
         """(…, 3) pose of the pair whose active base is at (…, 3)."""
-        return placed(active, [[self.arm, 0.0, 0.0]])[..., 0, :]
+        return placed(active, [self.arm, 0, 0])
 
     def base_speeds(self, twist: Motion) -> Array:
         """(3,) speeds of the active base, rotation, along, across, for the pair's (v_x, v_y, ω) in its own frame."""
-        vx, vy, spin = np.asarray(twist, dtype=float).tolist()
+        vx, vy, spin = np.asarray(twist)
         return np.array([spin, vx, vy - self.arm * spin])
 
     # --- ways -------------------------------------------------------------------------------------
     def way(self, a: Place, b: Place) -> float:
         """From one pose to another, of the base that has farther to go, about [m]."""
-        x, y, spin = np.abs(difference(a, b)).tolist()
+        x, y, spin = np.abs(difference(a, b))
         return float(np.hypot(x, y) + self.arm * spin)
 
     def quickest(self, step: Places) -> Array:
         """(…) how long a step (…, 3) (dx, dy, dθ) in its own frame takes at the bases' speed limits [s]."""
         x, y, spin = np.moveaxis(np.abs(step), -1, 0)
-        return np.asarray((np.stack([spin, x, y + self.arm * spin], axis=-1) / self.speed_max).max(axis=-1))
+        return (np.stack([spin, x, y + self.arm * spin], axis=-1) / self.speed_max).max(axis=-1)
 
     def within_limits(self, twist: Motion) -> Array:
         """(3,) a motion (v_x, v_y, ω), slowed down until both bases can drive it.
@@ -122,15 +122,13 @@ class Vehicle:
         >>> Vehicle.of(cl.load_world("fastkit_suspended").robot).within_limits([0.4, 0, 0]).tolist()
         [0.2, 0.0, 0.0]
         """
-        return np.asarray(np.divide(twist, np.maximum(1.0, self.quickest(twist))))
+        return np.divide(twist, np.maximum(1.0, self.quickest(twist)))
 
 
 def _covering(length: float, width: float) -> tuple[Array, float]:
     """Centers and radius of discs over the rim of a rectangle: three rows, those inside left out."""
-    rows, columns = 3, int(np.ceil(3 * length / width))
-    x, y = (((np.arange(count) + 0.5) / count - 0.5) * size
-            for count, size in ((columns, length), (rows, width)))
-    centers = np.stack(np.meshgrid(x, y), axis=-1)
-    rim = np.ones((rows, columns), dtype=bool)
-    rim[1, 1:-1] = False
-    return centers[rim], float(np.hypot(length / columns, width / rows) / 2)
+    size, counts = np.array([length, width]), np.array([int(np.ceil(3 * length / width)), 3])
+    rim = np.ones(counts, dtype=bool)
+    rim[1:-1, 1] = False
+    centers = ((np.argwhere(rim) + 0.5) / counts - 0.5) * size
+    return centers, float(np.hypot(*(size / counts)) / 2)

@@ -2,7 +2,6 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
 from matplotlib.patches import Circle, Polygon
 
 from ...arrays import LARGEST, Array, checked
@@ -25,21 +24,19 @@ def plot_journey(journey: Journey) -> Figure:
     """
     with house_style():
         figure = Figure(figsize=(11.0, 5.4), layout="constrained")
-        grid = figure.add_gridspec(2, 2, width_ratios=(1.5, 1), height_ratios=(1.3, 1))
-        plan = figure.add_subplot(grid[:, 0])
+        plan, scan, errors = figure.subplot_mosaic("ps\npe", width_ratios=(1.5, 1), height_ratios=(1.3, 1)).values()
         draw_hall(plan, journey.hall, journey.vehicle)
         draw_way(plan, journey)
         # Under all: inside, it would hide the map.
         figure.legend(*plan.get_legend_handles_labels(), loc="outside lower center", ncols=5,
                       fontsize=9)
-        scan = figure.add_subplot(grid[0, 1])
         _draw_scan(scan, journey)
         pose, reach = journey.estimates[-1], journey.vehicle.scanners[0].range + journey.vehicle.length / 2
         scan.set(xlim=(pose[0] - reach, pose[0] + reach),
                  ylim=(pose[1] - 0.75 * reach, pose[1] + 0.75 * reach),
                  title="last scan, as believed")
         scan.legend(loc="lower right", fontsize=8)
-        _draw_errors(figure.add_subplot(grid[1, 1]), journey)
+        _draw_errors(errors, journey)
         end = "reaches its goal" if journey.state == ARRIVED else f"stops: {journey.reason}"
         figure.alt_text = (f"A hall from above with {len(journey.hall.outlines)} things in it; the coupled bases {end} "
                            f"after {journey.time[-1]:.0f} s, never nearer than {journey.clearance.min():.2f} m "
@@ -52,19 +49,15 @@ def draw_hall(axes: Axes, hall: Hall, vehicle: Vehicle | None = None) -> None:
     """What stands there, and, with a vehicle, how far inflation reaches: the pair's middle line stays out of it."""
     low, high = hall.bounds
     if vehicle is not None:
-        cells = OccupancyGrid.of(hall)
-        taken = cells.clearance < vehicle.width / 2
-        axes.imshow(np.where(taken, 1.0, np.nan).T, origin="lower",
-                    extent=(low[0], high[0], low[1], high[1]), cmap=ListedColormap([_SHADE]),
-                    interpolation="nearest", zorder=0)
+        axes.contourf(OccupancyGrid.of(hall).clearance.T, levels=(-1, vehicle.width / 2), colors=[_SHADE],
+                      origin="lower", extent=(low[0], high[0], low[1], high[1]), zorder=0)
         axes.plot([], [], "s", color=_SHADE, markersize=9,
                   label="inflated by half the pair's width")
     for outline, seen in zip(hall.outlines, hall.seen):
-        axes.add_patch(Polygon(outline, facecolor=GREY if seen else "none", edgecolor=INK,
-                               linewidth=0.8,
+        axes.add_patch(Polygon(outline, facecolor=GREY if seen else "none", edgecolor=INK, linewidth=0.8,
                                hatch=None if seen else "////", zorder=2))
-    axes.set(xlim=(low[0] - 0.15, high[0] + 0.15), ylim=(low[1] - 0.15, high[1] + 0.15),
-             aspect="equal", xlabel="x [m]", ylabel="y [m]")
+    x, y = np.transpose([low - 0.15, high + 0.15])
+    axes.set(xlim=x, ylim=y, aspect="equal", xlabel="x [m]", ylabel="y [m]")
     axes.grid(False)
 
 
@@ -75,11 +68,11 @@ def draw_way(axes: Axes, journey: Journey, until: float = LARGEST) -> None:
     until : what happened later is not drawn [s]
     """
     n = int(np.searchsorted(journey.time, until, side="right")) or 1
-    poses, made = journey.poses[:n], [plan for time, plan in journey.plans if time <= until]
+    poses, plans = journey.poses[:n], [plan for time, plan in journey.plans if plan.found and time <= until]
     # Over the way driven, which is the same but for corners.
-    for number, plan in enumerate(plan for plan in made if plan.found):
+    for plan in plans:
         axes.plot(*plan.poses[:, :2].T, "--", color=ORANGE, linewidth=1.6, zorder=6,
-                  label="planned way" if number == 0 else None)
+                  label="planned way" if plan is plans[0] else None)
     axes.plot(*poses[:, :2].T, color=BLUE, linewidth=2.0, zorder=5,
               label="way driven (middle)")
     period = journey.time[1] if len(journey.time) > 1 else 1.0

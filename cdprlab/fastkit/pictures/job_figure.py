@@ -29,7 +29,7 @@ def plot_job(job: Job) -> Figure:
     """
     with house_style():
         figure = Figure(figsize=(12.0, 11.0), layout="constrained")
-        axes = list(figure.subplots(5, 1, sharex=True, height_ratios=[1.2, 0.8, 1.5, 0.8, 1.0]))
+        axes = figure.subplots(5, 1, sharex=True, height_ratios=[1.2, 0.8, 1.5, 0.8, 1.0])
         _show_phases(axes, job)
         _draw(axes[0], job.time, job.poses.position, "platform [m]", "xyz", AXIS_STYLES)
         axes[1].plot(job.time, 1e3 * job.position_errors, color=INK)

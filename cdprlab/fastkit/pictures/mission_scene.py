@@ -9,7 +9,7 @@ from ...errors import InvalidInput
 from ...simulate.state import State
 from ...view.scene import states_of
 from ...world.model import Box
-from ..mission.engine_pair import shifted, shifted_pose
+from ..mission.engine_pair import shifted_bases, shifted_pose
 from ..mission.mission_record import Mission
 from ..navigation.journey import Journey
 
@@ -47,9 +47,8 @@ def mission_scene(mission: Mission) -> dict[str, list[State]]:
 
 def _driven(state: State, here: Array, there: Array) -> State:
     """Robot and boxes as the pair carries them from one pose to another."""
-    bases = {base.name: shifted(base.pose, here, there) for base in state.robot.bases}
     pose = shifted_pose(state.pose, here, there)
-    return state._replace(robot=state.robot.with_bases(bases), position=pose.position, rotation=pose.rotation,
+    return state._replace(robot=shifted_bases(state.robot, here, there), position=pose.position, rotation=pose.rotation,
                           boxes=tuple((shifted_pose(box, here, there), size) for box, size in state.boxes))
 
 
