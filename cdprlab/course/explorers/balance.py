@@ -11,8 +11,8 @@ from ...robot.pose import Pose
 from ..pictures.equilibrium import draw_panels, panels
 from ..props.experiments import Motion, let_go
 from ..props.point_load import EXIT_POINTS, MASS, Equilibrium, equilibrium, point_load
-from ..text_table import in_brackets
-from .explorer import Choice, Explorer, Slider, Values, once_a_move
+from ..text_table import fixed, in_brackets
+from .explorer import Choice, Explorer, Values, once_a_move, sliders
 
 
 @checked
@@ -32,38 +32,29 @@ class EquilibriumExplorer(Explorer):
 
     def __init__(self, n_cables: int = 2, internal: bool = True) -> None:
         self._robots = {m: point_load(m) for m in EXIT_POINTS}
-        controls: list[Slider | Choice] = [
-            Choice("cables", "number of cables m", tuple(EXIT_POINTS),
-                   start=point_load(n_cables).n_cables),
-            # Ends short of the exit points at x = ±2 m, where a cable would have no length.
-            Slider("x", "load x", "m", -1.8, 1.8, 0.0, 0.1),
-            Slider("y", "load y", "m", 0.2, 3.4, 1.0, 0.1),
-            Slider("push_x", "push f_x", "N", -150.0, 150.0, 0.0, 5.0),
-            Slider("push_y", "push f_y", "N", -150.0, 150.0, 0.0, 5.0),
-        ]
-        if internal:
-            controls.append(Slider("internal", "internal tension λ", "N", -200.0,
-                                   200.0, 0.0, 5.0))
-        controls += [Slider("extra", "cable 1 pulls extra", "N", -100.0, 100.0, 0.0, 5.0),
-                     Slider("time", "let go for", "s", 0.0, 0.6, 0.0, 0.02)]
-        super().__init__(controls, title="Forces on a point load")
+        m = Choice("cables", "number of cables m", tuple(EXIT_POINTS),
+                   point_load(n_cables).n_cables)
+        # They end short of the exit points at x = ±2 m, where a cable would have no length.
+        moved = [slider for slider in sliders("balance") if internal
+                 or slider.name != "internal"]
+        super().__init__([m, *moved], "Forces on a point load")
 
     @once_a_move
     def state(self, values: Values) -> Equilibrium:
         """The balance of forces at the controls' values."""
         state = equilibrium(self._robots[values["cables"]], *_load(values),
                             values.get("internal", 0.0))
-        return state.held(state.tensions + values["extra"] * (np.arange(state.tensions.size) == 0))
+        return state.held(state.tensions + values["extra"] * np.eye(values["cables"])[0])
 
     @once_a_move
     def motion(self, values: Values) -> Motion | None:
         """What the engine does with the load, tensions and push held; None as long as the load is."""
-        position, push = _load(values)
-        if values["time"] == 0:
+        if not values["time"]:
             return None
-        return let_go(self._robots[values["cables"]], Pose(position, angle=0.0),
-                      self.state(values).tensions, push,
-                      values["time"])
+        position, push = _load(values)
+        return let_go(self._robots[values["cables"]], Pose(position),
+                      self.state(values).tensions,
+                      push, values["time"])
 
     def build(self, figure: Figure) -> None:
         self.axes = panels(figure, stacked=True)
@@ -74,11 +65,11 @@ class EquilibriumExplorer(Explorer):
 
     def numbers(self, values: Values) -> dict[str, Any]:
         state, motion = self.state(values), self.motion(values)
-        columns = zip(state.tensions + 0.0, state.null_vector + 0.0, state.slack)
-        rows = [f"{i:>5}  {tension:>10.1f}  {h:>6.2f}" + ("  slack!" if slack else "")
+        columns = zip(state.tensions, state.null_vector, state.slack)
+        rows = [f"{i:>5}  {fixed(tension, 1):>10}  {fixed(h, 2):>6}{'  slack!' if slack else ''}"
                 for i, (tension, h, slack) in enumerate(columns, start=1)]
         return {
-            "redundancy r = m − n": state.tensions.size - 2,
+            "redundancy r = m − n": values["cables"] - 2,
             "w_e [N]": in_brackets(state.w_e, 1),
             "‖W τ + w_e‖ [N]": f"{np.linalg.norm(state.residual):.1e}",
             "cable       τ [N]       h": "\n".join(rows),
@@ -93,10 +84,9 @@ class EquilibriumExplorer(Explorer):
 
     def describe(self, values: Values) -> str:
         motion = self.motion(values)
-        moved = "" if motion is None else \
-            f" Let go, it moves {1e3 * motion.way:.0f} mm in {values['time']:g} s."
-        return f"{self.title} on {values['cables']} cables at ({values['x']:g}, {values['y']:g}) m: " \
-               + self.state(values).words() + moved
+        moved = f" Let go, it moves {1e3 * motion.way:.0f} mm in {values['time']:g} s." if motion else ""
+        return (f"{self.title} on {values['cables']} cables at ({values['x']:g}, {values['y']:g}) m: "
+                f"{self.state(values).words()}{moved}")
 
 
 equilibrium_explorer = EquilibriumExplorer

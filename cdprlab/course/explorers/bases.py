@@ -16,12 +16,15 @@ from ...view.drawing import RobotDrawing
 from ...view.style import INK, cable_style
 from ...world import World
 from ..text_table import cable_names, cable_table, fixed
-from .explorer import Choice, Explorer, Slider, Values, once_a_move
-from .posing import EYE, Posing, draw_arrow, velocity
+from .explorer import Choice, Explorer, Slider, Values, once_a_move, sliders
+from .posing import EYE, Posing, draw_arrow, no_length, velocity
 
-_DIRECTIONS = (("turn", "θ", 30.0, "deg", "rad/s"), ("along", "ρ₁", 0.6, "m", "m/s"),
-               ("across", "ρ₂", 0.6, "m", "m/s"))
-"""Of a base: slider's name, symbol, how far it goes either way, unit of the displacement, of the speed."""
+DIRECTIONS = (("turn", "θ̇", 30.0, "deg", "rad/s"), ("along", "ρ̇₁", 0.6, "m", "m/s"),
+              ("across", "ρ̇₂", 0.6, "m", "m/s"))
+"""Of a base: slider's name, symbol of its speed, how far it goes either way, unit of that, unit of the speed."""
+
+_DOT = "\u0307"
+"""Over the letter of a speed."""
 
 _MOST_DISPLACEMENTS = 4
 """Sliders for where bases are, unless asked for more: one for everything would fill a page."""
@@ -55,9 +58,8 @@ class BaseMotion(NamedTuple):
 
     def words(self) -> str:
         """What the winches do, in a sentence."""
-        limp = self.lengths == 0
-        if limp.any():
-            return f"Cable {cable_names(limp).split(' ', 1)[1]} has no length here, hence no direction and no rate."
+        if not self.lengths.all():
+            return f"{no_length(self.lengths)} here, hence no direction and no rate."
         groups = {"reeled in": self.rates < -5e-4, "paid out": self.rates > 5e-4,
                   "too fast for the winch": np.abs(self.rates) > self.robot.speed_max * (1 + 1e-9)}
         said = [f"{cable_names(which)} {name}" for name, which in groups.items() if which.any()]
@@ -85,56 +87,51 @@ class BaseExplorer(Explorer):
     """
 
     def __init__(self, world: World, bases: tuple[str, ...] | None = None) -> None:
-        if not any((base.speed_max > 0).any()
-                   for base in world.robot.bases):
+        robot = self._start = world.robot
+        if not any(base.speed_max.any() for base in robot.bases):
             raise InvalidInput(f"world {world.name!r} has no base that can drive; planar_mcdpr, fastkit_planar and "
                                "mobile_four_bases have")
-        self._posing, self._start = Posing(world), world.robot
-        self._shown = _shown(world.robot, bases)
-        sliders: list[Slider | Choice] = [slider for base in self._shown
-                                          for slider in _displacements(base)]
-        sliders += [*self._posing.places, *self._posing.turns]
+        self._posing, self._shown = Posing(world), _shown(robot, bases)
+        controls: list[Slider | Choice] = [slider for base in self._shown
+                                           for slider in _displacements(base)]
+        controls += [*self._posing.places, *self._posing.turns]
         if len(self._shown) > 1:
-            sliders.append(Choice("drives", "base that drives",
-                                  tuple(base.name for base in self._shown)))
-        sliders += _speeds(self._shown)
-        if world.robot.dimension == 2:
-            sliders += [Slider(f"v_{axis}", f"platform v_{axis}", "m/s", -2.0, 2.0, 0.0, 0.025)
-                        for axis in world.robot.pattern.rows if axis in "xy"]
-        else:
-            sliders.append(EYE)
-        super().__init__(sliders, f"Mobile bases: {world.title}")
+            controls.append(Choice("drives", "base that drives",
+                                   tuple(base.name for base in self._shown)))
+        controls += _speeds(self._shown)
+        controls += sliders("bases")[:robot.n_dof] if robot.dimension == 2 else [EYE]
+        super().__init__(controls, f"Mobile bases: {world.title}")
 
     @once_a_move
     def motion(self, values: Values) -> BaseMotion:
         """Everything at the controls' values."""
-        robot, pose = self._robot_at(values), self._posing.pose(values)
-        speeds = self._base_speeds(values)
+        robot, pose, speeds = self._robot_at(values), self._posing.pose(values), self._base_speeds(values)
         twist = np.array([values.get(f"v_{row}", 0.0) for row in robot.pattern.rows])
         lengths = cable_lengths(robot, pose)
         from_platform = from_bases = np.full(robot.n_cables, np.nan)
         if lengths.all():
-            from_platform, from_bases = jacobian(robot, pose) @ twist, -base_jacobian(robot, pose) @ speeds
+            from_platform, from_bases = jacobian(robot, pose) @ twist, -base_jacobian(robot,
+                                                                                      pose) @ speeds
         return BaseMotion(robot, pose, speeds, twist, lengths, from_platform, from_bases)
 
     def build(self, figure: Figure) -> None:
-        above, below = figure.subplots(2, 1, height_ratios=(3, 1.1))
+        above, self._rates = figure.subplots(2, 1, height_ratios=(3, 1.1))
         self._drawing = RobotDrawing(above, self._driven_outward(), self._posing.scene,
                                      self._posing.ends)
-        self._drawing.drive(self._start)
-        self._rates = below
-        _frame_rates(below, self._start)
+        _frame_rates(self._rates, self._start)
 
     def draw(self, values: Values) -> None:
         motion, drawing = self.motion(values), self._drawing
         drawing.turn(values.get("azimuth", EYE.start))
         drawing.drive(motion.robot)
         drawing.move(motion.pose)
-        for tail, speed in _velocities(motion):
-            draw_arrow(drawing, tail, _SECONDS * speed)
-        cables = range(motion.robot.n_cables)
-        self._rates.bar([k + 1 for k in cables], np.nan_to_num(motion.rates), width=0.6,
-                        color=[cable_style(k).color for k in cables])
+        for base, speeds in zip(motion.robot.bases, motion.base_speeds.reshape(-1, 3)):
+            draw_arrow(drawing, base.origin, _SECONDS * base.rotation[:, :2] @ speeds[1:])
+        draw_arrow(drawing, motion.pose.position,
+                   _SECONDS * velocity(motion.robot, motion.twist))
+        cables = np.arange(motion.robot.n_cables)
+        self._rates.bar(cables + 1, np.nan_to_num(motion.rates), width=0.6,
+                        color=[cable_style(k).color for k in cables.tolist()])
 
     def numbers(self, values: Values) -> str:
         """Lengths and rates, cable by cable."""
@@ -150,42 +147,39 @@ class BaseExplorer(Explorer):
         return f"{cable_table(rows)}\n\nrate l̇ = J t (platform) − B_b q̇_b (bases)\n{motion.words()}"
 
     def idle(self, values: Values) -> dict[str, str]:
-        moves = any(values.get(f"speed_{direction}") for direction, *_ in _DIRECTIONS)
+        moves = any(value for name, value in values.items() if name.startswith("speed_"))
         return {} if moves or "drives" not in values else {"drives": "the base speed is 0"}
 
     def describe(self, values: Values) -> str:
         motion = self.motion(values)
         places = ", ".join(f"base {base.name} at ({base.position[0]:.3g}, {base.position[1]:.3g}) m"
                            for base in motion.robot.bases)
-        return f"{self.title}: {places}, platform at ({', '.join(f'{x:.3g}' for x in motion.pose.position)}) m. " \
-               + motion.words()
+        return (f"{self.title}: {places}, platform at ({', '.join(f'{x:.3g}' for x in motion.pose.position)}) m. "
+                f"{motion.words()}")
 
     # --- what the values mean -------------------------------------------------------------------------
     def _robot_at(self, values: Values) -> Robot:
         places = {}
         for base in self._shown:
-            turn, along, across = (values.get(f"{base.name}_{name}", 0.0)
-                                   for name, *_ in _DIRECTIONS)
-            place = base.position + base.rotation[:2, :2] @ [along, across]
-            places[base.name] = (*place, base.heading + np.deg2rad(turn))
+            turn, *way = (values.get(f"{base.name}_{name}", 0.0) for name, *_ in DIRECTIONS)
+            places[base.name] = (*(base.position + base.rotation[:2, :2] @ way), base.heading
+                                 + np.deg2rad(turn))
         return self._start.with_bases(places)
 
     def _base_speeds(self, values: Values) -> Array:
+        """(3p,) as wanted of the base that drives, within its limits."""
         name = values.get("drives", self._shown[0].name)
-        wanted = np.array([values.get(f"speed_{direction}", 0.0)
-                           for direction, *_ in _DIRECTIONS])
-        return np.concatenate([np.clip(wanted, -base.speed_max, base.speed_max)
-                               if base.name == name else np.zeros(3)
+        wanted = [values.get(f"speed_{direction}", 0.0) for direction, *_ in DIRECTIONS]
+        return np.concatenate([np.clip(wanted, -base.speed_max,
+                                       base.speed_max) * (base.name == name)
                                for base in self._start.bases])
 
     def _driven_outward(self) -> Robot:
         """With the bases as far apart as their sliders reach."""
-        outward = {}
-        middle = np.mean([base.position for base in self._start.bases], axis=0)
+        outward, middle = {}, np.mean([base.position for base in self._start.bases], axis=0)
         for base in self._shown:
-            reach = 0.6 * (base.speed_max[1:] > 0)
-            turned = base.rotation[:2, :2]
-            away = np.sign(turned.T @ (base.position - middle)) * reach
+            turned, reach = base.rotation[:2, :2], 0.6 * (base.speed_max[1:] > 0)
+            away = np.sign((base.position - middle) @ turned) * reach
             outward[base.name] = (*(base.position + turned @ away), base.heading)
         return self._start.with_bases(outward)
 
@@ -195,12 +189,12 @@ base_explorer = BaseExplorer
 
 # --- sliders --------------------------------------------------------------------------------------------------
 def _shown(robot: Robot, names: tuple[str, ...] | None) -> list[Base]:
-    able = [base for base in robot.bases if (base.speed_max > 0).any()]
     if names is None:
-        many = sum(int((base.speed_max > 0).sum()) for base in able) > _MOST_DISPLACEMENTS
+        able = [base for base in robot.bases if base.speed_max.any()]
+        many = np.count_nonzero([base.speed_max for base in able]) > _MOST_DISPLACEMENTS
         return able[:1] if many else able
     for name in names:
-        if not (robot.base(name).speed_max > 0).any():
+        if not robot.base(name).speed_max.any():
             raise InvalidInput(f"base {name!r} cannot drive: all its speed limits are 0")
     if not len(names):
         raise InvalidInput("bases must name at least one base, or be left out")
@@ -208,36 +202,28 @@ def _shown(robot: Robot, names: tuple[str, ...] | None) -> list[Base]:
 
 
 def _displacements(base: Base) -> list[Slider]:
-    return [Slider(f"{base.name}_{name}", f"{base.name.replace('_', ' ')} {symbol}", unit,
-                   -reach, reach, 0.0,
-                   reach / 30)
-            for (name, symbol, reach, unit, _), limit in zip(_DIRECTIONS, base.speed_max)
-            if limit > 0]
+    return [Slider(f"{base.name}_{name}",
+                   f"{base.name.replace('_', ' ')} {symbol.replace(_DOT, '')}", unit,
+                   -reach, reach, 0.0, reach / 30)
+            for (name, symbol, reach, unit, _), limit in zip(DIRECTIONS, base.speed_max)
+            if limit]
 
 
 def _speeds(bases: list[Base]) -> list[Slider]:
-    limits = np.max([base.speed_max for base in bases], axis=0)
-    return [Slider(f"speed_{name}", f"base speed {symbol}̇", unit, -limit, limit, 0.0,
+    limits = np.max([base.speed_max for base in bases], axis=0).tolist()
+    return [Slider(f"speed_{name}", f"base speed {symbol}", unit, -limit, limit, 0.0,
                    limit / 20)
-            for (name, symbol, _, _, unit), limit in zip(_DIRECTIONS, limits.tolist())
-            if limit > 0]
+            for (name, symbol, *_, unit), limit in zip(DIRECTIONS, limits) if limit]
 
 
 # --- picture --------------------------------------------------------------------------------------------------
-def _velocities(motion: BaseMotion) -> list[tuple[Array, Array]]:
-    """(d,) tail and velocity of each base and, last, of the platform [m, m/s]."""
-    driven = zip(motion.robot.bases, motion.base_speeds.reshape(-1, 3))
-    return [*((base.origin, base.rotation[:, :2] @ speeds[1:]) for base, speeds in driven),
-            (motion.pose.position, velocity(motion.robot, motion.twist))]
-
-
 def _frame_rates(axes: Axes, robot: Robot) -> None:
     """Room for a bar a cable, to its l̇; the limits as dashes."""
     limits = np.where(np.isfinite(robot.speed_max), robot.speed_max, 2.0)
     cables = np.arange(1, robot.n_cables + 1)
     axes.axhline(0, color=INK, linewidth=1)
-    for sign in (-1, 1):
-        axes.hlines(sign * limits, cables - 0.4, cables + 0.4, color=INK, linestyles="dashed",
+    for ends in (limits, -limits):
+        axes.hlines(ends, cables - 0.4, cables + 0.4, color=INK, linestyles="dashed",
                     linewidth=1.2)
     axes.set(xlabel="cable (dashes: limit of its winch)", ylabel="l̇ [m/s]", xticks=cables,
-             ylim=(-1.3 * limits.max(), 1.3 * limits.max()))
+             ylim=1.3 * limits.max() * np.array([-1, 1]))

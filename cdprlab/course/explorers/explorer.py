@@ -5,10 +5,13 @@ rest, ``numbers`` tells in text what the picture shows. Needs no kernel and no b
 moves the sliders, `text` and `picture` answer.
 """
 
+import csv
 import html
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import wraps
+from functools import partial, wraps
+from itertools import chain
+from pathlib import Path
 from typing import Annotated, Any, NoReturn, TypeVar
 
 import ipywidgets
@@ -31,6 +34,9 @@ _DOTS_PER_INCH = 126
 Values = dict[str, Any]
 """Control name → its value, in the control's unit."""
 
+Look = dict[str, Any]
+"""Of a line or marks, as matplotlib's ``plot`` takes it."""
+
 Answer = TypeVar("Answer")
 
 
@@ -40,10 +46,11 @@ def once_a_move(work_out: Callable[[Any, Values], Answer]) -> Callable[[Any, Val
 
     @wraps(work_out)
     def remembered(explorer: Any, values: Values) -> Answer:
-        last: tuple[Values, Answer] | None = vars(explorer).get(key)
-        if last is None or last[0] != values:
-            last = vars(explorer)[key] = dict(values), work_out(explorer, values)
-        return last[1]
+        asked, answer = vars(explorer).get(key, (None, None))
+        if asked != values:
+            answer = work_out(explorer, values)
+            vars(explorer)[key] = dict(values), answer
+        return answer
 
     return remembered
 
@@ -72,10 +79,9 @@ class Slider:
     step: Annotated[float, "> 0"] | None = None
 
     def __post_init__(self) -> None:
-        low, high, start = self.low, self.high, as_number(self.start, self.name, self.unit)
-        if not (low < high and low <= start <= high):
+        if not (self.low < self.high and self.low <= self.start <= self.high):
             raise InvalidInput(f"slider {self.name!r} needs low < high and a start between, "
-                               f"got {low:g} to {high:g}, start {start:g}")
+                               f"got {self.low:g} to {self.high:g}, start {self.start:g}")
 
     @property
     def caption(self) -> str:
@@ -84,35 +90,45 @@ class Slider:
 
     def check(self, value: Any) -> float:
         """The value as a number; raises InvalidInput outside the range."""
-        # Rounding in a range's end must not refuse the end itself.
-        slack = 1e-9 * (self.high - self.low)
         number = as_number(value, self.name, self.unit)
-        if not self.low - slack <= number <= self.high + slack:
+        inside = min(max(number, self.low), self.high)
+        # Rounding in a range's end must not refuse the end itself.
+        if abs(number - inside) > 1e-9 * (self.high - self.low):
             raise InvalidInput(f"{self.name} must be between {self.low:g} and {self.high:g} {self.unit}".rstrip()
                                + f", got {quoted(value)}")
-        return min(max(number, self.low), self.high)
+        return inside
 
     @property
     def stride(self) -> float:
         """Of an arrow key, and of the slider's marks."""
         return (self.high - self.low) / 100 if self.step is None else self.step
 
-    def widget(self) -> Any:
-        """The ipywidget; arrow keys and Page Up and Down move it."""
-        return ipywidgets.FloatSlider(
-            # On a mark: the browser would move it there, and that would count as a move.
-            value=self.nearest(self.start), min=self.low, max=self.high, step=self.stride,
-            description=self.caption, readout=False, continuous_update=True)
-
-    def entry(self) -> Any:
-        """Where its number stands, and can be typed over: it is taken as typed, between the marks too."""
-        return ipywidgets.FloatText(value=float(f"{self.start:.12g}"), step=self.stride, continuous_update=False,
-                                    tooltip=self.caption)
+    def widgets(self) -> list[Any]:
+        """A slider, which keys move too, and its number, to be typed over: taken as typed, between the marks too."""
+        # On a mark: the browser would move it there, and that would count as a move.
+        slider = ipywidgets.FloatSlider(value=self.nearest(self.start), min=self.low,
+                                        max=self.high,
+                                        step=self.stride, description=self.caption,
+                                        readout=False)
+        return [slider,
+                ipywidgets.FloatText(value=float(f"{self.start:.12g}"), step=self.stride,
+                                             tooltip=self.caption)]
 
     def nearest(self, value: float) -> float:
         """The slider's mark next to a value: where it stands without moving the value."""
-        steps = (min(max(value, self.low), self.high) - self.low) / self.stride
-        return min(self.low + round(steps) * self.stride, self.high)
+        return min(self.low + round((value - self.low) / self.stride) * self.stride, self.high)
+
+
+def sliders(explorer: str, **starts: float) -> list[Slider]:
+    """Those that sliders.csv has for an explorer.
+
+    starts : slider's name → its first value, where that is another
+    """
+    with Path(__file__).with_name("sliders.csv").open(encoding="utf-8", newline="") as file:
+        rows: Any = csv.reader(file, quoting=csv.QUOTE_NONNUMERIC)
+        return [Slider(name, label, unit, low, high, starts.get(name, start), step)
+                for whose, name, label, unit, low, high, start, step in rows
+                if whose == explorer]
 
 
 @checked
@@ -141,12 +157,11 @@ class Choice:
             raise InvalidInput(f"{self.name} must be one of {', '.join(map(str, self.options))}, got {quoted(value)}")
         return value
 
-    def widget(self) -> Any:
-        """The ipywidget."""
+    def widgets(self) -> list[Any]:
+        """A menu."""
         start = self.options[0] if self.start is None else self.check(self.start)
-        return ipywidgets.Dropdown(options=[(str(option).replace("_", " "), option)
-                                            for option in self.options],
-                                   value=start, description=self.label)
+        options = [(str(option).replace("_", " "), option) for option in self.options]
+        return [ipywidgets.Dropdown(options=options, value=start, description=self.label)]
 
 
 def movable(axes: Axes, *fmt: str, **look: Any) -> Line2D:
@@ -165,6 +180,7 @@ class Explorer(Shown):
     controls : Slider and Choice, in the order shown
     title : above the picture
     size : of the picture [inch]; 6.2 fill the width
+    ``picture`` is the present one as PNG, ``values`` and ``text`` are what the controls and the numbers say.
     ``below`` says how many of the last blocks of numbers (blank lines part them) stand below
     the picture; all others stand below the controls. Further widgets go below the controls
     (``panel.children += (…,)``) or below the picture (``stage``).
@@ -194,18 +210,17 @@ class Explorer(Shown):
                  size: tuple[float, float] = (6.2, 5.2)) -> None:
         self.controls = {control.name: control for control in controls}
         if len(self.controls) < len(controls):
-            raise InvalidInput("two controls have the same name: " + ", ".join(control.name for control in controls))
+            raise InvalidInput("two controls have the same name: "
+                               + ", ".join(control.name for control in controls))
         self.title = title
-        self._png = b""
         self._callbacks: list[Callable[[Values], Any]] = []
         self._quiet = False
         self._make_widgets()
         figure = Figure(figsize=size, dpi=_DOTS_PER_INCH, layout="constrained")
         with house_style():
             self.build(figure)
-        self._picture = Picture(figure)
-        self._start_values, self._start_text = self.values, ""
-        self._seen = False
+        self._figure = Picture(figure)
+        self._start_values, self._start_text, self._seen = self.values, "", False
         self._answer()
 
     # --- what a subclass says -------------------------------------------------------------------------
@@ -227,27 +242,20 @@ class Explorer(Shown):
 
     def describe(self, values: Values) -> str:
         """One sentence for those who do not see the picture."""
-        shown = ", ".join(f"{self.controls[name].caption} {value:.4g}"
-                          if isinstance(value, float)
-                          else f"{self.controls[name].caption} {value}"
-                          for name, value in values.items())
+        shown = ", ".join(f"{self.controls[name].caption} {_word(value)}" for name,
+                          value in values.items())
         return f"{self.title or type(self).__name__} at {shown}; numbers beside it"
 
     # --- what everyone may use ------------------------------------------------------------------------
     @property
     def values(self) -> Values:
         """Control name → value now."""
-        return {name: self.entries.get(name, slider).value for name, slider in self.sliders.items()}
-
-    @property
-    def picture(self) -> bytes:
-        """The picture as PNG."""
-        return self._png
+        return {name: parts[-1].value for name, parts in self._parts.items()}
 
     def told(self, values: Values, *left_out: str) -> str:
         """The sliders' values as text, but for some: "x 0.5 m, yaw 30 deg"."""
-        return ", ".join(f"{name} {values[name]:.4g} {control.unit}"
-                         for name, control in self.controls.items()
+        return ", ".join(f"{name} {values[name]:.4g} {control.unit}" for name,
+                         control in self.controls.items()
                          if isinstance(control, Slider) and name not in left_out)
 
     def set(self, **values: Any) -> None:
@@ -259,8 +267,7 @@ class Explorer(Shown):
         for name in values:
             if name not in self.controls:
                 raise InvalidInput(f"there is no control {quoted(name)}; there are {', '.join(self.controls)}")
-        checked = {name: self.controls[name].check(value) for name, value in values.items()}
-        self._put(checked)
+        self._put({name: self.controls[name].check(value) for name, value in values.items()})
         self._answer()
 
     def reset(self, **values: Any) -> None:
@@ -277,54 +284,46 @@ class Explorer(Shown):
 
         return end
 
-    def close(self) -> None:
-        """Let go of everything; safe to call twice."""
-        self._callbacks.clear()
-        super().close()
-
     # --- inside ---------------------------------------------------------------------------------------
     def _make_widgets(self) -> None:
-        self.sliders = {name: control.widget() for name, control in self.controls.items()}
-        self.entries = {name: control.entry() for name, control in self.controls.items()
-                        if isinstance(control, Slider)}
-        self.image, self._numbers, self._under, self._why, self.mistake = (ipywidgets.HTML() for _ in range(5))
+        self._parts = {name: control.widgets() for name, control in self.controls.items()}
+        self.sliders = {name: parts[0] for name, parts in self._parts.items()}
+        self.entries = {name: parts[1] for name, parts in self._parts.items() if len(parts) > 1}
+        self.image, self._numbers, self._under, self._why, self.mistake = (ipywidgets.HTML()
+                                                                           for _ in range(5))
         title = ipywidgets.HTML(f"{style()}<b>{html.escape(self.title)}</b>")
-        back = ipywidgets.Button(description="Reset", tooltip="all controls as they were at the start")
+        back = ipywidgets.Button(description="Reset",
+                                 tooltip="all controls as they were at the start")
         back.on_click(lambda _: self.reset())
-        rows = [part for name, slider in self.sliders.items()
-                for part in (slider, self.entries.get(name)) if part is not None]
-        width = f"{0.5 * max(map(len, (control.caption for control in self.controls.values())), default=0) + 1:g}em"
-        for slider in self.sliders.values():
-            slider.style.description_width = width
-        self.panel = boxed(rows, "controls")
+        self.panel = boxed([*chain(*self._parts.values())], "controls")
         self.stage = boxed([self.image, self._under], "picture")
         beside = boxed([self.panel, self._why, self.mistake, self._numbers], "beside")
         self.widget = boxed([boxed([title, back], "head"),
                              boxed([self.stage, beside], "columns")])
+        longest = max((len(control.caption) for control in self.controls.values()), default=0)
         for name, slider in self.sliders.items():
-            slider.observe(lambda change, name=name: self._moved(name, change["new"]), names="value")
+            slider.style.description_width = f"{0.5 * longest + 1:g}em"
+            slider.observe(partial(self._moved, name), "value")
         for name, entry in self.entries.items():
-            entry.observe(lambda change, name=name: self._typed(name, change), names="value")
+            entry.observe(partial(self._typed, name), "value")
 
     def _put(self, values: Values) -> None:
         """Controls to checked values; nothing is answered."""
         self._quiet = True
-        try:
-            for name, value in values.items():
-                control = self.controls[name]
-                if isinstance(control, Slider):
-                    self.entries[name].value = value
-                    value = control.nearest(value)
-                self.sliders[name].value = value
-        finally:
-            self._quiet = False
+        for name, value in values.items():
+            control = self.controls[name]
+            if isinstance(control, Slider):
+                self.entries[name].value = value
+                value = control.nearest(value)
+            self.sliders[name].value = value
+        self._quiet = False
 
-    def _moved(self, name: str, value: Any) -> None:
+    def _moved(self, name: str, change: Any) -> None:
         if self._quiet:
             return
         if name in self.entries:
             self._quiet = True
-            self.entries[name].value = float(f"{value:.10g}")   # 0.3, not 0.30000000000000004
+            self.entries[name].value = float(f"{change['new']:.10g}")   # 0.3, not 0.30000000000000004
             self._quiet = False
         self._answer()
 
@@ -332,13 +331,12 @@ class Explorer(Shown):
         if self._quiet:
             return
         try:
-            value = self.controls[name].check(change["new"])
+            self._put({name: self.controls[name].check(change["new"])})
         except InvalidInput as error:
             self._put({name: change["old"]})
             self._tell(str(error))
-            return
-        self._put({name: value})
-        self._answer()
+        else:
+            self._answer()
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         if not self._seen:
@@ -351,15 +349,13 @@ class Explorer(Shown):
         told = with_changes(self.text, self._start_text or self.text).split("\n\n")
         cut = len(told) - self.below
         for place, blocks in ((self._numbers, told[:cut]), (self._under, told[cut:])):
-            text = "\n\n".join(blocks)
-            place.value = f"<pre>{text}</pre>" if text else ""
+            place.value = "<pre>" + "\n\n".join(blocks) + "</pre>" if blocks else ""
 
     def _show_idle(self, values: Values) -> None:
         reasons = self.idle(values)
-        for name, slider in self.sliders.items():
-            for part in (slider, self.entries.get(name)):
-                if part is not None and part.disabled != (name in reasons):
-                    part.disabled = name in reasons
+        for name, parts in self._parts.items():
+            for part in parts:
+                part.disabled = name in reasons
         told = "<br>".join(f"{html.escape(self.controls[name].label)}: {html.escape(why)}"
                            for name, why in reasons.items())
         self._why.value = f'<div class="cdprlab-why">Grey: {told}</div>' if told else ""
@@ -369,15 +365,15 @@ class Explorer(Shown):
         try:
             text = as_text(self.numbers(values))
             with house_style():
-                self._picture.redraw(lambda: self.draw(values))
-                picture = self._picture.png()
+                self._figure.redraw(lambda: self.draw(values))
+                picture = self._figure.png()
             alt_text = str(self.describe(values))
         except Exception as error:
             self.show_mistake(error)
         self.text = text
         self._show_numbers()
         self._show_idle(values)
-        self._png, self.alt_text = picture, alt_text
+        self.picture, self.alt_text = picture, alt_text
         self.image.value = picture_tag(picture, alt_text)
         self.mistake.value = ""
         for callback in tuple(self._callbacks):
@@ -395,6 +391,12 @@ class Explorer(Shown):
 
     def _tell(self, mistake: str) -> None:
         self.mistake.value = f'<div role="alert">{html.escape(mistake)}</div>'
+
+
+def legend_below(figure: Figure, looks: Mapping[str, Look]) -> None:
+    """What lines and marks mean, two a row below the picture."""
+    handles = [Line2D([], [], label=meaning, **look) for meaning, look in looks.items()]
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=9)
 
 
 def rounded_up(value: float, digits: int) -> float:
@@ -416,8 +418,11 @@ def as_text(numbers: Mapping[str, Any] | str) -> str:
     """
     if isinstance(numbers, str):
         return numbers
-    shown = {label: f"{value:.6g}" if isinstance(value, float) else str(value)
-             for label, value in numbers.items()}
+    shown = {label: _word(value) for label, value in numbers.items()}
     width = max((len(label) for label, value in shown.items() if "\n" not in value), default=0)
     return "\n".join(f"\n{label}\n{value}" if "\n" in value else f"{label:<{width}}  {value}"
                      for label, value in shown.items()).strip("\n")
+
+
+def _word(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

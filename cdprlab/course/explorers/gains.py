@@ -8,7 +8,7 @@ from matplotlib.patches import Circle
 
 from ...arrays import Array, checked
 from ...view.style import BLUE, GREY, INK, VERMILION
-from .explorer import Explorer, Slider, Values, movable
+from .explorer import Explorer, Values, movable, once_a_move, sliders
 
 START = 10.0
 """The error at the start, at rest [mm]."""
@@ -72,8 +72,7 @@ def sampled_error(kp: float, kd: float, dt: float, count: int) -> Array:
         while states.shape[1] < count:  # twice as many each time: A^k carries the first k states to the next k
             states, power = np.concatenate([states, power @ states], axis=1), power @ power
     error = states[0, :count]
-    lost = ~(np.abs(error) < _GONE)
-    error[int(lost.argmax()) if lost.any() else count:] = np.nan
+    error[np.logical_or.accumulate(~(np.abs(error) < _GONE))] = np.nan
     return error
 
 
@@ -122,13 +121,16 @@ class GainExplorer(Explorer):
     verdict               UNSTABLE: K_d is too large for this clock
     """
 
-    def __init__(self, kp: float = 100.0, kd: float = 100.0, dt: float = 1.0, span: float = 3.0) -> None:
-        super().__init__([
-            Slider("kp", "K_p", "1/s²", 0.0, 2000.0, kp, 10.0),
-            Slider("kd", "K_d", "1/s", 0.0, 2000.0, kd, 10.0),
-            Slider("dt", "Δt", "ms", 0.2, 20.0, dt, 0.2),
-            Slider("span", "time shown", "s", 0.05, 6.0, span, 0.05)],
-                         title="Gains and the clock", size=(6.2, 4.0))
+    def __init__(self, kp: float = 100.0, kd: float = 100.0, dt: float = 1.0,
+                 span: float = 3.0) -> None:
+        super().__init__(sliders("gains", kp=kp, kd=kd, dt=dt, span=span),
+                         "Gains and the clock", (6.2, 4.0))
+
+    @once_a_move
+    def error(self, values: Values) -> Array:
+        """(k,) at 0, Δt, 2Δt, … up to the time shown [mm]."""
+        kp, kd, dt = _loop(values)
+        return START * sampled_error(kp, kd, dt, int(values["span"] / dt) + 1)
 
     def build(self, figure: Figure) -> None:
         """Left the error over time, right the unit circle."""
@@ -136,58 +138,58 @@ class GainExplorer(Explorer):
         self._time.set(ylim=(-1.3 * START, 1.3 * START), xlabel="time [s]",
                        ylabel="error e [mm]",
                        title="A first error of 10 mm")
-        self._time.axhline(0, color=GREY, linewidth=0.8)
+        for line in (self._time.axhline, circle.axhline, circle.axvline):
+            line(0, color=GREY, linewidth=0.7)
         self._sampled = movable(self._time, "o-", color=BLUE, markersize=3.5, linewidth=1.0,
                                          label="sampled every Δt")
         self._smooth = movable(self._time, color=INK, linewidth=1.6, linestyle=(0, (5, 2)),
                                         label="ë + K_d ė + K_p e = 0")
         self._time.legend(loc="lower right")
         circle.add_patch(Circle((0, 0), 1, facecolor="#EAF3F8", edgecolor=INK, linewidth=1.2))
-        circle.axhline(0, color=GREY, linewidth=0.6)
-        circle.axvline(0, color=GREY, linewidth=0.6)
         circle.set(xlim=(-2, 2), ylim=(-2, 2), aspect="equal", xlabel="real part of z [–]",
                    ylabel="imaginary part of z [–]", title="Poles in the circle")
-        self._inside = movable(circle, "x", color=BLUE, markersize=11, markeredgewidth=2.6)
-        self._outside = movable(circle, "D", color=VERMILION, markersize=10)
+        self._inside = movable(circle, "x", color=BLUE, markersize=11, markeredgewidth=2.6,
+                               label="inside: dies out")
+        self._outside = movable(circle, "D", color=VERMILION, markersize=10,
+                                label="on or outside: does not")
         self._far = circle.text(0, -1.85, "", ha="center", fontsize=9, color=VERMILION,
                                 animated=True)
-        figure.legend(handles=[self._inside, self._outside],
-                      labels=["inside: dies out", "on or outside: does not"],
-                      loc="outside lower right", ncols=2, fontsize=9)
+        figure.legend(handles=[self._inside, self._outside], loc="outside lower right", ncols=2,
+                      fontsize=9)
 
     def numbers(self, values: Values) -> dict[str, Any]:
         """Poles, damping, the limit for K_d, and the verdict in words."""
         kp, kd, dt = _loop(values)
         verdict, zeta = judge(kp, kd, dt), damping_ratio(kp, kd)
+        largest, last = verdict.largest_kd, self.error(values)[-1]
         return {
             "K_d Δt": f"{kd * dt:.3f}",
             "verdict": _words(kp, kd, verdict),
-            "stable for K_d below": f"{verdict.largest_kd:.1f} 1/s"
-            if verdict.largest_kd > 0 else "none, K_p Δt² ≥ 4",
+            "stable for K_d below": f"{largest:.1f} 1/s" if largest > 0
+            else "none, K_p Δt² ≥ 4",
             "poles z": "  ".join(f"{z.real:.4f}" + (f"{z.imag:+.4f}i" if z.imag else "")
                                  for z in verdict.poles),
             "largest |z|": f"{np.abs(verdict.poles).max():.4f}",
             "damping ratio ζ": f"{zeta:.2f}" if np.isfinite(zeta) else "–",
-            "error at the end": _end(sampled_error(kp, kd, dt, _count(values))),
+            "error at the end": f"{last:.3f} mm" if abs(last) < 1e4 else "beyond 10 m",
             "same, Δt → 0": f"{START * error_decay(kp, kd, values['span']):.3f} mm",
         }
 
     def draw(self, values: Values) -> None:
         """Both curves and both poles."""
-        kp, kd, dt = _loop(values)
-        span, count = values["span"], _count(values)
-        error = START * sampled_error(kp, kd, dt, count)
+        (kp, kd, dt), span, error = _loop(values), values["span"], self.error(values)
         if self._time.get_xlim() != (0.0, span):  # moved axes are drawn anew, all else is not
             self._time.set_xlim(0.0, span)
-        self._sampled.set_data(np.arange(count) * dt, np.clip(error, -100 * START, 100 * START))
-        self._sampled.set_marker("o" if count <= 120 else "")
+        self._sampled.set_data(np.arange(error.size) * dt,
+                               np.clip(error, -100 * START, 100 * START))
+        self._sampled.set_marker("o" if error.size <= 120 else "")
         along = np.linspace(0, span, 400)
         self._smooth.set_data(along, START * error_decay(kp, kd, along))
         poles, shown = judge(kp, kd, dt).poles, 1.9
         size = np.abs(poles)
         out, placed = size >= 1 - 1e-9, poles * shown / np.maximum(size, shown)
-        self._inside.set_data(placed[~out].real, placed[~out].imag)
-        self._outside.set_data(placed[out].real, placed[out].imag)
+        for marks, which in ((self._inside, ~out), (self._outside, out)):
+            marks.set_data(placed[which].real, placed[which].imag)
         self._far.set_text(f"off the picture: |z| = {size.max():.1f}"
                            if size.max() > shown else "")
 
@@ -206,10 +208,6 @@ def _loop(values: Values) -> tuple[float, float, float]:
     return values["kp"], values["kd"], 1e-3 * values["dt"]
 
 
-def _count(values: Values) -> int:
-    return int(values["span"] / (1e-3 * values["dt"])) + 1
-
-
 def _words(kp: float, kd: float, verdict: Stability) -> str:
     if kp == 0:
         return "NOT STABLE: without K_p nothing pulls the error back"
@@ -221,8 +219,3 @@ def _words(kp: float, kd: float, verdict: Stability) -> str:
         return "stable, but it chatters from step to step"
     zeta = damping_ratio(kp, kd)
     return "stable, " + ("swings" if zeta < 0.7 else "creeps" if zeta > 2 else "well damped")
-
-
-def _end(error: Array) -> str:
-    last = START * error[-1]
-    return f"{last:.3f} mm" if np.isfinite(last) and abs(last) < 1e4 else "beyond 10 m"

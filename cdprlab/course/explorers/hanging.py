@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 from ...arrays import checked
 from ...errors import InvalidInput
 from ...mechanics.statics import gravity_wrench, wrench_matrix
-from ...robot.pose import Pose
 from ...tensions import TensionDistribution, distribute_tensions
 from ...view.style import cable_style
 from ...world import World
@@ -36,57 +35,54 @@ class HangingExplorer(Explorer):
         if world.robot.dimension != 3:
             raise InvalidInput(f"a hanging explorer takes a spatial World, {world.name} is planar")
         self.robot, self._posing = world.robot, Posing(world)
+        self.pose = self._posing.pose   # where the sliders say
         super().__init__(self._posing.places, f"{world.title}, at rest", size=(6.2, 5.0))
 
-    def pose(self, values: Values) -> Pose:
-        """Where the sliders say."""
-        return self._posing.pose(values)
 
     @once_a_move
     def tensions(self, values: Values) -> TensionDistribution:
         """The least tensions (in the sense of Σ τ²) that hold the platform still there."""
         robot, pose = self.robot, self.pose(values)
         return distribute_tensions(wrench_matrix(robot, pose), gravity_wrench(robot, pose),
-                                   robot.tension_min,
-                                   robot.tension_max)
+                                   robot.tension_min, robot.tension_max)
 
     def build(self, figure: Figure) -> None:
         left, right = figure.subplots(2, 1, height_ratios=(1.6, 1))
         self._drawing = self._posing.drawing(left)
         # Three times what the start needs: a pull that grows is seen to grow, and beyond it the
         # number tells.
-        start = self.tensions(self.values).tensions
-        self._largest = rounded_up(3.0 * np.nanmax(start, initial=1.0), 2)
+        self._largest = rounded_up(3.0 * np.nanmax(self.tensions(self.values).tensions,
+                                                   initial=1.0), 2)
         self._bars = bar_panel(right, self.robot.n_cables, 1.25 * self._largest)
 
     def draw(self, values: Values) -> None:
         self._drawing.move(self.pose(values))
         held, m = self.tensions(values), self.robot.n_cables
-        shown, words = np.zeros(m), ["?"] * m
-        if held.feasible:
-            shown = np.minimum(held.tensions, self._largest)
-            words = [f"{tension:.0f}" + (" →" if tension > self._largest else "")
-                     for tension in held.tensions]
-        self.words = draw_bars(self._bars, shown, list(map(cable_style, range(m))), words)
+        tau = held.tensions if held.feasible else np.zeros(m)
+        words = [f"{tension:.0f}{' →' if tension > self._largest else ''}" for tension in tau]
+        self.words = draw_bars(self._bars, np.minimum(tau, self._largest),
+                               [*map(cable_style, range(m))],
+                               words if held.feasible else ["?"] * m)
 
     def numbers(self, values: Values) -> dict[str, Any]:
         held, robot = self.tensions(values), self.robot
         weight = {"weight [N]": f"{robot.mass * robot.gravity:.1f}"}
         if not held.feasible:
             return weight | {"In words": "Within their limits the cables\ncannot hold it here."}
-        tau, hardest = held.tensions, np.argmax(held.tensions)
+        tau = held.tensions
         vertical = tau @ wrench_matrix(robot, self.pose(values))[2]
         return weight | {
             "Σ τ u, vertical [N]": f"{vertical:.1f}",
             "Σ τ [N]": f"{tau.sum():.0f}",
-            "hardest pull": f"{tau[hardest]:.0f} N, cable {hardest + 1}",
-            "softest pull": f"{tau.min():.0f} N, cable {np.argmin(tau) + 1}",
+            "hardest pull": f"{tau.max():.0f} N, cable {tau.argmax() + 1}",
+            "softest pull": f"{tau.min():.0f} N, cable {tau.argmin() + 1}",
         }
 
     def describe(self, values: Values) -> str:
         held = self.tensions(values)
-        words = f"tensions {', '.join(f'{tension:.0f}' for tension in held.tensions)} N" if held.feasible \
-            else "no tensions within the limits hold it"
+        words = "no tensions within the limits hold it"
+        if held.feasible:
+            words = f"tensions {', '.join(f'{tension:.0f}' for tension in held.tensions)} N"
         return f"{self.title} at {in_brackets(self.pose(values).position, 2)} m: {words}"
 
 

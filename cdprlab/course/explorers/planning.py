@@ -11,7 +11,7 @@ from ...fastkit import Hall, OccupancyGrid, Plan, Vehicle, carried, inflated_wid
 from ...fastkit.navigation.planner import between
 from ...fastkit.plane import step_between
 from ...view.style import BLUE, GREY, INK, VERMILION
-from .explorer import Explorer, Slider, Values, once_a_move
+from .explorer import Explorer, Look, Values, legend_below, once_a_move, sliders
 
 _SIZE = (8.4, 5.6)                       # m
 _RACKS, _DEPTH, _MIDDLE = 4.2, 0.5, 1.5  # m: racks across the hall, and where the gap between them is
@@ -35,13 +35,8 @@ class PlanningExplorer(Explorer):
     """
 
     def __init__(self, vehicle: Vehicle) -> None:
-        self.vehicle = vehicle
-        super().__init__([Slider("gap", "lower gap", "m", 0.8, 2.2, 2.0, 0.05),
-                          Slider("margin", "margin", "m", 0.0, 0.3, 0.1, 0.01),
-                          Slider("x", "goal x", "m", 5.6, 7.8, 6.8, 0.1),
-                          Slider("y", "goal y", "m", 0.6, 5.0, 2.8, 0.1),
-                          Slider("heading", "goal heading", "deg", -180.0, 180.0, 90.0, 5.0)],
-                         "A way for the pair", size=(6.2, 5.0))
+        self.vehicle, self._gap = vehicle, 0.0
+        super().__init__(sliders("planning"), "A way for the pair", (6.2, 5.0))
 
     @staticmethod
     def hall(values: Values) -> Hall:
@@ -51,15 +46,17 @@ class PlanningExplorer(Explorer):
         return Hall.of([[_RACKS, (a + b) / 2, _DEPTH, b - a, 0.0] for a, b in across],
                        [[0, 0], _SIZE])
 
+    def grid(self, values: Values) -> OccupancyGrid:
+        """Which cells of the hall are free, and how far from everything; the same one as long as the hall is."""
+        if values["gap"] != self._gap:
+            self._gap, self._grid = values["gap"], OccupancyGrid.of(self.hall(values))
+        return self._grid
+
     @staticmethod
     def goal(values: Values) -> Array:
         """(3,) where the sliders say [m, m, rad]."""
         return np.array([values["x"], values["y"], np.deg2rad(values["heading"])])
 
-    @once_a_move
-    def grid(self, values: Values) -> OccupancyGrid:
-        """Which cells of the hall are free, and how far from everything."""
-        return OccupancyGrid.of(self.hall(values))
 
     @once_a_move
     def plan(self, values: Values) -> Plan:
@@ -69,59 +66,58 @@ class PlanningExplorer(Explorer):
 
     def build(self, figure: Figure) -> None:
         axes = self._axes = figure.subplots()
-        axes.plot([], [], color=BLUE, linewidth=2, label="way of the middle")
-        for color, words in ((_NEVER, "the middle may never be here"),
-                             (_TURNED, "only at some headings")):
-            axes.plot([], [], "s", color=color, markeredgecolor=GREY, markersize=9, label=words)
-        axes.plot([], [], color=BLUE, linewidth=1.2, label="the pair, its front end thick")
-        axes.plot([], [], "--", color=VERMILION, label="goal")
         axes.set(xlim=(0, _SIZE[0]), ylim=(0, _SIZE[1]), aspect="equal", xlabel="x [m]",
                  ylabel="y [m]")
         axes.grid(False)
-        axes.text(float(_START[0]), 1.5, "start", color=INK, ha="center", va="top", zorder=6, animated=True)
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2,
-                      fontsize=9)
+        axes.text(_START[0], 1.5, "start", color=INK, ha="center", va="top", zorder=6,
+                  animated=True)
+        shade = {"marker": "s", "linestyle": "none", "markeredgecolor": GREY, "markersize": 9}
+        legend_below(figure, {
+            "way of the middle": {"color": BLUE, "linewidth": 2},
+            "the middle may never be here": {"color": _NEVER, **shade},
+            "only at some headings": {"color": _TURNED, **shade},
+            "the pair, its front end thick": {"color": BLUE, "linewidth": 1.2},
+            "goal": {"color": VERMILION, "linestyle": "--"}})
 
     def numbers(self, values: Values) -> dict[str, Any]:
         """How long, how near, and what a gap must have at least."""
         grid, plan, pair, margin = self.grid(values), self.plan(values), self.vehicle, values["margin"]
         found = {"the pair [m]": f"{pair.length:.2f} x {pair.width:.2f}",
-                 "turning on the spot takes [m]": f"{np.hypot(pair.length, pair.width):.2f}",
+                 "turning on the spot takes [m]": f"{np.hypot(*pair.size):.2f}",
                  "lower gap, wider than the pair by [m]": f"{values['gap'] - pair.width:.2f}",
                  "a gap needs [m]": f"{pair.width + 2 * margin:.2f}",
                  "a gap is surely found with [m]": f"{inflated_width(grid, pair, margin):.2f}"}
         if not plan.found:
-            return {**found, "way": f"none: {plan.reason}"}
+            return found | {"way": f"none: {plan.reason}"}
         poses = plan.poses
-        every = np.concatenate([between(a, b) for a, b in zip(poses, poses[1:])])
         seconds = pair.quickest(step_between(poses[:-1], poses[1:])).sum()
-        return {**found, "goes through": f"the {_gap(plan)} gap",
-                "way of its middle [m]": f"{plan.length:.2f}",
-                "time at the bases' speed limits [s]": f"{seconds:.0f}",
-                "least room beside it, by cells [m]": f"{grid.room(pair, every).min():.2f}"}
+        return found | {"goes through": f"the {_gap(plan)} gap",
+                        "way of its middle [m]": f"{plan.length:.2f}",
+                        "time at the bases' speed limits [s]": f"{seconds:.0f}",
+                        "least room beside it, by cells [m]": f"{grid.room(pair, _along(poses)).min():.2f}"}
 
     def draw(self, values: Values) -> None:
-        axes, pair, plan = self._axes, self.vehicle, self.plan(values)
-        clearance = self.grid(values).clearance - values["margin"]
-        places = [(np.arange(count) + 0.5) * self.grid(values).cell for count in clearance.shape]
-        axes.contourf(*places, clearance.T, colors=[_NEVER, _TURNED],
-                      levels=[-1.0, pair.width / 2, np.hypot(pair.length, pair.width) / 2])
-        stations = _stations(plan.poses) if plan.found else _START[None]
-        front = np.array([[pair.length, -pair.width], [pair.length, pair.width]]) / 2
-        racks = list(self.hall(values).outlines)
-        for outlines in (
-                PolyCollection(racks, facecolor=GREY, edgecolor=INK, linewidth=0.8, zorder=2),
-                PolyCollection(list(pair.outline(stations)), facecolor="none", edgecolor=BLUE, alpha=0.7, zorder=4),
-                PolyCollection(list(carried(stations, front)), edgecolor=BLUE, linewidth=2.5, zorder=4),
-                PolyCollection([pair.outline(self.goal(values))], facecolor="none", edgecolor=VERMILION,
-                               linewidth=2, linestyle="--", zorder=5)):
-            axes.add_collection(outlines, autolim=False)
+        axes, pair, plan, grid = self._axes, self.vehicle, self.plan(values), self.grid(values)
+        places = [(np.arange(count) + 0.5) * grid.cell for count in grid.clearance.shape]
+        axes.contourf(*places, grid.clearance.T - values["margin"], colors=[_NEVER, _TURNED],
+                      levels=[-1.0, pair.width / 2, np.hypot(*pair.size) / 2])
+        stations = _along(plan.poses, 0.9, 0.8) if plan.found else _START[None]
+        front = pair.size / 2 * [[1, -1], [1, 1]]
+        usual: Look = {"facecolor": "none", "zorder": 4}
+        drawn: list[tuple[Array, Look]] = [
+            (self.hall(values).outlines,
+             {"facecolor": GREY, "edgecolor": INK, "linewidth": 0.8, "zorder": 2}),
+            (pair.outline(stations), {"edgecolor": BLUE, "alpha": 0.7}),
+            (carried(stations, front), {"edgecolor": BLUE, "linewidth": 2.5}),
+            (pair.outline(self.goal(values))[None],
+             {"edgecolor": VERMILION, "linewidth": 2, "linestyle": "--", "zorder": 5})]
+        for outlines, look in drawn:
+            axes.add_collection(PolyCollection(list(outlines), **usual | look), autolim=False)
         if plan.found:
             axes.plot(*plan.poses[:, :2].T, color=BLUE, linewidth=2, zorder=5)
         self.says = axes.text(_SIZE[0] / 2, 2.6, "" if plan.found else "no way",
-                              color=VERMILION, weight="bold",
-                              ha="center", zorder=6, bbox={"facecolor": "white",
-                                                           "edgecolor": VERMILION})
+                              color=VERMILION, weight="bold", ha="center", zorder=6,
+                              bbox={"facecolor": "white", "edgecolor": VERMILION})
 
     def describe(self, values: Values) -> str:
         plan = self.plan(values)
@@ -136,12 +132,12 @@ planning_explorer = PlanningExplorer
 def _gap(plan: Plan) -> str:
     """Whether the way crosses the racks above the middle one's center."""
     x, y = plan.poses[:, 0], plan.poses[:, 1]
-    k = int(np.argmax(x > _RACKS))
+    k = np.argmax(x > _RACKS)
     across = np.interp(_RACKS, x[k - 1:k + 1], y[k - 1:k + 1])
     return "upper" if across > (_MIDDLE + _DETOUR[0]) / 2 else "lower"
 
 
-def _stations(poses: Array, step: float = 0.9, turn_step: float = 0.8) -> Array:
-    """(k, 3) poses on the way to be drawn, not too many."""
-    return np.concatenate([poses[:1], *(between(a, b, step, turn_step)[1:]
-                                        for a, b in zip(poses, poses[1:]))])
+def _along(poses: Array, *steps: float) -> Array:
+    """(k, 3) poses on the way, corners among them, at most so far apart [m, rad]."""
+    return np.concatenate([poses[:1],
+                           *(between(a, b, *steps)[1:] for a, b in zip(poses, poses[1:]))])

@@ -36,46 +36,50 @@ class Posing:
 
     subject : World or Robot
     start : Pose, single; default the world's, for a robot the middle of its exit points
-    explorer : whose sliders these are, for the error
     floor : how far down the sliders may go; default the scene's floor [m]
     Raises InvalidInput for anything else, or a start that does not fit.
     """
 
-    def __init__(self, subject: World | Robot, start: Pose | None = None,
-                 explorer: str = "pose",
-                 floor: float | None = None) -> None:
+    def __init__(self, subject: World | Robot, start: Pose | None = None, floor: float
+                 | None = None) -> None:
         if isinstance(subject, World):
-            self.robot, self.scene, self.title = subject.robot, subject.scene, subject.title
-            start = subject.pose if start is None else start
+            robot, self.scene, self.title, usual = subject.robot, subject.scene, subject.title, subject.pose
         elif isinstance(subject, Robot):
-            self.robot, self.scene, self.title = subject, EMPTY, f"{subject.motion_pattern} robot"
-            start = _middle(subject) if start is None else start
+            robot, self.scene, self.title, usual = subject, EMPTY, f"{subject.motion_pattern} robot", _middle(subject)
         else:
-            raise InvalidInput(f"a {explorer} explorer takes a World or a Robot, got {type(subject).__name__}")
-        if not isinstance(start, Pose) or start.batch_shape or start.dimension != self.robot.dimension:
-            raise InvalidInput(f"start must be a single {'planar' if self.robot.dimension == 2 else 'spatial'} Pose, "
+            raise InvalidInput(f"an explorer takes a World or a Robot, got {type(subject).__name__}")
+        start = usual if start is None else start
+        if not isinstance(start,
+                          Pose) or start.batch_shape or start.dimension != robot.dimension:
+            raise InvalidInput(f"start must be a single {'planar' if robot.dimension == 2 else 'spatial'} Pose, "
                                f"got {quoted(start)}")
-        self.start = start
-        floor = floor_height(self.robot, self.scene) if floor is None else floor
-        self.places = _position_sliders(self.robot, floor, start)
-        self.turns = _turn_sliders(self.robot, start)
+        self.robot, self.start = robot, start
+        self.places = _position_sliders(robot, floor_height(robot, self.scene) if floor is None
+                                        else floor, start)
+        turns = {"angle": start.angle} if robot.dimension == 2 else dict(zip(("roll", "pitch",
+                                                                              "yaw"),
+                                                                             start.rpy))
+        self._turned = {name: float(np.rad2deg(turn)) for name, turn in turns.items()}
+        # In 2R3T the turn about x′ is not the cables' and stays.
+        self.turns = [_slider(name, "deg", -_TURNS[name], _TURNS[name], turn, 1.0)
+                      for axis, (name, turn) in enumerate(self._turned.items())
+                      if axis in robot.pattern.turn_axes]
 
     def pose(self, values: Values) -> Pose:
         """Where the sliders x, y, z [m] and angle or roll, pitch, yaw [deg] say; the rest stays as at the start."""
-        start = self.start
-        position = [values.get(axis, place) for axis, place in zip("xyz", start.position)]
-        if "angle" in values:
-            return Pose(position, angle=np.deg2rad(values["angle"]))
-        if "yaw" not in values:
-            return Pose(position, matrix=start.rotation)
-        roll = values.get("roll", np.rad2deg(start.rpy[0]))
-        return Pose(position, rpy=np.deg2rad([roll, values["pitch"], values["yaw"]]))
+        position = [values.get(axis, place) for axis, place in zip("xyz", self.start.position)]
+        if not self.turns:
+            return Pose(position, matrix=self.start.rotation)
+        turned = np.deg2rad([values.get(name, turn) for name, turn in self._turned.items()])
+        return Pose(position, rpy=turned) if len(turned) == 3 else Pose(position,
+                                                                        angle=turned[0])
 
     @property
     def ends(self) -> Pose:
         """The start, and every corner of the box of positions that the sliders reach."""
         box = [(slider.low, slider.high) for slider in self.places]
-        box += [(place, place) for place in self.start.position[len(box):]]  # of an axis the cables do not control
+        box += [(place, place)
+                for place in self.start.position[len(box):]]  # of an axis the cables do not control
         return Pose(np.array([self.start.position, *product(*box)]), matrix=self.start.rotation)
 
     def drawing(self, axes: Axes) -> RobotDrawing:
@@ -88,14 +92,18 @@ def draw_arrow(drawing: RobotDrawing, tail: Array, way: Array, width: float = 0.
     if np.abs(way).max() > 1e-9:
         start, end = drawing.view.flat(np.stack([tail, tail + way]))
         drawing.axes.quiver(*start, *(end - start), angles="xy", scale_units="xy", scale=1,
-                            color=INK, width=width,
-                            zorder=9)
+                            color=INK,
+                            width=width, zorder=9)
 
 
 def velocity(robot: Robot, twist: Array) -> Array:
     """(d,) of P in a twist (n,) [m/s]."""
-    full = robot.pattern.basis(np.eye(robot.dimension)) @ twist
-    return np.asarray(full[:robot.dimension])
+    return np.append(twist, 0.0)[:robot.dimension]   # 1T has no v_y
+
+
+def no_length(lengths: Array) -> str:
+    """Which of the cables with lengths (m,) have none."""
+    return f"Cable {', '.join(str(k + 1) for k in np.flatnonzero(lengths == 0))} has no length"
 
 
 class PoseExplorer(Explorer):
@@ -114,8 +122,7 @@ class PoseExplorer(Explorer):
         self.posing = Posing(world_or_robot, start)
         self.robot = self.posing.robot
         eye = [EYE] if self.robot.dimension == 3 else []
-        super().__init__([*self.posing.places, *self.posing.turns, *eye], self.posing.title,
-                         size=(6.2, 5.2))
+        super().__init__([*self.posing.places, *self.posing.turns, *eye], self.posing.title)
 
     @property
     def pose(self) -> Pose:
@@ -133,23 +140,23 @@ class PoseExplorer(Explorer):
 
     def numbers(self, values: Values) -> str:
         """Cable lengths, and W below them column by column."""
-        pose, rows = self.posing.pose(values), self.robot.pattern.rows
+        pose = self.posing.pose(values)
         lengths = cable_lengths(self.robot, pose)
         table = {"length [m]": [fixed(length, 3) for length in lengths]}
-        limp = [str(k + 1) for k in np.flatnonzero(lengths == 0)]
-        if limp:
-            note = f"W: none here. Cable {', '.join(limp)} has no length, hence no direction."
-        else:
+        if lengths.all():
             table |= dict.fromkeys(("", "W"), [""] * len(lengths))
             table |= {ROW_NAMES[name]: [fixed(entry, 2) for entry in row]
-                      for name, row in zip(rows, wrench_matrix(self.robot, pose))}
+                      for name,
+                      row in zip(self.robot.pattern.rows, wrench_matrix(self.robot, pose))}
             note = "Column i of W: force [N/N] and moment about P [N m/N = m]\nof cable i at a tension of 1 N."
+        else:
+            note = f"W: none here. {no_length(lengths)}, hence no direction."
         return f"{cable_table(table, gap=1)}\n\n{note}"
 
     def describe(self, values: Values) -> str:
         """Where the platform is."""
         return (f"{self.title}: frame, platform and {self.robot.n_cables} numbered cables at "
-                + self.told(values, "azimuth"))
+                f"{self.told(values, 'azimuth')}")
 
 
 pose_explorer = PoseExplorer
@@ -168,26 +175,15 @@ def _position_sliders(robot: Robot, floor: float, start: Pose) -> list[Slider]:
     """Within the exit points' box, a tenth clear of it: on its faces cables have no length or lie in one plane."""
     low, high = robot.exit_points.min(axis=0), robot.exit_points.max(axis=0)
     low[-1] = min(low[-1], floor)
-    sliders = []
-    axes = [row for row in robot.pattern.rows if row in "xyz"]
-    for axis, bottom, top, place in zip(axes, low, high, start.position):
-        middle, half = (bottom + top) / 2, 0.4 * (top - bottom)
-        half = half or max(0.5, 2 * robot.platform.size.max())  # all exits on one height or line
-        sliders.append(_slider(axis, "m", middle - half, middle + half, float(place), 0.01))
-    return sliders
-
-
-def _turn_sliders(robot: Robot, start: Pose) -> list[Slider]:
-    """Of the turns the cables control [deg]; in 2R3T the turn about x′ is not theirs and stays."""
-    turns = {"angle": start.angle} if robot.dimension == 2 else dict(zip(("roll", "pitch", "yaw"), start.rpy))
-    return [_slider(name, "deg", -_TURNS[name], _TURNS[name], float(np.rad2deg(turn)), 1.0)
-            for axis, (name, turn) in enumerate(turns.items())
-            if axis in robot.pattern.turn_axes]
+    # Where all exits are on one height or line, as far as it takes.
+    half = np.where(high > low, 0.4 * (high - low), max(0.5, 2 * robot.platform.size.max()))
+    middle, axes = (low + high) / 2, [row for row in robot.pattern.rows if row in "xyz"]
+    return [_slider(axis, "m", bottom, top, place, 0.01)
+            for axis, bottom, top,
+            place in zip(axes, middle - half, middle + half, start.position.tolist())]
 
 
 def _slider(name: str, unit: str, low: float, high: float, start: float, step: float) -> Slider:
     """Ends on whole steps, further out where the start lies beyond them."""
-    low, high = min(low, start), max(high, start)
-    first, last = (round(float(step * place), 9)
-                   for place in (np.floor(low / step), np.ceil(high / step)))
-    return Slider(name, name, unit, first, last, start, step)
+    low, high = np.floor(min(low, start) / step), np.ceil(max(high, start) / step)
+    return Slider(name, name, unit, round(step * low, 9), round(step * high, 9), start, step)

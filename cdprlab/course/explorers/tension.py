@@ -59,7 +59,7 @@ class TensionExplorer(Explorer):
     below = 1
 
     def __init__(self, world_or_robot: World | Robot, start: Pose | None = None) -> None:
-        self._posing = Posing(world_or_robot, start, "tension")
+        self._posing = Posing(world_or_robot, start)
         robot = self._posing.robot
         r = robot.n_cables - robot.n_dof
         if r not in (1, 2):

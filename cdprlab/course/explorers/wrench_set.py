@@ -1,6 +1,7 @@
 """Turn tension limits and base masses: what can the cables exert, and what of it would tip a base over?"""
 
-import dataclasses
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,12 +15,10 @@ from ...run.log import text_table
 from ...sets import Polytope, available_wrench_set
 from ...view.style import GREEN, INK, VERMILION
 from ...world import World
-from ..pictures.set_charts import axis_names
 from ..props.changed_cables import every_cable
 from ..text_table import fixed
-from .explorer import Explorer, Slider, Values, movable, once_a_move
-from .plane_sets import check_set_world, set_patches
-from .posing import Posing
+from .explorer import Slider, Values, movable, once_a_move
+from .plane_sets import PlaneSetExplorer, check_set_world
 
 _LABELS = ("limits only", "no base tips")
 
@@ -77,15 +76,15 @@ class Capability(NamedTuple):
             return "The limits do not let the cables hold the platform here."
         if not stands:
             return "No tensions within the limits hold the platform without tipping a base."
-        taken = 1 - self.standing.volume / self.limits.volume if self.limits.volume > 0 else 0.0
-        count = f"{len(self.facets)} facet{'' if len(self.facets) == 1 else 's'}"
-        return (f"Tipping makes {count} and takes {100 * taken:.0f} % of the set."
-                if len(self.facets) else
-                "No facet comes from tipping: the limits alone decide.")
+        count = len(self.facets)
+        if not count:
+            return "No facet comes from tipping: the limits alone decide."
+        taken = 1 - self.standing.volume / self.limits.volume
+        return f"Tipping makes {count} facet{'s' if count > 1 else ''} and takes {100 * taken:.0f} % of the set."
 
 
 @checked
-class WrenchSetExplorer(Explorer):
+class WrenchSetExplorer(PlaneSetExplorer):
     """Sliders for τ_max, τ_min, the bases' mass and the platform; {W τ : limits}, and the part where no base tips.
 
     Forces are shown in the x direction and upwards; with more degrees of freedom all other
@@ -104,22 +103,18 @@ class WrenchSetExplorer(Explorer):
     """
 
     def __init__(self, world: World) -> None:
+        check_set_world(world, "wrench", "tension")
         robot = world.robot
-        check_set_world(world, "wrench", "wrenches", "tension")
-        self._posing, self._chosen = Posing(world), [0, robot.dimension - 1]
-        self._names = [axis_names(robot.motion_pattern, "wrench")[k] for k in self._chosen]
         high, low = robot.tension_max.max(), robot.tension_min.min()
         sliders = [Slider("tension_max", "τ_max", "N", 0.3 * high, 1.5 * high, high,
                           high / 100),
                    Slider("tension_min", "τ_min", "N", 0.0, max(0.25 * high, low), low,
                           high / 100)]
         if masses := [base.mass for base in robot.bases if len(base.footprint)]:
-            heaviest = max(masses)
-            sliders.append(Slider("base_mass", "mass of each base", "kg", heaviest / 12,
-                                  2 * heaviest, heaviest,
-                                  heaviest / 60))
-        super().__init__([*sliders, *self._posing.places],
-                         f"Available wrench set: {world.title}", size=(6.2, 4.8))
+            mass = max(masses)
+            sliders.append(Slider("base_mass", "mass of each base", "kg", mass / 12, 2 * mass,
+                                  mass, mass / 60))
+        super().__init__(world, "wrench", [0, robot.dimension - 1], sliders)
 
     @once_a_move
     def capability(self, values: Values) -> Capability:
@@ -135,56 +130,56 @@ class WrenchSetExplorer(Explorer):
                           _tipping_facets(limits, standing))
 
     def build(self, figure: Figure) -> None:
-        left, panel = figure.subplots(1, 2, width_ratios=(1, 1.35))
-        self._drawing = self._posing.drawing(left)
-        mark = {"linestyle": "none", "zorder": 9, "markeredgecolor": "white"}
-        self._stands = movable(left, "o", color=GREEN, markersize=9,
-                               label="stands for certain", **mark)
-        self._tips = movable(left, "X", color=VERMILION, markersize=11,
-                             label="could tip over this", **mark)
-        self._panel = panel
-        self._patches = set_patches(panel, _LABELS, self._names, self._reach())
+        self.frame(figure, _LABELS, self._reach())
+        panel, bases = self.panel, "base_mass" in self.controls
+        # By whether an edge could tip.
+        self._edge_marks = {could: movable(self.drawing.axes, marker, linestyle="none",
+                                           color=color, markersize=size,
+                                           zorder=9, markeredgecolor="white", label=words
+                                           if bases else "")
+                            for could, marker, color, size, words in (
+                                (False, "o", GREEN, 9, "stands for certain"),
+                                (True, "X", VERMILION, 11, "could tip over this"))}
         panel.plot([], [], color=INK, linewidth=4, label="facets made by tipping")
-        self._mark = movable(panel, linestyle="none", marker="*", markersize=13,
-                             markeredgecolor="white",
-                             color=GREEN, zorder=6, label="holds the weight, −w_g")
-        marks = [self._stands, self._tips] if "base_mass" in self.controls else []
-        handles = [*marks, *panel.get_legend_handles_labels()[0]]
-        figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=9)
+        self._mark = movable(panel, "*", linestyle="none", markersize=13,
+                             markeredgecolor="white", color=GREEN,
+                             zorder=6, label="holds the weight, −w_g")
+        figure.legend(loc="outside lower center", ncols=3, fontsize=9)
 
     def draw(self, values: Values) -> None:
         found = self.capability(values)
-        self._drawing.move(found.pose)
-        for marks, wanted in ((self._stands, False), (self._tips, True)):
-            places = [edge.place for edge in found.edges if (edge.moment > 0) is wanted]
-            marks.set_data(*(self._drawing.view.flat(np.array(places)).T
-                             if places else ([], [])))
-        for patch, polytope in zip(self._patches, (found.limits, found.standing)):
+        self.drawing.move(found.pose)
+        for could, marks in self._edge_marks.items():
+            places = np.array([edge.place for edge in found.edges
+                               if (edge.moment > 0) is could])
+            marks.set_data(*self.drawing.view.flat(places).T if len(places) else ([], []))
+        for patch, polytope in zip(self.patches, (found.limits, found.standing)):
             corners = polytope.vertices
             patch.set_visible(len(corners) > 2)
             patch.set_xy(corners if len(corners) > 2 else np.zeros((3, 2)))
-        self._panel.plot(*found.facets.transpose(2, 1, 0), color=INK, linewidth=4, zorder=2)
+        self.panel.plot(*found.facets.transpose(2, 1, 0), color=INK, linewidth=4, zorder=2)
         self._draw_hold(found)
 
     def numbers(self, values: Values) -> str:
         """Corners, area, what can be added along the axes, payload; largest moment and toll of each edge."""
         found = self.capability(values)
         sets = (found.limits, found.standing)
-        flat = len(self._names) == found.robot.n_dof
         rows = [["corners", *(str(len(polytope.vertices)) for polytope in sets)],
                 ["area [kN²]", *(f"{polytope.volume / 1e6:.4f}" for polytope in sets)],
                 *([f"add {name} [N]", *(_range(section[k]) for section in found.added)]
                   for k, name in enumerate(self._names)),
-                ["payload [kg]", *(_number(payload, 2) for payload in found.payloads)]]
-        lines = [text_table(["", *_LABELS], rows), ""]
-        if not flat:
-            lines.insert(1, "(all other components as the weight wants them)")
+                ["payload [kg]",
+                 *("none" if np.isnan(payload) else fixed(payload, 2)
+                   for payload in found.payloads)]]
+        told = text_table(["", *_LABELS], rows)
+        if found.robot.n_dof > 2:
+            told += "\n(all other components as the weight wants them)"
         if found.edges:
-            lines += [text_table(["edge", "largest moment [N m]", "area it takes"],
-                                 [[edge.name, fixed(edge.moment, 1),
-                                   f"{100 * edge.share:.0f} %"]
-                                  for edge in found.edges]), ""]
-        return "\n".join([*lines, found.words()])
+            edges = [[edge.name, fixed(edge.moment, 1), f"{100 * edge.share:.0f} %"]
+                     for edge in found.edges]
+            told += "\n\n" + text_table(["edge", "largest moment [N m]", "area it takes"],
+                                        edges)
+        return f"{told}\n\n{found.words()}"
 
     def describe(self, values: Values) -> str:
         found = self.capability(values)
@@ -196,18 +191,17 @@ class WrenchSetExplorer(Explorer):
     def _shown(self, polytope: Polytope, hold: Array) -> Polytope:
         return polytope if polytope.n == 2 else polytope.slice(self._chosen, hold)
 
-    def _edges(self, robot: Robot, pose: Pose, limits: Polytope, hold: Array) -> list[Edge]:
-        W, eye, found = wrench_matrix(robot, pose), np.eye(robot.n_cables), []
+    def _edges(self, robot: Robot, pose: Pose, limits: Polytope, hold: Array) -> Iterator[Edge]:
+        W, eye = wrench_matrix(robot, pose), np.eye(robot.n_cables)
         low, high = robot.tension_min, robot.tension_max
         for name, rows in tipping_rows(robot, pose).items():
             for k, (row, offset) in enumerate(zip(rows.matrix, rows.offset)):
-                moment, share = float(np.where(row > 0, row * high, row * low).sum() + offset), 0.0
+                moment, share = np.maximum(row * low, row * high).sum() + offset, 0.0
                 if moment > 0 and limits.volume > 0:
                     alone = Polytope.from_image(W, [*eye, *-eye, row], [*high, *-low, -offset])
                     share = 1 - self._shown(alone, hold).volume / limits.volume
-                place = _edge_place(robot.base(name), k)
-                found.append(Edge(f"{name.replace('_', ' ')} {k + 1}", place, moment, share))
-        return found
+                yield Edge(f"{name.replace('_', ' ')} {k + 1}",
+                           _edge_place(robot.base(name), k), float(moment), share)
 
     # --- parts of the picture -------------------------------------------------------------------------
     def _reach(self) -> Array:
@@ -224,33 +218,31 @@ class WrenchSetExplorer(Explorer):
     def _draw_hold(self, found: Capability) -> None:
         """A cross from −w_g to the border of the standing set; the star's shape says whether it is inside."""
         held = np.isfinite(found.payloads[1])
-        self._mark.set(marker="*" if held else "X", color=GREEN if held else VERMILION)
-        self._mark.set_data(*found.hold[:, None])
+        self._mark.set(marker="*" if held else "X", color=GREEN if held else VERMILION,
+                       data=found.hold[:, None])
         if held:
             for way, marker, ends in zip(np.eye(2), "|_", found.added[1]):
-                self._panel.plot(*(found.hold[:, None] + np.outer(way, ends)), color=INK,
-                                 linewidth=1.2, marker=marker)
+                self.panel.plot(*(found.hold[:, None] + np.outer(way, ends)), color=INK,
+                                linewidth=1.2, marker=marker)
 
 
 wrench_set_explorer = WrenchSetExplorer
 
 
 def _changed(robot: Robot, values: Values) -> Robot:
-    limited = every_cable(robot, tension_min=values["tension_min"],
-                          tension_max=values["tension_max"])
-    bases = tuple(dataclasses.replace(base, mass=values["base_mass"])
-                  if len(base.footprint) else base
+    bases = tuple(replace(base, mass=values["base_mass"]) if len(base.footprint) else base
                   for base in robot.bases)
-    return dataclasses.replace(limited, bases=bases)
+    return every_cable(replace(robot, bases=bases), tension_min=values["tension_min"],
+                       tension_max=values["tension_max"])
 
 
 # --- tipping ----------------------------------------------------------------------------------------------
 def _edge_place(base: Base, k: int) -> Array:
     """(d,) the wheel itself, or the middle of an edge; edges run counter-clockwise as their rows do."""
-    if base.footprint.shape[1] == base.center_of_mass.shape[0]:
-        return np.asarray(base.to_world(base.footprint)[k])
-    contacts = base.to_world(np.insert(base.footprint, 2, 0.0, axis=1))
-    return np.asarray((contacts[k] + contacts[(k + 1) % len(contacts)]) / 2)
+    if base.center_of_mass.size == 2:
+        return base.to_world(base.footprint[k])
+    contacts = np.pad(base.footprint, ((0, 0), (0, 1)))
+    return base.to_world((contacts[k] + contacts[(k + 1) % len(contacts)]) / 2)
 
 
 def _tipping_facets(limits: Polytope, standing: Polytope) -> Array:
@@ -258,18 +250,11 @@ def _tipping_facets(limits: Polytope, standing: Polytope) -> Array:
     corners = standing.vertices
     if len(corners) < 3 or limits.volume <= 0:
         return np.zeros((0, 2, 2))
-    size = np.ptp(corners, axis=0).max()
-    ends: Array = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
-    along = ends[:, 1] - ends[:, 0]
-    outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1,
-                                                                             keepdims=True)
-    cut = limits.support(outward) - (outward * ends[:, 0]).sum(axis=1) > _CUT * size
-    return np.asarray(ends[cut])
-
-
-# --- text -------------------------------------------------------------------------------------------------
-def _number(value: float, digits: int) -> str:
-    return "none" if np.isnan(value) else fixed(value, digits)
+    after = np.roll(corners, -1, axis=0)
+    outward = (after - corners) @ [[0.0, -1.0], [1.0, 0.0]]   # as long as the facet
+    beyond = limits.support(outward) - (outward * corners).sum(axis=1)
+    cut = beyond > _CUT * np.ptp(corners, axis=0).max() * np.linalg.norm(outward, axis=1)
+    return np.stack([corners, after], axis=1)[cut]
 
 
 def _range(ends: Array) -> str:
