@@ -30,7 +30,7 @@ def eliminate(M: Array, A: Array, b: Array) -> tuple[Array, Array]:
     multipliers = _conformal(rows @ K)
     normals, offsets = multipliers @ (rows @ back), multipliers @ limits
     sizes = np.linalg.norm(normals, axis=1)
-    says = sizes > PARALLEL * max(sizes.max(initial=0.0), 1e-300)
+    says = sizes > PARALLEL * sizes.max(initial=0.0)
     across = null_space(M.T).T
     return (np.concatenate([normals[says] / sizes[says, None], across, -across]),
             np.concatenate([offsets[says] / sizes[says], np.zeros(2 * len(across))]))
@@ -39,15 +39,13 @@ def eliminate(M: Array, A: Array, b: Array) -> tuple[Array, Array]:
 def _conformal(rows: Array) -> Array:
     """(f, r) all λ ≥ 0 with λᵀ rows = 0 on at most k + 1 rows, largest entry 1."""
     r, k = rows.shape
-    if k == 0:
-        return np.eye(r)
     sizes = np.linalg.norm(rows, axis=1)
     unit = rows / np.where(sizes > PARALLEL * sizes.max(initial=0.0), sizes, 1.0)[:, None]
     chosen = choices(r, k + 1)
     q, upper = np.linalg.qr(unit[chosen], mode="complete")
-    full = np.abs(np.diagonal(upper, axis1=-2, axis2=-1)).min(axis=-1) > PARALLEL
+    full = np.abs(np.diagonal(upper, axis1=-2, axis2=-1)).min(axis=-1, initial=np.inf) > PARALLEL
     weights = q[:, :, -1]
-    weights *= np.sign(weights[np.arange(len(weights)), np.abs(weights).argmax(axis=1)])[:, None]
+    weights *= np.sign(weights.sum(axis=1, keepdims=True))
     good = full & (weights >= -TOLERANCE).all(axis=1)
     weights = np.maximum(weights[good], 0.0) / np.where(sizes > 0, sizes, 1.0)[chosen[good]]
     found = np.zeros((len(weights), r))

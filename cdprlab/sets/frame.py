@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, frozen
+from ..arrays import Array
 from .subspace import RANK
 
 
@@ -57,4 +57,4 @@ def affine_hull(center: Array, scales: Array, directions: Array) -> Frame:
     u[:, -1] *= np.sign(np.linalg.det(u))   # no mirror: what runs round the one way does so in the frame
     rank = int((s > RANK * s.max(initial=0.0)).sum())
     across = np.linalg.qr(u[:, rank:] / scales[:, None])[0]
-    return Frame(frozen(center), frozen(scales), frozen(u[:, :rank]), frozen(across))
+    return Frame(center, scales, u[:, :rank], across)

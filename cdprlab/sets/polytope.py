@@ -102,7 +102,7 @@ class Polytope:
     @property
     def is_empty(self) -> bool:
         """Whether nothing satisfies the limits."""
-        return not bool(self._program.is_feasible)
+        return bool(np.isneginf(self.support(np.zeros(self.n))))
 
     def support(self, direction: ArrayLike) -> Array:
         """h(d) = max d·x over the set; −inf when it is empty, inf where it is unbounded.
@@ -127,20 +127,17 @@ class Polytope:
         q, reached = solve(self.map, self._points(x, "x") - self.shift)
         left = self.limits - q @ self.rows.T
         if self._null.shape[1]:
-            values = maximize(self.rows @ self._null, left, np.zeros(self._null.shape[1])).values
-            inside = np.asarray(values > -np.inf)
+            inside = maximize(self.rows @ self._null, left, np.zeros(self._null.shape[1])).values > -np.inf
         else:
             size = np.abs(q).max(axis=-1, initial=0.0)[..., None] * np.linalg.norm(self.rows, axis=1)
-            inside = np.asarray((left >= -TOLERANCE * (np.abs(self.limits) + size)).all(axis=-1))
+            inside = (left >= -TOLERANCE * (np.abs(self.limits) + size)).all(axis=-1)
         return np.asarray(inside & reached)[()]
 
     def component_range(self) -> Array:
         """(n, 2) smallest and largest x_i over the set, whatever the other components are; nan when it is empty."""
         eye = np.eye(self.n)
-        reach = self.support(np.concatenate([eye, -eye]))
-        if np.isneginf(reach).any():
-            return np.full((self.n, 2), np.nan)
-        return np.stack([-reach[self.n:], reach[:self.n]], axis=1)
+        reach = self.support(np.stack([-eye, eye], axis=1))
+        return np.where(np.isneginf(reach), np.nan, reach) * [-1, 1]
 
     def axis_section(self, origin: ArrayLike = 0.0) -> Array:
         """(n, 2) how far one can go along −e_i and +e_i alone from an origin inside; nan where it is outside.
@@ -152,7 +149,7 @@ class Polytope:
             return np.full((self.n, 2), np.nan)
         ends = np.array([self._line_ends(start, axis) for axis in np.eye(self.n)])
         ends = np.where(np.isnan(ends), 0.0, ends)     # inside by less than rounding
-        return np.stack([np.minimum(ends[:, 0], 0.0), np.maximum(ends[:, 1], 0.0)], axis=1)
+        return np.clip(ends, [-np.inf, 0.0], [0.0, np.inf])
 
     def scale(self, x: ArrayLike, origin: ArrayLike = 0.0) -> Array:
         """The largest s with origin + s (x − origin) inside; nan where that line misses the set.
@@ -174,9 +171,8 @@ class Polytope:
         if not reached[1]:      # the set does not extend that way at all
             return (0.0, 0.0) if self.contains(start) else (np.nan, np.nan)
         rows = self.rows @ np.concatenate([self._null, q[1][:, None]], axis=1)
-        goals = np.zeros((2, rows.shape[1]))
-        goals[:, -1] = -1.0, 1.0
-        low, high = maximize(rows, self.limits - self.rows @ q[0], goals).values
+        ahead = np.eye(rows.shape[1])[-1]
+        low, high = maximize(rows, self.limits - self.rows @ q[0], np.stack([-ahead, ahead])).values
         if not reached[0] or np.isneginf(low):
             return np.nan, np.nan
         if not way.any():
@@ -196,12 +192,10 @@ class Polytope:
         """
         chosen = self._chosen(components)
         others = np.setdiff1d(np.arange(self.n), chosen)
-        fixed = self.map[others]
-        q, reached = solve(fixed, (self._origin(origin) - self.shift)[others])
-        null = null_space(fixed)
-        limits = self.limits - self.rows @ q if reached else np.full(self.limits.shape, -1.0)
-        rows = self.rows @ null if reached else np.zeros((len(limits), null.shape[1]))
-        return Polytope(self.map[chosen] @ null, rows, limits,
+        q, reached = solve(self.map[others], (self._origin(origin) - self.shift)[others])
+        null = null_space(self.map[others])
+        limits = np.where(reached, self.limits - self.rows @ q, -1.0)   # nothing keeps 0 ≤ −1
+        return Polytope(self.map[chosen] @ null, reached * self.rows @ null, limits,
                         self.shift[chosen] + self.map[chosen] @ q)
 
     # --- lists, made when first asked for ---------------------------------------------------------
@@ -321,7 +315,7 @@ class Polytope:
 
     @cached_property
     def _null(self) -> Array:
-        return frozen(null_space(self.map))
+        return null_space(self.map)
 
     def _points(self, x: ArrayLike, name: str) -> Array:
         return as_array(x, name, (self.n,), batch=True)
@@ -332,8 +326,7 @@ class Polytope:
 
     def _chosen(self, components: Sequence[int]) -> Array:
         chosen = np.asarray(components)
-        if chosen.ndim != 1 or not chosen.size or len(set(chosen.tolist())) != chosen.size \
-                or chosen.dtype.kind not in "iu" or chosen.min() < 0 or chosen.max() >= self.n:
+        if not chosen.size or np.intersect1d(chosen, range(self.n)).size < chosen.size:
             raise InvalidInput(f"components must be different numbers from 0 to {self.n - 1}, got {quoted(components)}")
         return chosen
 
@@ -341,15 +334,11 @@ class Polytope:
 class Zonotope(Polytope):
     """{center + G z : |z| ≤ 1}, the image of a box: facets by hyperplane shifting, the support by a formula."""
 
-    @cached_property
+    @property
     def _box(self) -> tuple[Array, Array]:
         """Lower and upper limits (k,)."""
         high, low = self.limits.reshape(2, -1)
-        return frozen(-low), frozen(high.copy())
-
-    @property
-    def is_empty(self) -> bool:
-        return False
+        return -low, high
 
     def support(self, direction: ArrayLike) -> Array:
         d = self._points(direction, "direction")
@@ -366,7 +355,7 @@ class Zonotope(Polytope):
         """(n, k) how far each q moves the point, those that do."""
         low, high = self._box
         sizes = np.linalg.norm(self.map, axis=0)
-        return frozen((self.map * (high - low))[:, (sizes > ALONG * sizes.max(initial=0.0)) & (high > low)])
+        return (self.map * (high - low))[:, (sizes > ALONG * sizes.max(initial=0.0)) & (high > low)]
 
     @cached_property
     def _frame(self) -> Frame:

@@ -82,11 +82,6 @@ class Program:
     def _walks(self) -> _Walks:
         return _Walks(self._rows, self._limits)
 
-    @property
-    def is_feasible(self) -> Flags:
-        """For each b, whether there is any q."""
-        return np.asarray(self.maximize(np.zeros(self._rows.shape[1])).values > -np.inf)
-
     def maximize(self, c: Array) -> Optima:
         """max c·q for each b and each row of c, (…, k)."""
         if self._usual is None:
@@ -112,9 +107,9 @@ class _Walks:
         limits = b.reshape(-1, b.shape[-1])
         sizes = np.linalg.norm(A, axis=1)
         used = np.isfinite(limits).any(axis=0)
-        kept = used & (sizes > 1e-13 * max(sizes.max(initial=0.0), 1e-300))
+        kept = used & (sizes > 1e-13 * sizes.max(initial=0.0))
         rows, scaled = A[kept] / sizes[kept, None], limits[:, kept] / sizes[kept]
-        _, s, vt = np.linalg.svd(rows, full_matrices=True)
+        _, s, vt = np.linalg.svd(rows)
         rank = int((s > 1e-11 * s.max(initial=0.0)).sum())
         self._span, self._free = vt[:rank].T, vt[rank:].T
         if rank == A.shape[1]:
@@ -123,7 +118,7 @@ class _Walks:
         self._scale = np.where(scale > 0, scale, 1.0)
         self._rows, self._limits = rows @ self._span, scaled / self._scale[:, None]
         # 0·q ≤ b is a condition on b alone.
-        self.is_feasible = np.asarray((limits[:, used & ~kept] >= -TOLERANCE * self._scale[:, None]).all(axis=1))
+        self._feasible = np.asarray((limits[:, used & ~kept] >= -TOLERANCE * self._scale[:, None]).all(axis=1))
         self._find_starts()
 
     def maximize(self, c: Array) -> Optima:
@@ -132,7 +127,7 @@ class _Walks:
         goals = np.broadcast_to(c, (*batch, k)).reshape(-1, k)
         which = np.broadcast_to(np.arange(len(self._limits)).reshape(self.batch), batch).ravel()
         values, points = np.full(len(goals), -np.inf), np.full((len(goals), k), np.nan)
-        some = self.is_feasible[which]
+        some = self._feasible[which]
         which, goals = which[some], goals[some]
         inner, scale = goals @ self._span, self._scale[which]
         size = np.maximum(np.linalg.norm(goals, axis=1), 1e-300)
@@ -145,42 +140,32 @@ class _Walks:
 
     def _find_starts(self) -> None:
         """(B, k) active rows of one vertex each, and whether there is any point."""
-        first = _independent_rows(self._rows)
+        (r, k), first = self._rows.shape, _independent_rows(self._rows)
         self._starts = np.tile(first, (len(self._limits), 1))
         excess = self._limits[:, first] @ np.linalg.inv(self._rows[first]).T @ self._rows.T - self._limits
         excess[:, first] = 0.0
-        out = np.flatnonzero(self.is_feasible & (excess.max(axis=1, initial=0.0) > _TIE))
-        if out.size:
-            self.is_feasible[out], self._starts[out] = self._first_vertices(self._limits[out],
-                                                                            self._starts[out],
-                                                                            excess[out])
-
-    def _first_vertices(self, b: Array, active: Indices, excess: Array) -> tuple[Flags, Indices]:
-        """Let the broken rows give way by s, and make s as small as it will be."""
-        count, (r, k) = len(b), self._rows.shape
-        broken = excess > _TIE
-        rows = np.zeros((count, r + 1, k + 1))
+        out = np.flatnonzero(self._feasible & (excess.max(axis=1, initial=0.0) > _TIE))
+        if not out.size:
+            return
+        # Let the broken rows give way by s, and make s as small as it will be.
+        rows = np.zeros((len(out), r + 1, k + 1))
         rows[:, :r, :k] = self._rows
-        rows[:, :r, k] = np.where(broken, -1.0, 0.0)
+        rows[:, :r, k] = -1.0 * (excess[out] > _TIE)
         rows[:, r, k] = -1.0
-        down = np.zeros((count, k + 1))
-        down[:, k] = -1.0
-        worst = np.where(broken, excess, -np.inf).argmax(axis=1)
-        _, reached, q = _walk(rows, np.concatenate([b, np.zeros((count, 1))], axis=1), down,
-                              np.concatenate([active, worst[:, None]], axis=1), prefer=r)
-        feasible = q[:, k] <= TOLERANCE
-        for i in np.flatnonzero(feasible):
-            kept = reached[i][reached[i] != r]
+        limits, down = np.pad(self._limits[out], ((0, 0), (0, 1))), np.tile(-np.eye(k + 1)[-1], (len(out), 1))
+        _, reached, q = _walk(rows, limits, down, np.column_stack([self._starts[out], excess[out].argmax(axis=1)]))
+        self._feasible[out] = q[:, k] <= TOLERANCE
+        for i, active in zip(out, reached):
+            kept = active[active != r]
             if kept.size > k:       # s never left: it is zero up to rounding, any k independent rows will do
                 kept = kept[_independent_rows(self._rows[kept])]
-            active[i] = kept
-        return feasible, active
+            self._starts[i] = kept
 
 
-def _walk(rows: Array, b: Array, c: Array, active: Indices, prefer: int = -1) -> tuple[Flags, Indices, Array]:
+def _walk(rows: Array, b: Array, c: Array, active: Indices) -> tuple[Flags, Indices, Array]:
     """Steps along improving edges until none is left: whether bounded, the last active rows, the last vertices."""
     count, r, k = rows.shape
-    bounded, active, points = np.ones(count, dtype=bool), active.copy(), np.zeros((count, k))
+    bounded, points = np.ones(count, dtype=bool), np.zeros((count, k))
     todo = np.arange(count)
     for step in range(200 * (r + k) + 1):
         A, limits, at = rows[todo], b[todo], active[todo]
@@ -189,26 +174,22 @@ def _walk(rows: Array, b: Array, c: Array, active: Indices, prefer: int = -1) ->
         points[todo] = q
         multipliers = (c[todo, None, :] @ inverse)[:, 0]
         negative = multipliers < -_SLOPE
-        improving = negative.any(axis=1)
-        if not improving.any():
+        each = np.flatnonzero(negative.any(axis=1))
+        if not each.size:
             return bounded, active, points
         bland = step > 4 * (r + k)
-        leaving = (np.where(negative, at, r) if bland else multipliers).argmin(axis=1)
-        each = np.flatnonzero(improving)
-        edge = -inverse[each, :, leaving[each]]
-        unit = np.asarray(edge / np.linalg.norm(edge, axis=1)[:, None])
-        entering = _entering(A[each], limits[each], q[each], unit, at[each], bland, prefer)
-        todo, slots = todo[each], leaving[each]
-        bounded[todo] = entering >= 0
-        blocked = entering >= 0
-        active[todo[blocked], slots[blocked]] = entering[blocked]
-        todo = todo[blocked]
-        if not todo.size:
-            return bounded, active, points
+        leaving = (np.where(negative, at, r) if bland else multipliers).argmin(axis=1)[each]
+        edge = -inverse[each, :, leaving]
+        edge = np.asarray(edge / np.linalg.norm(edge, axis=1)[:, None])
+        entering = _entering(A[each], limits[each], q[each], edge, at[each], bland)
+        stopped, todo = entering >= 0, todo[each]
+        bounded[todo] = stopped
+        todo = todo[stopped]
+        active[todo, leaving[stopped]] = entering[stopped]
     raise AssertionError("a linear program did not end: Bland's rule visits no vertex twice")
 
 
-def _entering(A: Array, b: Array, q: Array, edge: Array, active: Indices, bland: bool, prefer: int) -> Indices:
+def _entering(A: Array, b: Array, q: Array, edge: Array, active: Indices, bland: bool) -> Indices:
     """(B,) the row that stops each edge, −1 where none does."""
     slopes = (A @ edge[:, :, None])[:, :, 0]
     np.put_along_axis(slopes, active, 0.0, axis=1)
@@ -220,8 +201,6 @@ def _entering(A: Array, b: Array, q: Array, edge: Array, active: Indices, bland:
     # Among rows reached together the steepest gives the best conditioned vertex; Bland's rule
     # takes the first.
     chosen = tied.argmax(axis=1) if bland else np.where(tied, slopes, -1.0).argmax(axis=1)
-    if prefer >= 0:
-        chosen = np.where(tied[:, prefer], prefer, chosen)
     return np.where(np.isfinite(shortest), chosen, -1)
 
 

@@ -52,11 +52,9 @@ def twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike, base_speed_max: 
     driving = (base > 0) & b.any(axis=0)
     b, base = b[:, driving], base[driving]
     (m, n), a = j.shape, len(base)
-    if not a:
-        return Polytope.from_rows(np.concatenate([j, -j]), np.concatenate([cable, cable]))
     rows = np.block([[j, -b], [-j, b], [np.zeros((a, n)), np.eye(a)],
                      [np.zeros((a, n)), -np.eye(a)]])
-    known = comb(m + a, m - 1) <= MOST_COMBINATIONS
+    known = a and comb(m + a, m - 1) <= MOST_COMBINATIONS
     return Polytope(np.eye(n, n + a), rows, np.concatenate([cable, cable, base, base]),
                     np.zeros(n),
                     partial(_outer_rows, j, b, cable, base) if known else None)   # pickles, as no lambda does
@@ -90,11 +88,8 @@ def checked_speeds(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
     """The arguments of `twist_set` as arrays; raises InvalidInput where they do not fit or a limit is negative."""
     j = as_array(J, "J", ("m", "n"))
     b = as_array(B, "B", (j.shape[0], "a"))
-    cable = as_array(speed_max, "speed_max", (j.shape[0],), "m/s", limit=np.inf)
-    base = as_array(base_speed_max, "base_speed_max", (b.shape[1],))
-    if (cable < 0).any() or (base < 0).any():
-        raise InvalidInput(f"speed limits must not be negative, got {quoted(cable)} and {quoted(base)}")
-    return j, b, cable, base
+    cable = as_array(speed_max, "speed_max", (j.shape[0],), "m/s", limit=np.inf, minimum=0.0)
+    return j, b, cable, as_array(base_speed_max, "base_speed_max", (b.shape[1],), minimum=0.0)
 
 
 def _outer_rows(J: Array, B: Array, cable: Array, base: Array) -> tuple[Array, Array]:

@@ -33,16 +33,12 @@ def available_wrench_set(robot: Robot, pose: Pose, tipping: bool = False, fricti
     True
     """
     W = wrench_matrix(robot, one_pose(pose))
-    low, high = robot.tension_min, robot.tension_max
+    box = Polytope.from_box(W, robot.tension_min, robot.tension_max)
     standing = [(rows.matrix, -rows.offset) for rows in tipping_rows(robot, pose).values()] if tipping else []
     if friction is not None:
         standing.append(sliding_rows(robot, pose, friction))
-    if not sum(len(limit) for _, limit in standing):
-        return Polytope.from_box(W, low, high)
-    eye = np.eye(robot.n_cables)
-    return Polytope.from_image(W,
-                               np.concatenate([eye, -eye, *(matrix for matrix, _ in standing)]),
-                               np.concatenate([high, -low, *(limit for _, limit in standing)]))
+    rows, limits = map(np.concatenate, zip((box.rows, box.limits), *standing))
+    return Polytope.from_image(W, rows, limits) if len(limits) > len(box.limits) else box
 
 
 def sliding_rows(robot: Robot, pose: Pose, friction: float) -> tuple[Array, Array]:
@@ -67,10 +63,8 @@ def sliding_rows(robot: Robot, pose: Pose, friction: float) -> tuple[Array, Arra
     ways, share = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1), float(np.cos(np.pi / 8))
     if robot.dimension == 2:
         ways, share = np.array([[1.0, 0.0], [-1.0, 0.0]]), 1.0
-    rows, limits = [np.zeros((0, robot.n_cables))], [np.zeros(0)]
-    for k, base in enumerate(robot.bases):
-        carried = np.array([carrier == k for carrier in robot.base_indices])
-        # F_h·e ≤ share μ N with N = m g − (pull upwards)
-        rows.append((pulls @ ways.T + share * mu * pulls[:, -1:]).T * carried)
-        limits.append(np.full(len(ways), share * mu * base.mass * robot.gravity))
-    return np.concatenate(rows), np.concatenate(limits)
+    carried = np.array(robot.base_indices) == np.arange(len(robot.bases))[:, None]
+    # F_h·e ≤ share μ N with N = m g − (pull upwards)
+    rows = carried[:, None] * (pulls @ ways.T + share * mu * pulls[:, -1:]).T
+    masses = np.array([base.mass for base in robot.bases])
+    return rows.reshape(-1, robot.n_cables), np.repeat(share * mu * robot.gravity * masses, len(ways))

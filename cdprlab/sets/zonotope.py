@@ -23,7 +23,8 @@ def hyperplane_shifting(generators: Array, least: float = -1.0) -> tuple[Array, 
     """Rows (N, d) with {G z : least ≤ z ≤ 1} = {x : N x ≤ d}, one row a facet; G must have full row rank.
 
     Every facet is parallel to n − 1 independent generators; its plane is shifted outwards along
-    its normal n by Σ max(n·g_i, least n·g_i), which is Σ |n·g_i| where |z| ≤ 1.
+    its normal n by Σ max(n·g_i, least n·g_i), which is Σ |n·g_i| where |z| ≤ 1. Generators count
+    by their directions, however long or short they are.
 
     generators : G, (n, k); least : of every z, −1 or 0
     Raises NotListable where the choices of n − 1 generators are more than
@@ -34,16 +35,6 @@ def hyperplane_shifting(generators: Array, least: float = -1.0) -> tuple[Array, 
     >>> len(normals), float(offsets.max().round(6))
     (6, 2.0)
     """
-    normals, along = facet_normals(generators)
-    along = np.concatenate([along, -along])
-    return np.concatenate([normals, -normals]), np.maximum(along, least * along).sum(axis=1)
-
-
-def facet_normals(generators: Array) -> tuple[Array, Array]:
-    """One unit normal (f, n) a pair of opposite facets, orthogonal to n − 1 generators; its products (f, k) with all.
-
-    Generators count by their directions, however long or short they are.
-    """
     n, k = generators.shape
     count = comb(k, n - 1)
     if count > MOST_COMBINATIONS:
@@ -51,18 +42,17 @@ def facet_normals(generators: Array) -> tuple[Array, Array]:
                           f"{MOST_COMBINATIONS}; ask contains and support instead, of a workspace by='tensions'")
     lengths = np.linalg.norm(generators, axis=0)
     unit = (generators / np.where(lengths > 0, lengths, 1.0)).T
-    normals = np.ones((1, 1))
-    if n > 1:
-        # R of the transposed choice is triangular, its last row's null vector follows from
-        # cofactors; QR by columns is what LAPACK batches best.
-        q, r = np.linalg.qr(np.swapaxes(unit[choices(k, n - 1)], -1, -2), mode="complete")
-        pivots = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
-        normals = q[pivots.min(axis=-1) > PARALLEL, :, -1]
-        # Each line once, its first entry that is not small positive.
-        first = (np.abs(normals) > 1e-7).argmax(axis=1)[:, None]
-        normals = normals * np.sign(np.take_along_axis(normals, first, axis=1))
-        normals = normals[first_of_each(normals)]
-    return normals, products(normals, generators)
+    # QR by columns is what LAPACK batches best.
+    q, r = np.linalg.qr(np.swapaxes(unit[choices(k, n - 1)], -1, -2), mode="complete")
+    pivots = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
+    normals = q[pivots.min(axis=-1, initial=np.inf) > PARALLEL, :, -1]
+    # Each line once, its first entry that is not small positive; then its opposite.
+    first = (np.abs(normals) > 1e-7).argmax(axis=1)[:, None]
+    normals *= np.sign(np.take_along_axis(normals, first, axis=1))
+    normals = normals[first_of_each(normals)]
+    along = products(normals, generators)
+    along = np.concatenate([along, -along])
+    return np.concatenate([normals, -normals]), np.maximum(along, least * along).sum(axis=1)
 
 
 def products(directions: Array, generators: Array) -> Array:
@@ -75,7 +65,7 @@ def products(directions: Array, generators: Array) -> Array:
 @lru_cache(maxsize=16)
 def choices(k: int, size: int) -> Indices:
     """(…, size) every choice among 0 to k − 1."""
-    return np.array(list(combinations(range(k), size)), dtype=np.intp).reshape(-1, size)
+    return np.array(list(combinations(range(k), size)), dtype=np.intp).reshape(comb(k, size), size)
 
 
 def first_of_each(rows: Array, tolerance: float = 1e-8) -> Indices:
