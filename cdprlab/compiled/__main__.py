@@ -8,7 +8,6 @@ import numpy as np
 from ..arrays import plain
 from . import CENTROID, __path__, jit
 from .closest import closest
-from .facets import capacity
 from .polygon import polygons
 
 
@@ -25,8 +24,6 @@ def compile_all() -> None:
     low, high = plain(np.zeros((1, 3))), plain(np.ones((1, 3)))
     polygons(W, w_e, low, high, CENTROID)
     closest(W, w_e, low, high, 0.5, 1)
-    capacity(plain(np.concatenate([W, np.ones((1, 1, 1))], axis=2)), w_e, w_e, w_e[0], low[0],
-             high[0], True)
 
 
 if __name__ == "__main__":

@@ -13,8 +13,8 @@ from ..arrays import Array
 from . import FOUND, OUT_OF_RANGE, TOLERANCE, TOO_REDUNDANT
 from .jit import compiled
 
-FREE, HELD, CARRIED = -1, -2, -3
-"""Before elimination: a column that may solve a row, one held at a value, one that only comes along."""
+FREE, HELD = -1, -2
+"""Before elimination: a column that may solve a row, and one held at a value."""
 
 # A row this much smaller than it was depends on those before it: elimination leaves about 1e-15
 # of it.

@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, Flags, as_array, plain
-from ..compiled import CENTROID, FOUND, NOTHING, OUT_OF_RANGE, TOO_REDUNDANT
+from ..compiled import CENTROID, FOUND, NOTHING, TOO_REDUNDANT
 from ..errors import InvalidInput
 from ..mechanics.optimization import largest_last
 from ..robot import Robot
 from ..sets import Polytope
 from ..tensions import distribute_tensions
 from ..tensions.law import forgiven
-from .margins import margin_by_program, tension_margins
+from .margins import balances, margin_by_program, tension_margins
 
 NEAR = 1e-6
 """Of 1 + |w|∞ and the largest τ_min: margins this close to 0 leave the verdict to the law of tension distributions."""
@@ -74,17 +74,16 @@ def standing_margin(robot: Robot, W: Array, w_e: Array, A: Array, b: Array) -> f
     return largest_last(rows, sides, np.column_stack([W, np.zeros(n)]), -w_e)[0]
 
 
-def capacity_margins(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: Array,
-                     *,
-                     exact: bool = True) -> tuple[Array, Array]:
+def capacity_margins(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: Array) -> tuple[Array, Array]:
     """Distance of all wrenches −(w_e + load ± half) from the border of {W τ : τ_min ≤ τ ≤ τ_max}, negative outside.
 
     The nearest facet decides. Where the rows are forces and moments it is in N, a moment of 1 N
-    m counting as 1 N.
+    m counting as 1 N. With one facet's normal n orthogonal to n − 1 columns of W (hyperplane
+    shifting), y = Wᵀ n is zero on these columns and orthogonal to the null space of W: the facets
+    are those of `tension_margins`.
 
     W : (N, n, m); w_e : (N, n) [N, N m]; loads : (v, n); half : (n,) [N, N m]; low, high : (m,)
         [N]
-    exact : without it a negative answer only means outside
     Returns (N,); (N, n) outward unit normal of the facet that decides. Where W loses rank the
     set is flat, and nothing is inside by more than 0.
     Source: Bouchard et al. 2010; Gouttefarde and Krut 2010; Guay et al. 2014 (capacity margin).
@@ -94,18 +93,28 @@ def capacity_margins(W: Array, w_e: Array, loads: Array, half: Array, low: Array
     >>> capacity_margins(W, np.zeros((1, 2)), load, half, np.zeros(2), 4 * np.ones(2))[0]
     array([1.])
     """
-    from ..compiled.facets import capacity
-
-    n = W.shape[1]
-    carried = np.concatenate([W, np.broadcast_to(np.eye(n), (len(W), n, n))], axis=2)
-    s, normals, found = capacity(*map(plain, (carried, w_e, loads, half, low, high)), exact)
-    s[found == OUT_OF_RANGE] = -np.inf
-    for k in np.flatnonzero(found == TOO_REDUNDANT):
+    s, normals = np.full(len(W), np.nan), np.empty(w_e.shape)
+    for balance in balances(W, w_e):
+        nearest, outward = np.full(len(balance.at), np.inf), np.empty(balance.inverse[:, 0].shape)
+        for chosen, y in balance.facets():
+            normal = sum(balance.inverse[:, i] * share for i, share in zip(chosen, y))
+            pull, least, most = np.maximum(y, 0.0), low[chosen], high[chosen]
+            exerted, width = (y * balance.c[chosen]).sum(axis=0) - loads @ normal, half @ np.abs(normal)
+            above = most @ pull + least @ (y - pull) - exerted.max(axis=0) - width
+            below = exerted.min(axis=0) - width - least @ pull - most @ (y - pull)
+            with np.errstate(divide="ignore", invalid="ignore"):   # y that is zero is no facet
+                size = np.sqrt((normal * normal).sum(axis=0))
+                left = np.minimum(above, below) / size
+            nearer = left < nearest
+            nearest[nearer] = left[nearer]
+            outward[:, nearer] = np.where(above <= below, normal, -normal)[:, nearer] / size[nearer]
+        s[balance.at], normals[balance.at] = nearest, outward.T
+    for k in np.flatnonzero(np.isnan(s)):
         available = Polytope.from_box(W[k], low, high)
-        reach = (available.normals @ -(w_e[k] + loads).T).max(axis=1) + np.abs(available.normals) @ half
-        worst = int((available.offsets - reach).argmin())
-        s[k], normals[k] = (available.offsets - reach)[worst], available.normals[worst]
-    normals[found == OUT_OF_RANGE] = np.nan
+        left = (available.offsets - (available.normals @ -(w_e[k] + loads).T).max(axis=1)
+                - np.abs(available.normals) @ half)
+        worst = left.argmin()
+        s[k], normals[k] = left[worst], available.normals[worst]
     return s, normals
 
 

@@ -74,15 +74,11 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: Ann
 def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array, loads: Array) -> Array:
     """(N,) 1, −1 or 0: inside for all loads, outside for one."""
     boxes, poses = _boxes(robot, low, high, rotation)
-    sound = have_directions(robot, poses)
-    if not sound.all():   # an exit point in the very middle: such a box is halved
-        verdict = np.zeros(len(low))
-        if sound.any():
-            verdict[sound] = _verdicts(robot, low[sound], high[sound], rotation, loads)
-        return verdict
+    verdict, sound = np.zeros(len(low)), have_directions(robot, poses)   # an exit point in the middle: halved
+    boxes, poses = boxes[sound], poses[sound]
     W, lengths = wrench_matrix(robot, poses), cable_lengths(robot, poses)
-    weight = np.broadcast_to(gravity_wrench(robot, poses), (len(low), robot.n_dof))
-    inside, outside = np.ones(len(low), dtype=bool), np.zeros(len(low), dtype=bool)
+    weight = np.broadcast_to(gravity_wrench(robot, poses), W.shape[:2])
+    inside, outside = np.ones(len(W), dtype=bool), np.zeros(len(W), dtype=bool)
     for load in loads:
         s, tau = best_tensions(W, weight + load, robot.tension_min, robot.tension_max)
         good, bad = s > 0, (s < 0) & ~outside
@@ -94,7 +90,8 @@ def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array, loads: Arr
             normal = capacity_margins(W[bad], weight[bad], load[None], np.zeros(robot.n_dof),
                                       robot.tension_min, robot.tension_max)[1]
             outside[bad] = certainly_outside(boxes[bad], load, normal)
-    return inside.astype(float) - outside
+    verdict[sound] = inside.astype(float) - outside
+    return verdict
 
 
 def _boxes(robot: Robot, low: Array, high: Array, rotation: Array) -> tuple[PoseBoxes, Pose]:

@@ -61,9 +61,9 @@ class Both(Criterion):
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         a, b = self.first.judge(robot, poses, margin), self.second.judge(robot, poses, margin)
-        smaller = np.minimum(a.margin, b.margin) if self.first.unit == self.second.unit else np.full(
-            a.margin.shape, np.nan)
-        return Judgement(a.inside & b.inside, smaller)
+        if self.first.unit != self.second.unit:
+            return unknown(a.inside & b.inside)
+        return Judgement(a.inside & b.inside, np.minimum(a.margin, b.margin))
 
 
 def judge_where_it_can_be(robot: Robot, poses: Pose, criterion: Criterion, margin: bool = True) -> Judgement:
@@ -74,10 +74,10 @@ def judge_where_it_can_be(robot: Robot, poses: Pose, criterion: Criterion, margi
         sound = have_directions(robot, poses)
         if sound.all():
             raise
-    inside, margins = np.zeros(len(poses), dtype=bool), np.full(len(poses), np.nan)
+    found = unknown(np.zeros(len(poses), dtype=bool))
     if sound.any():
-        inside[sound], margins[sound] = criterion.judge(robot, poses[sound], margin)
-    return Judgement(inside, margins)
+        found.inside[sound], found.margin[sound] = criterion.judge(robot, poses[sound], margin)
+    return found
 
 
 def unknown(inside: Flags) -> Judgement:

@@ -2,18 +2,53 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Indices
 from ..mechanics.optimization import largest_last
 
 NOUGHT = 1e-10      # of all that is summed up: less is zero
 PARALLEL = 1e-9     # cofactors below this share of the products they are made of are zero
-DEPENDENT = 1e-11   # singular values below this share of the largest are zero
-OFF_RANGE = 1e-8    # of the wrench: what no tensions balance
+DEPENDENT = 1e-11   # a row of W of which this share is left beside the others depends on them
 TOGETHER = 1024     # poses; their rows of numbers stay in the processor's cache
+
+
+class Balance(NamedTuple):
+    """All tensions c + D λ that balance the wrenches of some poses, cable by cable, with all these poses in a row.
+
+    at : (k,) which poses
+    c : (m, k); D : (r, m, k); inverse : W⁺ transposed, (n, m, k)
+    """
+
+    at: Indices
+    c: Array
+    D: Array
+    inverse: Array
+
+    def facets(self) -> Iterator[tuple[list[int], Array]]:
+        """Each y with Σ y_i D_i = 0 of least many cables: which ones, and (r + 1, k) y."""
+        for cables in combinations(range(len(self.c)), len(self.D) + 1):
+            yield list(cables), cofactors(self.D[:, cables])
+
+
+def balances(W: Array, w_e: Array) -> Iterator[Balance]:
+    """Some poses after the other, without those where W has no full row rank, or more than two cables are redundant.
+
+    W : (N, n, m); w_e : (N, n) [N, N m]
+    """
+    n, m = W.shape[1:]
+    for first in range(0, len(W) if 0 <= m - n <= 2 else 0, TOGETHER):
+        q, r = np.linalg.qr(np.swapaxes(W[first:first + TOGETHER], 1, 2), mode="complete")
+        pivots = np.abs(np.diagonal(r, axis1=1, axis2=2))
+        regular = np.flatnonzero(pivots.min(axis=1) > DEPENDENT * pivots.max(axis=1))
+        inverse = np.linalg.solve(r[regular, :n], np.swapaxes(q[regular, :, :n], 1, 2))
+        c = -np.einsum("kim,ki->mk", inverse, w_e[first + regular])
+        yield Balance(first + regular, c, *(np.ascontiguousarray(np.moveaxis(part, 0, -1)) for part in (
+            np.swapaxes(q[regular, :, n:], 1, 2), inverse)))
 
 
 def tension_margins(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> Array:
@@ -30,45 +65,25 @@ def tension_margins(W: Array, w_e: Array, low: Array, high: Array, *, at_high: b
     >>> tension_margins(W, np.zeros((1, 1)), np.array([1.0, 1.0]), np.array([5.0, 9.0]))
     array([2.])
     """
+    own = (high - low).min()   # what each cable's own limits leave
     s = np.full(len(W), np.nan)
-    sound = np.flatnonzero(np.isfinite(W).all(axis=(1, 2)) & np.isfinite(w_e).all(axis=1))
-    for first in range(0, len(sound), TOGETHER):
-        at = sound[first:first + TOGETHER]
-        u, sizes, vt = np.linalg.svd(W[at])
-        ranks = (sizes > DEPENDENT * sizes[:, :1]).sum(axis=1)
-        for rank in np.unique(ranks):
-            here = ranks == rank
-            s[at[here]] = _of_one_rank(rank, u[here], sizes[here], vt[here], w_e[at[here]], low, high, at_high)
-    for k in sound[np.isnan(s[sound])]:   # too redundant
+    for balance in balances(W, w_e):
+        least = np.full(len(balance.at), own / 2 if at_high else own)
+        for chosen, y in balance.facets():
+            c, size = balance.c[chosen], np.abs(y).sum(axis=0)
+            over, under = high[chosen, None] - c, c - low[chosen, None]
+            missed = -NOUGHT * (size + np.abs(y * c).sum(axis=0) + low[chosen] @ np.abs(y))
+            for way in (y, -y):   # s rate ≤ left; where s has no part in it, it is kept, to rounding, or not
+                pull, ease = np.maximum(way, 0.0), np.maximum(-way, 0.0)
+                left = (pull * over + ease * under).sum(axis=0)
+                rate = size if at_high else ease.sum(axis=0)
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    most = np.where(rate > NOUGHT * size, left / rate, np.where(left < missed, -np.inf, np.inf))
+                least = np.minimum(least, most)
+        s[balance.at] = least
+    for k in np.flatnonzero(np.isnan(s)):
         s[k] = margin_by_program(W[k], w_e[k], low, high, at_high)[0]
     return s
-
-
-def _of_one_rank(rank: int, u: Array, sizes: Array, vt: Array, w_e: Array, low: Array, high: Array,
-                 at_high: bool) -> Array:
-    """Margins of poses of one rank; NaN where more than two cables are redundant."""
-    m = vt.shape[1]
-    along = np.einsum("kij,ki->kj", u, -w_e)
-    off = np.abs(along[:, rank:]).max(axis=1, initial=0) > OFF_RANGE * (1 + np.abs(w_e).max(axis=1))
-    if m - rank > 2:
-        return np.where(off, -np.inf, np.nan)
-    # Cable by cable, with all poses in a row.
-    c = np.einsum("kr,krm->mk", along[:, :rank] / sizes[:, :rank], vt[:, :rank])
-    D = np.moveaxis(vt[:, rank:], 0, -1)
-    half = (high - low) / 2
-    s = np.full(len(u), half.min() if at_high else 2 * half.min())   # what each cable's own limits leave
-    for cables in combinations(range(m), m - rank + 1):
-        y = cofactors(D[:, cables])
-        size = np.abs(y).sum(axis=0)
-        chosen = list(cables)
-        over, under = high[chosen, None] - c[chosen], c[chosen] - low[chosen, None]
-        pull, ease = np.maximum(y, 0.0), np.maximum(-y, 0.0)
-        above, below = (pull * over + ease * under).sum(axis=0), (pull * under + ease * over).sum(axis=0)
-        missed = -NOUGHT * (size + np.abs(y * c[chosen]).sum(axis=0) + low[chosen] @ np.abs(y))
-        up = size if at_high else (size - y.sum(axis=0)) / 2
-        down = size if at_high else size - up
-        s = np.minimum(s, bound(above, below, up, down, missed))
-    return np.where(off, -np.inf, s)
 
 
 def cofactors(D: Array) -> Array:
@@ -84,16 +99,6 @@ def cofactors(D: Array) -> Array:
         y = ahead - behind
         size = np.maximum(np.abs(ahead), np.abs(behind)).max(axis=0)
     return np.where(np.abs(y) > PARALLEL * size, y, 0.0)   # one by one: a generous limit would make much of rounding
-
-
-def bound(above: Array, below: Array, up: Array, down: Array, missed: Array) -> Array:
-    """The largest s with s up ≤ above and s down ≤ below; a sum without s is kept, to rounding, or not."""
-    nought = NOUGHT * (up + down)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        most = np.minimum(np.where(up > nought, above / up, np.inf),
-                          np.where(down > nought, below / down, np.inf))
-    broken = (up <= nought) & (above < missed) | (down <= nought) & (below < missed)
-    return np.where(broken, -np.inf, most)
 
 
 def margin_by_program(W: Array, w_e: Array, low: Array, high: Array, at_high: bool) -> tuple[float, Array]:

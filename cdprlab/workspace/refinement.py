@@ -58,8 +58,6 @@ def _share_inside(robot: Robot, grid: PoseGrid, criterion: Criterion, lower: Arr
     places = np.array([*product((0.0, 1.0), repeat=k), np.full(k, 0.5)])
     points = lower[:, None] + (upper - lower)[:, None] * places
     # Points that differ by more than rounding, and which of them each point is.
-    flat = points.reshape(-1, k)
-    _, first, back = np.unique(np.round(flat, 9), axis=0, return_index=True,
-                               return_inverse=True)
-    inside = workspace(robot, grid.poses_at(flat[first]), criterion, margin=False, n_jobs=n_jobs).inside
+    points, back = np.unique(np.round(points.reshape(-1, k), 9), axis=0, return_inverse=True)
+    inside = workspace(robot, grid.poses_at(points), criterion, margin=False, n_jobs=n_jobs).inside
     return inside[back.ravel()].reshape(len(lower), -1).mean(axis=1)

@@ -39,10 +39,8 @@ class StaticallyStable(Criterion):
                                     robot.tension_max,
                                     self.method)
         smallest = np.full(poses.batch_shape, np.nan)
-        held = np.asarray(found.feasible)
-        if held.any():
-            smallest[held] = smallest_stiffness(robot, poses[held], found.tensions[held],
-                                                self.axial_stiffness)
+        held = found.feasible
+        smallest[held] = smallest_stiffness(robot, poses[held], found.tensions[held], self.axial_stiffness)
         return Judgement(smallest > 0, smallest)
 
 

@@ -16,7 +16,7 @@ from ..mechanics.cables import have_directions, why_no_direction
 from ..robot import Robot
 from ..robot.pose import Pose
 from .checkpoint import Checkpoint
-from .criterion import Criterion, Judgement, judge_where_it_can_be
+from .criterion import Criterion, Judgement, judge_where_it_can_be, unknown
 from .grids import PoseGrid
 
 Answer = TypeVar("Answer")
@@ -54,7 +54,7 @@ def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool 
     as_count(chunk, "chunk")
     shape, flat = _flattened(poses)
     count = len(flat)
-    answer = Judgement(np.zeros(count, dtype=bool), np.full(count, np.nan))
+    answer = unknown(np.zeros(count, dtype=bool))
     kept = Checkpoint(checkpoint, robot, criterion, margin, chunk) if checkpoint is not None else None
     lost, reason = 0, ""
     starts = range(0, count, chunk)
@@ -64,11 +64,10 @@ def workspace(robot: Robot, poses: Poses, criterion: Criterion, *, margin: bool 
         answer.inside[start:start + chunk], answer.margin[start:start + chunk] = part
         if robot.pulleys.size:
             asked = flat[start:start + chunk]
-            without = np.flatnonzero(~have_directions(robot, asked))
-            if without.size and not lost:
-                first = asked[without[:1]]
-                reason = f"at {first.position[0].tolist()} m {why_no_direction(robot, first[0])}"
-            lost += without.size
+            without = asked[~have_directions(robot, asked)]
+            if len(without) and not lost:
+                reason = f"at {without[0].position.tolist()} m {why_no_direction(robot, without[0])}"
+            lost += len(without)
         if progress is not None:
             progress(min(start + chunk, count), count)
     if lost:
@@ -81,8 +80,7 @@ def _flattened(poses: Poses) -> tuple[tuple[int, ...], Poses]:
     if not isinstance(poses, Pose):
         return (len(poses),), poses
     d = poses.dimension
-    rotations = poses.rotation if len(poses.batch_shape) == 1 else poses.rotation.reshape(-1, d, d)
-    return poses.batch_shape, Pose.of(poses.position.reshape(-1, d), rotations)
+    return poses.batch_shape, Pose.of(poses.position.reshape(-1, d), poses.rotation.reshape(-1, d, d))
 
 
 def _part(robot: Robot, poses: Pose, criterion: Criterion, margin: bool, kept: Checkpoint | None) -> Judgement:

@@ -77,9 +77,9 @@ class WrenchFeasible(Criterion):
         loads = external_wrenches(self.wrenches, robot.n_dof)
         half = box_half_widths(self.half_widths, robot.n_dof, "N, N m")
         if self.by == "facets" or (self.by is None and self.half_widths is not None):
-            s = capacity_margins(W, weight, loads, half, low, high, exact=margin)[0]
+            s = capacity_margins(W, weight, loads, half, low, high)[0]
             inside = balanced(s, W, weight, box_loads(loads, half)[:, None], low, high)
-            return Judgement(inside, s) if margin else unknown(inside)
+            return Judgement(inside, s)
         return _balanced(robot, W, weight, box_loads(loads, half)[:, None], margin)
 
 

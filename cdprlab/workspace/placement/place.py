@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array, as_count, checked
+from ...arrays import as_array, as_count, checked
 from ...errors import InvalidInput, NoPlacement, quoted
+from ...mechanics.cables import check_dimension
 from ...robot import Robot
 from ...robot.pose import Pose
 from .program import Duty
@@ -60,8 +61,7 @@ def place_bases(robot: Robot, poses: Pose, wrenches: ArrayLike, *, tipping: bool
     as_count(evaluations, "evaluations")
     duty = _checked(robot, poses, wrenches, tipping)
     search = Search(robot, duty, evaluations)
-    value, x = search.value(search.here), search.here
-    if value >= margin:
+    if search.value(search.here) >= margin:
         return robot
     proven = why_impossible(robot, duty)
     if proven:
@@ -79,20 +79,12 @@ def _checked(robot: Robot, poses: Pose, wrenches: ArrayLike, tipping: bool) -> D
         raise InvalidInput("this robot has no base that can drive: every speed limit is 0"
                            if robot.bases
                            else "this robot has no bases")
-    if poses.dimension != robot.dimension:
-        raise InvalidInput(f"a {robot.motion_pattern} robot lives in {robot.dimension} dimensions, "
-                           f"the poses have {poses.dimension}")
-    d = robot.dimension
+    check_dimension(robot, poses)
+    d, n = robot.dimension, robot.n_dof
     many = Pose.of(poses.position.reshape(-1, d), poses.rotation.reshape(-1, d, d))
-    return Duty(many, _loads(robot, len(many), wrenches), tipping)
-
-
-def _loads(robot: Robot, count: int, wrenches: ArrayLike) -> Array:
-    """(N, k, n) from (n,), (k, n) or (N, k, n)."""
-    given = as_array(wrenches, "wrenches", (robot.n_dof,), "N, N m", batch=True)
-    if given.ndim <= 2:
-        given = np.unique(np.atleast_2d(given), axis=0)[None]
-    if given.ndim != 3 or given.shape[0] not in (1, count) or not given.size or not count:
-        raise InvalidInput(f"wrenches must be ({robot.n_dof},), (k, {robot.n_dof}) or "
-                           f"({count}, k, {robot.n_dof}) for {count} poses, got shape {np.shape(wrenches)}")
-    return np.broadcast_to(given, (count, *given.shape[1:]))
+    given, count = as_array(wrenches, "wrenches", (n,), "N, N m", batch=True), len(many)
+    loads = given.reshape(1, -1, n) if given.ndim <= 2 else given
+    if loads.ndim != 3 or loads.shape[0] not in (1, count) or not loads.size or not count:
+        raise InvalidInput(f"wrenches must be ({n},), (k, {n}) or ({count}, k, {n}) for {count} poses, "
+                           f"got shape {given.shape}")
+    return Duty(many, np.broadcast_to(loads, (count, *loads.shape[1:])), tipping)

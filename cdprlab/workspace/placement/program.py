@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,10 +36,10 @@ class Duty(NamedTuple):
         """Its pose i under its wrench j alone."""
         return self._replace(poses=self.poses[i:i + 1], loads=self.loads[i:i + 1, j:j + 1])
 
-    def each(self) -> Iterator[Duty]:
-        """One pose under one wrench after the other, wrenches running faster."""
-        return (self.one(i, j) for i in range(self.loads.shape[0])
-                for j in range(self.loads.shape[1]))
+    def named(self, i: int, j: int) -> str:
+        """Its pose i under its wrench j, in words."""
+        return (f"pose {i + 1} of {len(self.poses)} (at {np.round(self.poses.position[i], 3).tolist()} m) under the "
+                f"wrench {np.round(self.loads[i, j], 3).tolist()}")
 
 
 def worst_margin(robot: Robot, duty: Duty) -> tuple[float, Array]:
@@ -77,5 +76,4 @@ def _blocks(rows: Array) -> Any:
     """Sparse: each block of rows (B, f, m + 1) over its own m tensions, and over the one s they share, the last."""
     from scipy.sparse import block_diag, coo_array, hstack
 
-    own = block_diag([coo_array(block) for block in rows[..., :-1]])
-    return hstack([own, coo_array(rows[..., -1].reshape(-1, 1))], format="csr")
+    return hstack([block_diag(rows[..., :-1]), coo_array(rows[..., -1:].reshape(-1, 1))], format="csr")

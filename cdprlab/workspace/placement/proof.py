@@ -28,54 +28,40 @@ def why_impossible(robot: Robot, duty: Duty) -> str:
     """
     if robot.pulleys.size:
         return ""
-    for i, pose in enumerate(duty.poses):
-        for load in duty.loads[i]:
-            share = largest_share(robot, pose, load, duty.tipping)
-            if share < 1 - _ROUNDING:
-                return _told(robot, duty, i, load, share)
+    for i, j in np.ndindex(*duty.loads.shape[:2]):
+        pose, load = duty.poses[i], duty.loads[i, j]
+        if largest_share(robot, pose, load, duty.tipping) < 1 - _ROUNDING:
+            return f"{duty.named(i, j)}: {_lift(robot, pose, load) or _short(robot, pose, load)}"
     return ""
-
-
-def _told(robot: Robot, duty: Duty, i: int, load: Array, share: float) -> str:
-    """What is short: height, limits with every base free, directions that are held, or standing."""
-    pose = duty.poses[i]
-    where = f"pose {i + 1} of {len(duty.poses)} (at {np.round(pose.position, 3).tolist()} m)"
-    wrench = f"{where} under the wrench {np.round(load, 3).tolist()}"
-    lift = _lift(robot, pose, load)
-    if lift:
-        return f"{where} {lift}"
-    floor = np.array([1.0, 1.0, 1.0] if robot.dimension == 3 else [0.0, 1.0, 0.0])     # what any base could do
-    held = [base.name for base in robot.bases if (base.speed_max[floor > 0] == 0).any()]
-    free = replace(robot, bases=tuple(replace(base, speed_max=np.maximum(base.speed_max, floor))
-                                      for base in robot.bases))
-    most = largest_share(free, pose, load, False)
-    if most < 1 - _ROUNDING:
-        return f"{wrench}: wherever the bases stand, the tension limits allow {_percent(most)} of it"
-    most = largest_share(robot, pose, load, False)
-    if most < 1 - _ROUNDING:
-        return (f"{wrench}: while {' and '.join(held)} may not drive in every direction (speed limits of 0), the "
-                f"tension limits allow {_percent(most)} of it")
-    return (f"{wrench}: the tension limits would allow it, but with every base standing, wherever that is, "
-            f"{_percent(share)} of it")
-
-
-def _percent(share: float) -> str:
-    return f"at most {100 * share:.4g} %" if share >= 0 else "no part"
 
 
 def _lift(robot: Robot, pose: Pose, load: Array) -> str:
     """The plainest reason, or '': what must be pulled up, and the cables that pull up at all."""
     d = robot.dimension
-    if robot.n_dof < d:
-        return ""
-    rises = cable_vectors(robot, pose)[:, -1]
     lifting = np.array([rise > 0 or bool(_ways(robot, k)[:, -1].any())
-                        for rise, k in zip(rises, robot.base_indices)])
+                        for rise, k in zip(cable_vectors(robot, pose)[:, -1], robot.base_indices)])
     able = float(robot.tension_max[lifting].sum())
-    if -load[d - 1] <= able:
+    if robot.n_dof < d or -load[d - 1] <= able:
         return ""
-    return (f"needs {-load[d - 1]:.4g} N upwards; {int(lifting.sum())} of {robot.n_cables} cables have their exit "
+    return (f"it needs {-load[d - 1]:.4g} N upwards; {int(lifting.sum())} of {robot.n_cables} cables have their exit "
             f"point above their anchor point there and could pull {able:.4g} N at most")
+
+
+def _short(robot: Robot, pose: Pose, load: Array) -> str:
+    """What allows a share of the load only: limits with every base free, directions that are held, or standing."""
+    floor = np.array([1.0, 1.0, 1.0] if robot.dimension == 3 else [0.0, 1.0, 0.0])     # what any base could do
+    held = [base.name for base in robot.bases if (base.speed_max[floor > 0] == 0).any()]
+    free = replace(robot, bases=tuple(replace(base, speed_max=np.maximum(base.speed_max, floor))
+                                      for base in robot.bases))
+    for placed, standing, reason in (
+            (free, False, "wherever the bases stand, the tension limits allow"),
+            (robot, False, f"while {' and '.join(held)} may not drive in every direction (speed limits of 0), the "
+                           "tension limits allow"),
+            (robot, True, "the tension limits would allow it, but with every base standing, wherever that is,")):
+        share = largest_share(placed, pose, load, standing)
+        if share < 1 - _ROUNDING:
+            return f"{reason} {f'at most {100 * share:.4g} %' if share >= 0 else 'no part'} of it"
+    return ""
 
 
 def largest_share(robot: Robot, pose: Pose, load: Array, tipping: bool) -> float:

@@ -73,18 +73,13 @@ class Search:
 
 def _layouts(robot: Robot, poses: Pose) -> list[Array]:
     """Moves (p, 3) with which searches begin: over the middle of the poses, narrower, wider, to every side of them."""
-    places = np.array([base.position for base in robot.bases])
-    floor = robot.dimension - 1
-    middle = (poses.position[:, :floor].min(axis=0) + poses.position[:, :floor].max(axis=0)) / 2
-    center = places.mean(axis=0)
-    over, aside = np.zeros(2), np.zeros((floor, 2))
-    over[:floor] = (middle - center[:floor])
-    aside[:, :floor] = _span(robot, poses) * np.eye(floor)
+    places, wanted = np.array([base.position for base in robot.bases]), poses.position[:, :2]
+    center, floor = places.mean(axis=0), np.eye(robot.dimension - 1, 2)
+    over = (wanted.min(axis=0) + wanted.max(axis=0)) / 2 - center
+    aside = _span(robot, poses) * floor
     layouts = [over + (factor - 1) * (places - center) for factor in (1.0, 0.7, 1.4, 2.0)]
     layouts += [over + way + 0 * places for way in (*aside, *-aside)]
-    for layout in layouts:
-        layout[:, floor:] = 0.0
-    return [np.array([[0.0, *(base.rotation[:2, :2].T @ move)]
+    return [np.array([[0.0, *(base.rotation[:2, :2].T @ (move * floor.sum(axis=0)))]
                       for base, move in zip(robot.bases, layout)])
             for layout in layouts]
 
@@ -119,18 +114,13 @@ def why_not_found(robot: Robot, duty: Duty, best: float, demand: float) -> str:
         return ("bases would stand in each other or masts in the platform"
                 if overlap(robot, duty.poses) > 0
                 else "at some pose the cables cannot exert the wrench at all, whatever their tensions")
-    i, j = divmod(int(np.argmin([worst_margin(robot, one)[0] for one in duty.each()])),
-                  duty.loads.shape[1])
+    i, j = min(np.ndindex(*duty.loads.shape[:2]), key=lambda at: worst_margin(robot, duty.one(*at))[0])
     worst = duty.one(i, j)
     alone, tensions = worst_margin(robot, worst._replace(tipping=False))
-    if best >= 0:
-        short = f"margin {best:.3g} instead of {demand:g}"
-    else:
-        short = _tipping(robot, worst) if alone >= 0 else _pulling(robot, tensions[0, 0],
-                                                                   best < alone - 1e-6)
-    return (f"at the best placement, pose {i + 1} of {len(duty.poses)} (at "
-            f"{np.round(worst.poses.position[0], 3).tolist()} m) under the wrench "
-            f"{np.round(worst.loads[0, 0], 3).tolist()}: {short}")
+    short = f"margin {best:.3g} instead of {demand:g}"
+    if best < 0:
+        short = _tipping(robot, worst) if alone >= 0 else _pulling(robot, tensions[0, 0], best < alone - 1e-6)
+    return f"at the best placement, {duty.named(i, j)}: {short}"
 
 
 def _pulling(robot: Robot, tensions: Array, tips: bool) -> str:
