@@ -179,9 +179,9 @@ def _walk(rows: Array, b: Array, c: Array, active: Indices) -> tuple[Flags, Indi
             return bounded, active, points
         bland = step > 4 * (r + k)
         leaving = (np.where(negative, at, r) if bland else multipliers).argmin(axis=1)[each]
-        edge = -inverse[each, :, leaving]
-        edge = np.asarray(edge / np.linalg.norm(edge, axis=1)[:, None])
-        entering = _entering(A[each], limits[each], q[each], edge, at[each], bland)
+        edge = inverse[each, :, leaving]
+        unit = np.asarray(-edge / np.linalg.norm(edge, axis=1)[:, None])
+        entering = _entering(A[each], limits[each], q[each], unit, at[each], bland)
         stopped, todo = entering >= 0, todo[each]
         bounded[todo] = stopped
         todo = todo[stopped]
