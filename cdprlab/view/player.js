@@ -65,5 +65,11 @@
   button.addEventListener("click", () => play(!playing));
   slider.addEventListener("input", () => { now = Number(slider.value); show(); });
   ["keydown", "pointerdown", "wheel"].forEach((kind) => bar.addEventListener(kind, (event) => event.stopPropagation()));
+  // k3d asks what its camera sees as the camera is moved only: names would be missing in a picture of another size.
+  instance.on(instance.events.BEFORE_RENDER, () => {
+    const camera = instance.getWorld().camera;
+    camera.frustum.setFromProjectionMatrix(camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse));
+  });
   show();
+  new ResizeObserver(() => setTimeout(show, 500)).observe(frame);   // names are set before, so once more
 })();

@@ -87,9 +87,9 @@ class MotionScene:
         self._add_solids()
         self._add_cables(tensions)
         center, reach = (points.min(axis=0) + points.max(axis=0)) / 2, 250 * self.unit
-        way = np.array([0.0, -1.0, 0.12] if first.robot.dimension == 2 else [0.45, -0.85, 0.35])
-        center[2] -= 0.08 * reach   # the player's bar covers what is below
-        self.plot.camera = [*(center + 0.92 * reach * way).tolist(), *center.tolist(), 0, 0, 1]
+        way = np.array([0.0, -1.0, 0.12] if first.robot.dimension == 2 else [0.55, -0.75, 0.4])
+        center[2] -= 0.1 * reach   # the player's bar covers what is below
+        self.plot.camera = [*(center + reach * way).tolist(), *center.tolist(), 0, 0, 1]
         self.plot.additional_js_code = self._player(tensions)
 
     def page(self) -> str:
@@ -154,9 +154,9 @@ class MotionScene:
         first = _raised(self.states[0].robot.exit_points)
         for k in range(m):
             place = exits[k] if isinstance(exits, np.ndarray) else {time: points[k] for time, points in exits.items()}
-            # Outwards of the point, and above or below it where cables share one.
+            # Outwards of the point, and above or below it where another is near.
             side = "l" if first[k, 0] > first[:, 0].mean() else "r"
-            shared = int((np.abs(first[:k] - first[k]).max(axis=1, initial=0.0) < 1e-6).sum())
+            shared = int((np.abs(first[:k] - first[k]).max(axis=1, initial=0.0) < 20 * self.unit).sum())
             self.plot += k3d.text(str(k + 1), position=place, color=_rgb(INK), size=1.0, label_box=False,
                                   reference_point=side + "bt"[shared % 2])
 

@@ -22,6 +22,9 @@ from typing import Any
 import notebooks
 import pytest
 
+import cdprlab as cl
+from cdprlab.view.scene import MotionScene
+
 TOKEN = "tested-here-only"
 SEEN = notebooks.CHECKOUT / "out" / "browser"
 LESSONS = notebooks.names()
@@ -260,6 +263,25 @@ def test_a_run_plays_without_asking_the_kernel(lesson: Any):
     frames = bar.evaluate("bar => bar.parentNode.cdprlabFrames.slice().sort((a, b) => a - b)")
     print(f"{len(frames)} frames, median {frames[len(frames) // 2]:.0f} ms")
     assert len(frames) > 10
+
+
+NUMBERS = """() => Array.from(document.querySelectorAll('.katex-html')).map(word => word.getBoundingClientRect())
+  .filter(box => box.width > 0).map(box => [box.x, box.y, box.x + box.width, box.y + box.height])"""
+"""Where the cables' numbers stand in a scene, in pixels."""
+
+
+def test_a_scene_shows_the_number_of_every_cable_before_it_is_touched(browser: Any, tmp_path: Path):
+    """k3d left those on the right out, in a picture that is wider than high."""
+    with cl.open_simulator(cl.load_world("planar_rigid")) as engine:
+        (tmp_path / "scene.html").write_text(MotionScene([engine.state()]).page(), encoding="utf-8")
+    page = browser.new_page(viewport={"width": 848, "height": 400})
+    page.goto((tmp_path / "scene.html").as_uri())
+    page.locator(".cdprlab-play").wait_for()
+    page.wait_for_timeout(2000)
+    boxes = page.evaluate(NUMBERS)
+    page.close()
+    assert len(boxes) == 4
+    assert all(left >= 0 and top >= 0 and right <= 848 and bottom <= 400 for left, top, right, bottom in boxes)
 
 
 @pytest.mark.parametrize("lesson", LESSONS[:1], indirect=True, scope="module")
