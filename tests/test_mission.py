@@ -147,6 +147,7 @@ def test_bases_that_do_not_come_together_do_not_drive_home(world):
     assert stopped.reason == "in return: the bases are not together: one is 30 mm off its coupled place"
 
 
+@pytest.mark.long
 def test_folding_is_the_deployment_turned_round(monkeypatch):
     """The platform holds still, the base ends where it began, and the link is closed again."""
     world = cl.load_world("fastkit_suspended")
@@ -205,6 +206,7 @@ def test_the_journey_is_drawn_with_words_for_those_who_cannot_see_it(mission):
     np.testing.assert_array_equal(way.get_xydata(), mission.journey.poses[:, :2])
 
 
+@pytest.mark.long
 def test_the_mission_repeated_is_identical(mission, world):
     again = run_mission(world, BOUNDS, START, seed=3, beams=91, work=through,
                         walkers=(Walker([[2.5, -1.0], [6.0, -1.0]]),))
