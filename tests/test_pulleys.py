@@ -464,10 +464,11 @@ def test_a_load_that_comes_under_its_pulley_ends_the_flight_and_says_why(name):
 def test_pictures_and_interference_begin_at_the_tangent_points():
     world = cl.load_world("caroca_pulleys")
     robot, pose = world.robot, world.pose
-    starts, arcs, wheels = strung(robot, pose)
-    np.testing.assert_array_equal(starts, tangent_points(robot, pose))
-    np.testing.assert_allclose(arcs + np.linalg.norm(cl.cable_vectors(robot, pose), axis=1),
-                               cl.cable_lengths(robot, pose), rtol=1e-14)
+    ropes = 1.1 * cl.cable_lengths(robot, pose)
+    lines, wheels = strung(robot, pose, np.zeros(robot.n_cables), ropes)
+    starts, arcs = lines[:, 0], cl.cable_lengths(robot, pose) - np.linalg.norm(cl.cable_vectors(robot, pose), axis=1)
+    np.testing.assert_allclose(starts, tangent_points(robot, pose), rtol=0, atol=1e-15)
+    np.testing.assert_allclose(np.linalg.norm(np.diff(lines, axis=1), axis=-1).sum(axis=1), ropes - arcs, rtol=1e-10)
     for exit_point, start, wheel in zip(robot.exit_points, starts, wheels):
         center = wheel[:-1].mean(axis=0)
         for point in (exit_point, start, *wheel):

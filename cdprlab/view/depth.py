@@ -1,9 +1,8 @@
 """What hides what: boxes seen from an eye, in the order in which they are painted, and points behind them."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Flags
 from .outlines import box_faces
 
 _TOUCHING = 1e-6
@@ -30,19 +29,24 @@ class Blocks:
     """
 
     def __init__(self, corners: Array, eye: Array) -> None:
-        self.corners, self.eye = corners, eye
+        self.corners = corners
         self.faces = corners[:, box_faces(3)]
-        centers = corners.mean(axis=1)
-        outwards = self.faces.mean(axis=2) - centers[:, None]
+        centers, middles = corners.mean(axis=1), self.faces.mean(axis=2)
+        outwards = middles - centers[:, None]
         self.normals = outwards / np.linalg.norm(outwards, axis=-1, keepdims=True)
-        self.offsets = (self.normals * self.faces.mean(axis=2)).sum(axis=-1)
+        self.offsets = (self.normals * middles).sum(axis=-1)
         self.eye_heights = self.normals @ eye - self.offsets
         self.distances = np.linalg.norm(centers - eye, axis=-1)
 
     @property
-    def seen(self) -> NDArray[np.bool_]:
+    def seen(self) -> Flags:
         """(n, 6) which faces look towards the eye."""
         return self.eye_heights > 0
+
+    @property
+    def lightness(self) -> Array:
+        """(n, 6) how bright the faces are: the more they look to the sun the brighter."""
+        return 0.78 + 0.25 * self.normals @ _SUN
 
     def order(self) -> list[int]:
         """Which box is painted after which: the farthest first, but none before one that it may hide."""
@@ -54,14 +58,14 @@ class Blocks:
         behind = (beyond & ~self.seen[..., None]).any(axis=1)
         may_hide = ~(before | behind.T)
         after = may_hide & ~may_hide.T
-        left, order = np.argsort(-self.distances), []
-        while len(left):
-            free = np.flatnonzero(~after[np.ix_(left, left)].any(axis=1))
-            order.append(int(left[free[0] if len(free) else 0]))
-            left = left[left != order[-1]]
+        left, order = np.argsort(-self.distances).tolist(), []
+        while left:
+            free = (box for box in left if not after[box, left].any())
+            order.append(next(free, left[0]))
+            left.remove(order[-1])
         return order
 
-    def hides(self, points: Array) -> NDArray[np.bool_]:
+    def hides(self, points: Array) -> Flags:
         """(n, k) whether each box stands between the eye and each of (k, 3) points."""
         start = self.eye_heights[..., None]
         end = self.normals @ points.T - self.offsets[..., None]
@@ -70,9 +74,4 @@ class Blocks:
         outside = np.where(end < start, crossing, np.inf)
         enters = np.where(start > 0, outside, 0.0).max(axis=1)
         leaves = np.where((start <= 0) & (end > 0), crossing, 1.0).min(axis=1)
-        return np.asarray(enters < leaves - _NEARLY)
-
-
-def lightness(normals: Array) -> Array:
-    """(…) how bright faces with these (…, 3) unit normals are: the more they look to the sun the brighter."""
-    return np.asarray(0.78 + 0.25 * normals @ _SUN)
+        return enters < leaves - _NEARLY

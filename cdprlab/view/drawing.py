@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import to_rgb
+from matplotlib.colors import to_rgb, to_rgba_array
 from matplotlib.font_manager import FontProperties
 from matplotlib.path import Path
 from matplotlib.text import Text
@@ -16,17 +16,15 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
-from ..mechanics.cables import anchor_offsets
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world.model import Scene
-from .depth import Blocks, lightness
+from .depth import Blocks
 from .outlines import (
     EMPTY,
     Solid,
     box_corners,
     box_faces,
-    cable_lines,
     floor_height,
     floor_tiles,
     landmarks,
@@ -82,24 +80,23 @@ class RobotDrawing:
     """
 
     def __init__(self, axes: Axes, robot: Robot, scene: Scene | None, poses: Pose,
-                 azimuth: float = 25.0, *,
-                 solid: bool = False, also: ArrayLike = ()) -> None:
+                 azimuth: float = 25.0, *, solid: bool = False, also: ArrayLike = ()) -> None:
         self.axes, self.robot, self.scene, self.solid = axes, robot, scene or EMPTY, solid
-        more = np.reshape(np.asarray(also, dtype=float), (-1, robot.dimension))
-        points = np.concatenate([landmarks(robot, self.scene, poses), more])
+        d = robot.dimension
+        points = np.concatenate([landmarks(robot, self.scene, poses), np.reshape(also, (-1, d))])
         # The world's axes stand at the lowest corner, where they are in nobody's way: they show
         # directions.
-        self._corner, self._arm = points.min(axis=0), 0.07 * float(np.linalg.norm(np.ptp(points, axis=0)))
-        letters = self._corner + _BEYOND * self._arm * np.eye(robot.dimension)
+        self._corner, self._arm = points.min(axis=0), 0.07 * np.linalg.norm(np.ptp(points, axis=0))
+        letters = self._corner + _BEYOND * self._arm * np.eye(d)
         self.points = np.concatenate([points, letters, self._corner[None]])
         self.view = Projection(self.points, azimuth)
         self.pose = poses[0] if poses.batch_shape else poses
         self.limits = tension_limits(robot)
+        self._tiles = floor_tiles(self.points, floor_height(robot, self.scene))
         self._frame_axes()
         self._make_artists()
-        self._fractions = self._label_places()
-        self._around = surroundings(robot, self.scene)
-        self.azimuth: float | None = None
+        self._places = self._label_places()
+        self.drive(robot)
         self.turn(azimuth)
         self.move(self.pose)
 
@@ -108,12 +105,8 @@ class RobotDrawing:
 
         azimuth : of the eye [deg]
         """
-        if azimuth == self.azimuth:
-            return
-        self.azimuth = azimuth
         self.view.turn(azimuth)
-        tiles = floor_tiles(self.points, floor_height(self.robot, self.scene))
-        self._floor.set_verts(self.view.flat(tiles))
+        self._floor.set_verts(self.view.flat(self._tiles))
         if self._world_axes:
             self._place_axes(self._world_axes, self._corner, np.eye(3))
 
@@ -125,7 +118,7 @@ class RobotDrawing:
         self.robot, self._around = robot, surroundings(robot, self.scene)
 
     def move(self, pose: Pose, tensions: ArrayLike | None = None,
-             rope_lengths: ArrayLike | None = None,
+             rope_lengths: Array | None = None,
              loads: Sequence[tuple[Pose, Array]] = (), trail: ArrayLike = ()) -> None:
         """Platform and cables at another pose.
 
@@ -138,101 +131,89 @@ class RobotDrawing:
         trail : (k, d) points joined by a thin line, such as where P has been [m]
         """
         self.pose = pose
-        flat, robot = self.view.flat, self.robot
-        anchors = pose.position + anchor_offsets(robot, pose)
+        flat, robot, d = self.view.flat, self.robot, self.robot.dimension
         solids = self._around + platform_solids(robot, pose, loads)
         self.paint(self._solids, solids)
-        if robot.dimension == 3:
+        if d == 3:
             # Beams and masts are too thin to hide a cable, and exit points lie inside of them.
             wide = [solid.corners for solid in solids if solid.color != STEEL]
             self._blocks = Blocks(np.stack(wide), self.view.eye)
             shadow = platform_corners(robot, pose)[box_faces(3)]
             shadow[..., 2] = floor_height(robot, self.scene)
             self._shadow.set_verts(flat(shadow))
-        self._starts, arcs, wheels = strung(robot, pose)
-        self._wheels.set_segments(list(flat(wheels)))
-        self._place_cables(anchors, arcs, tensions, rope_lengths)
-        for marks, points in ((self._exits, self._starts), (self._anchors, anchors),
-                              (self._trail, np.reshape(np.asarray(trail, dtype=float),
-                                                       (-1, robot.dimension)))):
+        if tensions is not None:
+            self.cables.set_color(tension_colors(tensions, self.limits) / 255)
+            self.cables.set_linestyle(["solid" if pull > 0 else SLACK_DASHES for pull in np.ravel(tensions)])
+        lines, wheels = strung(robot, pose, np.inf if tensions is None else tensions, rope_lengths)
+        self.cables.set_segments(self._in_sight(lines))
+        self._wheels.set_segments(flat(wheels))
+        for number, place in zip(self.numbers, flat(lines[self._places])):
+            number.set_position(place)
+        exits, anchors, trail = lines[:, 0], lines[:, -1], np.reshape(trail, (-1, d))
+        for marks, points in ((self._exits, exits), (self._anchors, anchors), (self._trail, trail)):
             marks.set_data(*self._in_sight(points).T)
         arms = np.stack([np.broadcast_to(pose.position, anchors.shape), anchors], axis=1)
-        self._arms.set_segments(list(flat(arms[self._outside])))
+        self._arms.set_segments(flat(arms[self._outside]))
         if self._platform_axes:
             self._place_axes(self._platform_axes, pose.position, pose.rotation)
 
     def paint(self, shapes: Any, solids: list[Solid]) -> None:
         """The faces of solids, from the back to the front, in a collection that ``faces`` made."""
-        if self.robot.dimension == 2:
-            faces = [(solid.corners[box_faces(2)[0]], solid.color, 1.0) for solid in solids]
-        else:
-            blocks = Blocks(np.stack([solid.corners for solid in solids]), self.view.eye)
-            shades = lightness(blocks.normals)
-            faces = [(blocks.faces[k, f], solids[k].color, shades[k, f]) for k in blocks.order()
-                     for f in np.argsort(blocks.seen[k]) if blocks.seen[k, f] or not self.solid]
-        fills = np.clip([shade * np.array(to_rgb(color)) for _, color, shade in faces], 0, 1)
-        steel = np.array([color == STEEL for _, color, _ in faces])
-        shapes.set_verts(self.view.flat(np.stack([corners for corners, _, _ in faces])))
+        corners = np.stack([solid.corners for solid in solids])
+        faces = corners[:, box_faces(self.robot.dimension)]
+        shades, order = np.ones(faces.shape[:2]), [(k, 0) for k in range(len(solids))]
+        if self.robot.dimension == 3:
+            blocks = Blocks(corners, self.view.eye)
+            shades, seen = blocks.lightness, blocks.seen
+            order = [(k, f) for k in blocks.order() for f in np.argsort(seen[k]) if seen[k, f] or not self.solid]
+        k, f = np.transpose(order)
+        fills = np.clip(shades[k, f, None] * to_rgba_array([solid.color for solid in solids])[k, :3], 0, 1)
+        steel = np.array([solid.color == STEEL for solid in solids])[k]
+        shapes.set_verts(self.view.flat(faces[k, f]))
         shapes.set_facecolor(np.column_stack([fills, np.where(steel | self.solid, 1.0, 0.3)]))
         shapes.set_edgecolor(fills * np.where(steel, 1.0, 0.62)[:, None])
 
     def faces(self, order: float, **options: Any) -> Any:
         """A new collection of polygons; order : among the artists, later ones over earlier ones."""
-        faces = PolyCollection([], zorder=order, animated=True, **options)
-        self.axes.add_collection(faces, autolim=False)
-        return faces
+        return self.axes.add_collection(PolyCollection([], zorder=order, animated=True, **options), autolim=False)
 
     # --- what is where --------------------------------------------------------------------------------
-    def _place_cables(self, anchors: Array, arcs: Array, tensions: ArrayLike | None,
-                      rope_lengths: ArrayLike | None) -> None:
-        ends, m = self._starts, self.robot.n_cables
-        tau = np.broadcast_to(np.inf if tensions is None else np.asarray(tensions, dtype=float), (m,))
-        if tensions is not None:
-            self.cables.set_color(tension_colors(tau, self.limits) / 255)
-            self.cables.set_linestyle(["solid" if pull > 0 else SLACK_DASHES for pull in tau])
-        lines = cable_lines(self.robot, self.pose, tau, rope_lengths, ends, arcs)
-        self.cables.set_segments(self._in_sight(lines.reshape(-1, self.robot.dimension)).reshape(*lines.shape[:2], 2))
-        flat_ends, flat_anchors = self.view.flat(ends), self.view.flat(anchors)
-        for label, start, end, part in zip(self.numbers, flat_ends, flat_anchors,
-                                           self._fractions):
-            label.set_position(start + part * (end - start))
-
     def _in_sight(self, points: Array) -> Array:
-        """(k, 2) where points appear, NaN where a solid hides them."""
+        """(…, 2) where points appear, NaN where a solid hides them."""
         flat = self.view.flat(points)
         if self.solid and self.robot.dimension == 3:
-            flat[self._blocks.hides(points).any(axis=0)] = np.nan
+            hidden = self._blocks.hides(points.reshape(-1, 3)).any(axis=0)
+            flat[hidden.reshape(points.shape[:-1])] = np.nan
         return flat
 
     def _place_axes(self, parts: tuple[Any, list[Any]], origin: Array, rotation: Array) -> None:
         lines, names = parts
-        tips = self.view.flat(origin + self._arm * rotation.T)
-        lines.set_segments([np.stack([self.view.flat(origin), tip]) for tip in tips])
-        for name, place in zip(names,
-                               self.view.flat(origin + _BEYOND * self._arm * rotation.T)):
+        start, tips, places = (self.view.flat(origin + far * self._arm * rotation.T) for far in (0, 1, _BEYOND))
+        lines.set_segments(np.stack([start, tips], axis=1))
+        for name, place in zip(names, places):
             name.set_position(place)
 
     # --- artists, made once ---------------------------------------------------------------------------
     def _frame_axes(self) -> None:
         if self.solid:
-            low, high = self.view.bounds(self.points, [self.view.azimuth])
-            room = np.array([self.axes.bbox.width, self.axes.bbox.height])
-            reach = 0.53 * float(((high - low) / room).max()) * room
+            seen, room = self.view.flat(self.points), self.axes.bbox.size
+            reach = 0.53 * (np.ptp(seen, axis=0) / room).max() * room
         else:
             # Room for a walk all around, and in the plane for labels beyond the last point.
             around = box_corners(np.ptp(self.points, axis=0), Pose(self.view.center))
-            low, high = self.view.bounds(around, np.arange(-180.0, 180.0, 15.0))
-            reach = (high - low) / 2 + 0.07 * float((high - low).max())
+            seen = np.concatenate([Projection(around, azimuth).flat(around) for azimuth in range(-180, 180, 15)])
+            reach = np.ptp(seen, axis=0) / 2 + 0.07 * np.ptp(seen, axis=0).max()
             self.axes.set_aspect("equal")
-        (left, bottom), (right, top) = (low + high) / 2 - reach, (low + high) / 2 + reach
-        self.axes.set(xlim=(left, right), ylim=(bottom, top))
+        middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
+        across, up = np.transpose([middle - reach, middle + reach])
+        self.axes.set(xlim=across, ylim=up)
         if self.robot.dimension == 3:
             self.axes.set_axis_off()
         else:
             self.axes.set(xlabel="x [m]", ylabel="y [m]")
 
     def _make_artists(self) -> None:
-        robot, planar = self.robot, self.robot.dimension == 2
+        robot = self.robot
         self._floor = self.faces(1, facecolors=FLOOR[::-1])
         self._shadow = self.faces(1.5, facecolors=SHADOW)
         self._solids = self.faces(3, linewidths=0.8)
@@ -242,52 +223,43 @@ class RobotDrawing:
         self._arms = self._lines("#3F5A75", 1.4, 4)
         beyond = np.abs(robot.anchor_points - robot.platform.center) - robot.platform.size / 2
         self._outside = (beyond > 1e-6 * self.view.radius).any(axis=1)
-        styles = [cable_style(k) for k in range(robot.n_cables)]
-        self.cables = self._lines([style.color for style in styles], 2.0, 5,
-                                   linestyles=[style.linestyle for style in styles])
+        colors, dashes = zip(*map(cable_style, range(robot.n_cables)))
+        self.cables = self._lines(colors, 2.0, 5, linestyles=list(dashes))
         self._anchors, self._exits = self._marks("o", INK, 5.2, markersize=4), self._marks("o", INK, 6, markersize=5)
         self.numbers = [] if self.solid else [self._text(str(k + 1), INK, 8, fontweight="bold")
                                                for k in range(robot.n_cables)]
         # In the plane the ticks show the world's.
-        self._world_axes = None if planar else self._make_axes("", 1.8)
+        self._world_axes = None if robot.dimension == 2 else self._make_axes("", 1.8)
         self._platform_axes = None if self.solid else self._make_axes("′", 2.6)
 
     def _lines(self, color: Any, width: float, order: float, **options: Any) -> Any:
-        lines = LineCollection([], colors=color, linewidths=width, zorder=order,
-                               animated=True, **options)
-        self.axes.add_collection(lines, autolim=False)
-        return lines
+        return self.axes.add_collection(LineCollection([], colors=color, linewidths=width, zorder=order, animated=True,
+                                                       **options), autolim=False)
 
     def _marks(self, kind: str, color: str, order: float, **options: Any) -> Any:
-        marks, = self.axes.plot([], [], kind, color=color, zorder=order,
-                                animated=True, **options)
+        marks, = self.axes.plot([], [], kind, color=color, zorder=order, animated=True, **options)
         return marks
 
     def _text(self, words: str, color: str, order: float, **options: Any) -> Any:
-        word = Haloed(0, 0, words, color=color, fontsize=10, zorder=order, animated=True,
-                      transform=self.axes.transData, **options)
-        return self.axes.add_artist(word)
+        return self.axes.add_artist(Haloed(0, 0, words, color=color, fontsize=10, zorder=order, animated=True,
+                                           transform=self.axes.transData, **options))
 
     def _make_axes(self, mark: str, width: float) -> tuple[Any, list[Any]]:
         d = self.robot.dimension
-        names = [self._text(name + mark, color, 7.5)
-                 for name, color in zip("xyz"[:d], AXIS_COLORS)]
+        names = [self._text(name + mark, color, 7.5) for name, color in zip("xyz"[:d], AXIS_COLORS)]
         return self._lines(AXIS_COLORS[:d], width, 7), names
 
-    def _label_places(self) -> Array:
-        """(m,) where along each cable its number stands, from 0 at the exit: as far as possible from the others.
+    def _label_places(self) -> tuple[range, list[int]]:
+        """Which point of each cable its number stands at: as far as possible from the others.
 
         Chosen once, so that numbers do not jump while the robot moves.
         """
-        anchors = self.pose.position + anchor_offsets(self.robot, self.pose)
-        starts, ends = self.view.flat(self.robot.exit_points), self.view.flat(anchors)
-        chosen: list[float] = []
+        lines, _ = strung(self.robot, self.pose, np.inf)
+        chosen: list[int] = []
         placed = np.zeros((0, 2))
-        for start, end in zip(starts, ends):
-            candidates = np.linspace(0.22, 0.62, 9)
-            spots = start + candidates[:, None] * (end - start)
+        for spots in self.view.flat(lines[:, 21:60:5]):
             gaps = np.linalg.norm(spots[:, None] - placed, axis=-1).min(axis=1, initial=self.view.radius / 3)
-            best = int(np.argmax(gaps - 1e-6 * candidates))
-            chosen.append(float(candidates[best]))
+            best = int(gaps.argmax())
+            chosen.append(21 + 5 * best)
             placed = np.concatenate([placed, spots[best:best + 1]])
-        return np.array(chosen)
+        return range(len(chosen)), chosen

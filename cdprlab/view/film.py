@@ -1,12 +1,15 @@
 """Stills and films: of an engine's state, of a run, and of whatever gives frames."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 from PIL import Image, ImageColor
 from PIL.PngImagePlugin import PngInfo
 
@@ -14,13 +17,12 @@ from ..arrays import Array, as_count, as_number, checked
 from ..simulate.state import State
 from ..world.files import checked_path, replaced
 from ..world.model import Scene
-from .drawing import RobotDrawing
+from .drawing import SLACK_DASHES, RobotDrawing
 from .outlines import landmarks
+from .picture import Frame as Frame
 from .picture import Picture
-from .screen import RobotScreen, check_like, robot_axes, sized_figure
+from .screen import HEIGHT, Screen, check_like, robot_axes, sized_figure
 from .style import AXIS_COLORS, INK, SLACK_COLOR, TRAIL, house_style, tension_colors
-
-Frame = NDArray[np.uint8]
 
 LARGEST_FILE = 3_000_000
 """Bytes: what mail, chat and slides take without complaint."""
@@ -67,12 +69,12 @@ def save_film(run: Any, path: str | Path, seconds: float | None = None, fps: int
     width : [pixels]
     Raises InvalidInput for a bad path or numbers that make no film.
     """
-    check_like(run, "Run", "commanded_tensions")
+    check_like(run)
     lasting = float(run.time[-1]) if len(run.time) else 0.0
     length = min(lasting, _LONGEST) if seconds is None else seconds
-    times = np.linspace(0.0, lasting, max(12, picture_count(length, fps)) + 1)
-    return save_gif(map(RunScreen(run, width).at, times.tolist()), path,
-                    length / (len(times) - 1), _caption(run))
+    parts = max(12, picture_count(length, fps))
+    times = np.linspace(0.0, lasting, parts + 1).tolist()
+    return save_gif(map(RunScreen(run, width).at, times), path, length / parts, _caption(run))
 
 
 @checked
@@ -82,13 +84,11 @@ def still(run: Any, path: str | Path, t: float = 0.0, width: int = 960) -> Path:
     path : ends in .png
     width : [pixels]
     """
-    target = checked_path(path, ".png")
-    return save_png(RunScreen(run, width).at(t), target,
-                    f"{_caption(run)} State at t = {t:.2f} s.")
+    return save_png(RunScreen(run, width).at(t), path, f"{_caption(run)} State at t = {t:.2f} s.")
 
 
-class RunScreen(RobotScreen):
-    """Pictures of a run, at whatever time.
+class RunScreen(Screen):
+    """Pictures of a run, at whatever time, its cables colored by tension, and the scale below.
 
     run : Run; width : [pixels]
     scene : what stands around it, by default that of the run's world; captioned : whether
@@ -96,15 +96,34 @@ class RunScreen(RobotScreen):
     """
 
     def __init__(self, run: Any, width: int, scene: Scene | None = None, captioned: bool = False) -> None:
-        check_like(run, "Run", "commanded_tensions")
-        self.run, scene = run, run.world.scene if scene is None else scene
-        some = np.unique(np.linspace(0, len(run.time) - 1, 20).astype(int))
-        also = [landmarks(run.robot_at(k), scene) for k in some] if run.base_poses is not None else ()
-        # The last row is measured at the end of its step like all others; a cut cable is NaN
-        # there and shown as slack.
-        super().__init__(run.world.robot, scene, run.poses[some], run.measured_tensions,
-                         run.world.title, width,
-                         captioned=captioned, also=also)
+        check_like(run)
+        super().__init__(run.world.title, width, captioned)
+        self.run, robot, scene = run, run.world.robot, scene or run.world.scene
+        some = evenly(len(run.time), 20)
+        also = () if run.base_poses is None else [landmarks(run.robot_at(k), scene) for k in some]
+        with house_style():
+            axes = robot_axes(self.figure, robot.dimension, 60 / HEIGHT, self.top)
+            self.drawing = RobotDrawing(axes, robot, scene, run.poses[some], solid=True, also=also)
+            self._draw_scale()
+
+    def _draw_scale(self) -> None:
+        """Color bar with round numbers around all tensions [N]; what grey dashes and the thin line mean."""
+        tau = self.run.measured_tensions
+        taut = tau[tau > 0]   # the last row is measured at the end of its step: a cut cable is NaN there, and slack
+        # A few extremes share the last color.
+        low, high = np.percentile(taut, [0, 99.8]) if taut.size else (0.0, 1.0)
+        ticks = MaxNLocator(5, steps=[1, 2, 5, 10]).tick_values(low, max(high, low + 1e-3 * high))
+        limits = self.drawing.limits = float(ticks[0]), float(ticks[-1])
+        shades = tension_colors(np.linspace(max(limits[0], 1e-9), limits[1], 48), limits) / 255
+        bar = self.figure.colorbar(ScalarMappable(Normalize(*limits), ListedColormap(shades)),
+                                   cax=self.figure.add_axes((0.22, 28 / HEIGHT, 0.46, 14 / HEIGHT)),
+                                   orientation="horizontal", ticks=ticks)
+        bar.outline.set_visible(False)
+        self.figure.text(0.02, 35 / HEIGHT, "cable tension [N]", color=INK, va="center", fontsize=10)
+        grey: Any = np.array(SLACK_COLOR) / 255
+        keys = [Line2D([], [], color=grey, linestyle=SLACK_DASHES, label="slack or cut"),
+                Line2D([], [], color=TRAIL, label="path of P so far")]
+        self.figure.legend(handles=keys, loc="lower right", borderaxespad=0.2, labelcolor=INK)
 
     def at(self, t: float) -> Frame:
         """(height, width, 3) the picture at a time of the run [s]."""
@@ -117,12 +136,21 @@ class RunScreen(RobotScreen):
         if run.base_poses is not None:
             self.drawing.drive(state.robot)
         self.drawing.move(state.pose, state.tensions, state.rope_lengths, state.boxes,
-                          run.poses.position[np.unique(np.linspace(0, k, 50).astype(int))])
+                          run.poses.position[evenly(k + 1, 50)])
         return self.words(k)
 
     def words(self, index: int) -> str:
         """What is done at a control step."""
         return ""
+
+
+def evenly(count: int, most: int) -> list[int]:
+    """Which of so many are kept, the first and the last one among them.
+
+    >>> evenly(10, 4)
+    [0, 3, 6, 9]
+    """
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int)).tolist()
 
 
 def index_at(times: Array, t: float) -> int:
@@ -175,7 +203,7 @@ def save_gif(frames: Iterable[Frame], path: str | Path, period: float, descripti
         # GIF counts time in 10 ms, and players slow down what is shorter than two of them.
         parts = min((len(pictures) - 1) // every, length // 2)
         ticks = np.diff(np.linspace(0, length, parts + 1).round().astype(int))
-        chosen = [pictures[i] for i in np.linspace(0, len(pictures) - 1, parts + 1).round().astype(int)]
+        chosen = [pictures[i] for i in evenly(len(pictures), parts + 1)]
         palette = _palette(chosen, colors)
         flat = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in chosen]
         film = BytesIO()
@@ -191,26 +219,31 @@ def save_gif(frames: Iterable[Frame], path: str | Path, period: float, descripti
 
 def save_png(picture: Frame, path: str | Path, description: str) -> Path:
     """A PNG with its description inside; the path ends in .png."""
-    target, text = checked_path(path, ".png"), PngInfo()
-    text.add_itxt("Description", description)
+    target = checked_path(path, ".png")
     with replaced(target) as file:
-        Image.fromarray(picture).save(file, "png", pnginfo=text, optimize=True)
+        file.write(as_png(picture, description))
     return target
 
 
-def _palette(frames: Sequence[Image.Image], colors: int) -> Image.Image:
+def as_png(picture: Frame, description: str) -> bytes:
+    """The same as the bytes of a file."""
+    text, file = PngInfo(), BytesIO()
+    text.add_itxt("Description", description)
+    Image.fromarray(picture).save(file, "png", pnginfo=text, optimize=True)
+    return file.getvalue()
+
+
+def _palette(frames: list[Image.Image], colors: int) -> Image.Image:
     """One palette for all frames, so that colors do not flicker.
 
     The colors that carry meaning are in it as they are: thin lines would lose theirs to large
     grey surfaces.
     """
-    named = [ImageColor.getrgb(color) for color in ("#FFFFFF", INK, TRAIL, *AXIS_COLORS)]
-    meaning = [*tension_colors(np.linspace(1e-9, 1, 24), (0.0, 1.0)).tolist(),
-               SLACK_COLOR, *named]
-    chosen = [frames[i] for i in np.unique(np.linspace(0, len(frames) - 1, 4).astype(int))]
-    sheet = Image.fromarray(np.concatenate([np.asarray(frame) for frame in chosen]))
+    meaning = [*tension_colors(np.linspace(1e-9, 1, 24), (0.0, 1.0)).tolist(), SLACK_COLOR]
+    meaning += map(ImageColor.getrgb, ("#FFFFFF", INK, TRAIL, *AXIS_COLORS))
+    sheet = Image.fromarray(np.concatenate([np.asarray(frames[i]) for i in evenly(len(frames), 4)]))
     others = sheet.quantize(colors - len(meaning), method=Image.Quantize.MEDIANCUT).getpalette() or []
-    pure = [255 if value > 246 else value for value in others]  # white stays white, not tinted
     palette = Image.new("P", (1, 1))
-    palette.putpalette([int(value) for color in meaning for value in color] + pure)
+    # White stays white, not tinted.
+    palette.putpalette([*np.ravel(meaning).tolist(), *(255 if value > 246 else value for value in others)])
     return palette

@@ -8,7 +8,7 @@ brings its own ground.
 import html
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from io import BytesIO
+from struct import unpack
 from typing import Any
 
 import numpy as np
@@ -32,15 +32,16 @@ def world_html(world: World) -> str:
     """The robot where it starts, cables colored by the tensions that hold it there, and the world's numbers."""
     numbers = {"source": world.source, "tasks": ", ".join(world.tasks), "start": repr(world.pose),
                **_numbers(world.robot)}
-    return _card(world.title or world.name, _drawn(world.robot, world.pose, world.scene), numbers)
+    return _card(_name(world), numbers, lambda: _drawn(world.robot, world.pose, world.scene))
 
 
 def robot_html(robot: Robot) -> str:
     """The robot with its platform in the middle between floor and exit points, and its numbers."""
     exits = robot.exit_points
-    floor = np.minimum(exits.min(axis=0), [*[np.inf] * (robot.dimension - 1), 0.0])
-    middle = Pose((floor + exits.max(axis=0)) / 2)
-    return _card(repr(robot), _drawn(robot, middle, None), _numbers(robot))
+    low = exits.min(axis=0)
+    low[-1] = min(low[-1], 0.0)
+    middle = Pose((low + exits.max(axis=0)) / 2)
+    return _card(repr(robot), _numbers(robot), lambda: _drawn(robot, middle, None))
 
 
 def run_html(run: Run) -> str:
@@ -51,17 +52,17 @@ def run_html(run: Run) -> str:
         figure = plot_glance(run)
         return picture_tag(figure._repr_png_(), figure.alt_text)
 
-    title = f"{run.world.title or run.world.name}: task {run.task}, {run.method.replace('_', ' ')}"
-    return _card(title, _if_installed(picture), run.table() if len(run.time) else {"steps": "none"})
+    return _card(f"{_name(run.world)}: task {run.task}, {run.method.replace('_', ' ')}",
+                 run.table() if len(run.time) else {"steps": "none"}, picture)
 
 
 def distribution_html(distribution: TensionDistribution) -> str:
     """A row a wrench: tensions, margin, and whether they may be used."""
     rows = np.reshape(distribution.tensions, (-1, distribution.tensions.shape[-1]))
     no = distribution.reason if np.ndim(distribution.feasible) == 0 else "no"   # of many it would take long to say why
-    cells = [[str(k + 1), *(f"{tension:.1f}" for tension in row), f"{margin:.4g}", "yes" if feasible else no]
-             for k, (row, margin, feasible) in enumerate(zip(
-                 rows[:_ROWS], np.ravel(distribution.margin), np.ravel(distribution.feasible)))]
+    shown = zip(rows[:_ROWS], np.ravel(distribution.margin), np.ravel(distribution.feasible))
+    cells = [[str(k), *(f"{tension:.1f}" for tension in row), f"{margin:.4g}", "yes" if feasible else no]
+             for k, (row, margin, feasible) in enumerate(shown, 1)]
     head = ["wrench", *(f"cable {i + 1} [N]" for i in range(rows.shape[1])), "margin [N]", "may be used?"]
     more = f", the first {_ROWS} of {len(rows)} wrenches" if len(rows) > _ROWS else ""
     return _titled(f"Tensions by {distribution.method.replace('_', ' ')}{more}") + _table([head, *cells])
@@ -69,7 +70,7 @@ def distribution_html(distribution: TensionDistribution) -> str:
 
 def comparison_html(table: TensionComparison) -> str:
     """The table."""
-    return _titled(f"{table.world.title or table.world.name}: task {table.task}") + _table(table.lines())
+    return _titled(f"{_name(table.world)}: task {table.task}") + _table(table.lines())
 
 
 def polytope_html(polytope: Polytope) -> str:
@@ -78,15 +79,14 @@ def polytope_html(polytope: Polytope) -> str:
         size = f"{len(polytope.offsets)} facets, dimension {polytope.dimension}"
     except NotListable as error:
         size = str(error)
-    ranges = [[f"x{i + 1}", *(f"{end:.4g}" for end in ends)]
-              for i, ends in enumerate(polytope.component_range())]
+    ranges = [[f"x{i}", *(f"{end:.4g}" for end in ends)] for i, ends in enumerate(polytope.component_range(), 1)]
     return (_titled(repr(polytope)) + _table([["size", size]], head=False)
             + _table([["component", "smallest", "largest"], *ranges]))
 
 
 def picture_tag(png: bytes, alt_text: str) -> str:
     """HTML of a picture: ipywidgets' Image knows no alternative text."""
-    width, height = (int.from_bytes(png[at:at + 4], "big") for at in (16, 20))
+    width, height = unpack(">2I", png[16:24])
     # Decoded before the page is painted again, and its place kept: no flicker while a slider
     # moves.
     return (f'<img decoding="sync" width="{width}" height="{height}" style="max-width: 100%; height: auto" '
@@ -96,31 +96,19 @@ def picture_tag(png: bytes, alt_text: str) -> str:
 # --- parts --------------------------------------------------------------------------------------------
 def _drawn(robot: Robot, pose: Pose, scene: Scene | None) -> str:
     """A picture of the robot at rest."""
+    from .film import as_png, draw
+
     held = distribute_tensions(wrench_matrix(robot, pose), gravity_wrench(robot, pose), robot.tension_min,
                                robot.tension_max)
     tensions = held.tensions if held.feasible else np.zeros(robot.n_cables)
     state = State(0.0, robot, pose.position, pose.rotation, np.zeros(3 * robot.dimension - 3), tensions, scene)
-
-    def picture() -> str:
-        from PIL import Image
-
-        from .film import draw
-
-        buffer = BytesIO()
-        Image.fromarray(draw(state, 480, 360)).save(buffer, "png")
-        colors = f"colored by tensions of {tensions.min():.3g} to {tensions.max():.3g} N" if held.feasible else "grey"
-        return picture_tag(buffer.getvalue(), f"{robot!r} with its platform at {pose!r}, cables {colors}.")
-
-    return _if_installed(picture)
+    colors = f"colored by tensions of {tensions.min():.3g} to {tensions.max():.3g} N" if held.feasible else "grey"
+    words = f"{robot!r} with its platform at {pose!r}, cables {colors}."
+    return picture_tag(as_png(draw(state, 480, 360), words), words)
 
 
-def _if_installed(picture: Callable[[], str]) -> str:
-    """The picture, or what it takes to have one."""
-    try:
-        with needed_by("the picture"):
-            return picture()
-    except MissingDependency as missing:
-        return f"<p>{html.escape(str(missing))}</p>"
+def _name(world: World) -> str:
+    return world.title or world.name
 
 
 def _numbers(robot: Robot) -> dict[str, str]:
@@ -133,8 +121,14 @@ def _numbers(robot: Robot) -> dict[str, str]:
     }
 
 
-def _card(title: str, picture: str, numbers: Mapping[str, str]) -> str:
-    return _titled(title) + picture + _table([[name, value] for name, value in numbers.items()], head=False)
+def _card(title: str, numbers: Mapping[str, str], picture: Callable[[], str]) -> str:
+    """Title, picture, or what it takes to have one, and numbers."""
+    try:
+        with needed_by("the picture"):
+            shown = picture()
+    except MissingDependency as missing:
+        shown = f"<p>{html.escape(str(missing))}</p>"
+    return _titled(title) + shown + _table([[*row] for row in numbers.items()], head=False)
 
 
 def _titled(title: str) -> str:

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
-from ..mechanics.cables import anchor_offsets, cable_lengths, cable_vectors, have_directions, tangent_points
+from ..arrays import Array
+from ..mechanics.cables import anchor_offsets, cable_lengths, have_directions, tangent_points
 from ..mechanics.catenary import drawn_lengths
-from ..robot import Platform, Robot
+from ..robot import Robot
 from ..robot.parts import DECK_HEIGHT, Base
 from ..robot.pose import Pose
 from ..world.model import Scene
@@ -28,12 +28,12 @@ class Solid(NamedTuple):
 
 
 def box_corners(size: Array, pose: Pose, center: Array | float = 0.0) -> Array:
-    """(2^d, d) corners of a box, in the order of ``box_edges`` [m].
+    """(…, 2^d, d) corners of a box, in the order of ``box_edges`` [m].
 
     pose : of the body it is part of; center : (d,) of the box in that body's frame [m]
     """
-    signs = np.array(list(product((-0.5, 0.5), repeat=len(size))))
-    return np.asarray(pose.position + (signs * size + center) @ pose.rotation.T)
+    signs = np.array([*product((-0.5, 0.5), repeat=len(size))])
+    return pose.position[..., None, :] + (signs * size + center) @ pose.rotation.swapaxes(-1, -2)
 
 
 def box_edges(dimension: int) -> Array:
@@ -42,8 +42,7 @@ def box_edges(dimension: int) -> Array:
     >>> box_edges(2).tolist()
     [[0, 1], [0, 2], [1, 3], [2, 3]]
     """
-    return np.array([(i, j) for i, j in combinations(range(2**dimension), 2)
-                     if bin(i ^ j).count("1") == 1])
+    return np.array([(i, j) for i, j in combinations(range(2**dimension), 2) if (i ^ j).bit_count() == 1])
 
 
 def box_faces(dimension: int) -> Array:
@@ -56,7 +55,7 @@ def box_faces(dimension: int) -> Array:
 
 # --- the robot ----------------------------------------------------------------------------------------------
 def platform_corners(robot: Robot, pose: Pose) -> Array:
-    """(2^d, d) corners of the platform's box in the world [m]."""
+    """(…, 2^d, d) corners of the platform's box in the world [m]."""
     return box_corners(robot.platform.size, pose, robot.platform.center)
 
 
@@ -67,17 +66,12 @@ def platform_solids(robot: Robot, pose: Pose, loads: Sequence[tuple[Pose, Array]
     """
     if not loads:
         return [Solid(platform_corners(robot, pose), PLATFORM)]
-    parts = [Solid(box_corners(size, pose, center), PLATFORM)
-             for center, size in _tray(robot.platform)]
+    (x, y, z), thin = robot.platform.size, 0.02
+    tray = [([0, 0, (thin - z) / 2], [x, y, thin])]
+    tray += [([side * (x - thin) / 2, 0, 0], [thin, y, z]) for side in (-1, 1)]
+    parts = [Solid(box_corners(np.array(size), pose, robot.platform.center + center), PLATFORM)
+             for center, size in tray]
     return parts + [Solid(box_corners(size, place), LOAD) for place, size in loads]
-
-
-def _tray(platform: Platform) -> list[tuple[Array, Array]]:
-    (x, y, z), thin = platform.size, 0.02
-    floor = np.array([0, 0, thin - z]) / 2, np.array([x, y, thin])
-    walls = [(np.array([side * (x - thin) / 2, 0, 0]), np.array([thin, y, z]))
-             for side in (-1, 1)]
-    return [(platform.center + center, size) for center, size in (floor, *walls)]
 
 
 def hanging(start: Array, end: Array, length: float, pieces: int = 96) -> Array:
@@ -103,43 +97,38 @@ def hanging(start: Array, end: Array, length: float, pieces: int = 96) -> Array:
     return line + brentq(excess, 0.0, float(length)) * bow
 
 
-def cable_lines(robot: Robot, pose: Pose, tensions: ArrayLike, rope_lengths: ArrayLike | None, starts: Array,
-                arcs: Array, pieces: int = 96, loose: float = 1.0) -> Array:
-    """(m, pieces + 1, d) the cables: those that pull sag by the weight that the world gives them, others hang through.
+def strung(robot: Robot, pose: Pose, tensions: ArrayLike, rope_lengths: Array | None = None,
+           frames: Array | None = None, pieces: int = 96, loose: float = 1.0) -> tuple[Array, Array]:
+    """(m, pieces + 1, d) the cables from exit to anchor, and (k, 25, d) the wheels of their pulleys [m].
+
+    Those that pull sag by the weight that the world gives them, others hang through. Where a cable
+    cannot lie on its pulley, all are drawn from their exit points.
 
     tensions : (m,) [N], NaN of a cut cable; rope_lengths : (m,) let out, None where nobody knows [m]
-    starts, arcs : where the straight parts begin, and what lies on wheels, see `strung`
+    frames : of bases that lean, see `leaned`
     loose : how much longer than straight a cable without tension is whose length nobody knows
     """
     anchors = pose.position + anchor_offsets(robot, pose)
+    starts, on_wheels = robot.exit_points, np.zeros(robot.n_cables)
+    wheels: Array = np.zeros((0, 25, robot.dimension))
+    if robot.pulleys.size:
+        radii, axes = robot.pulleys[:, :1], robot.pulleys[:, 1:]
+        away = anchors - starts
+        out = away - (away * axes).sum(axis=1, keepdims=True) * axes
+        out = out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)
+        turns = np.linspace(0, 2 * np.pi, 25)[:, None, None]
+        wheels = (starts + radii * ((1 - np.cos(turns)) * out + np.sin(turns) * axes)).swapaxes(0, 1)
+        if have_directions(robot, pose):
+            starts = tangent_points(robot, pose)
+            on_wheels = cable_lengths(robot, pose) - np.linalg.norm(starts - anchors, axis=1)
+    starts, wheels = (np.reshape([leaned(robot, k, part, frames) for k, part in zip(robot.base_indices, parts)],
+                                 parts.shape) for parts in (starts, wheels))
     lengths = drawn_lengths(robot, pose, tensions)
     if robot.gravity > 0:
-        rest = loose * np.linalg.norm(anchors - starts, axis=1)
-        if rope_lengths is not None:
-            rest = as_array(rope_lengths, "rope_lengths", arcs.shape, "m") - arcs
+        straight = np.linalg.norm(anchors - starts, axis=1)
+        rest = loose * straight if rope_lengths is None else rope_lengths - on_wheels
         lengths = np.where(np.greater(tensions, 0), lengths, rest)
-    return np.stack([hanging(*cable, pieces) for cable in zip(starts, anchors, lengths)])
-
-
-def strung(robot: Robot, pose: Pose) -> tuple[Array, Array, Array]:
-    """Where the cables' straight parts begin (m, d), what lies on wheels (m,), and the wheels' outlines (k, 25, d) [m].
-
-    Where a cable cannot lie on its pulley, all are drawn from their exit points.
-    """
-    if not robot.pulleys.size:
-        return robot.exit_points, np.zeros(robot.n_cables), np.zeros((0, 25, robot.dimension))
-    starts, arcs = robot.exit_points, np.zeros(robot.n_cables)
-    if have_directions(robot, pose):
-        starts = tangent_points(robot, pose)
-        arcs = cable_lengths(robot, pose) - np.linalg.norm(cable_vectors(robot, pose), axis=-1)
-    with_wheel = robot.pulleys[:, 0] > 0
-    exits, radii, axes = (part[with_wheel] for part in (robot.exit_points, robot.pulleys[:, :1], robot.pulleys[:, 1:]))
-    away = pose.position + anchor_offsets(robot, pose)[with_wheel] - exits
-    out = away - (away * axes).sum(axis=1, keepdims=True) * axes
-    out = out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)
-    turns = np.linspace(0, 2 * np.pi, 25)[:, None, None]
-    wheels = exits + radii * ((1 - np.cos(turns)) * out + np.sin(turns) * axes)
-    return starts, arcs, wheels.swapaxes(0, 1)
+    return np.stack([hanging(*cable, pieces) for cable in zip(starts, anchors, lengths)]), wheels
 
 
 # --- what stands around it ----------------------------------------------------------------------------------
@@ -148,54 +137,51 @@ def floor_height(robot: Robot, scene: Scene) -> float:
     return min(scene.floor_height, float(robot.exit_points[:, -1].min()))
 
 
-def frame_segments(robot: Robot, scene: Scene) -> Array:
-    """(k, 2, d) what carries the exit points: the frame's edges, else masts [m]."""
-    d, segments = robot.dimension, []
-    if scene.frame is not None:
-        middle, size = scene.frame.mean(axis=0), scene.frame[1] - scene.frame[0]
-        segments += list(box_corners(size, Pose(middle))[box_edges(d)])
-    decks = {base.name for base in robot.bases if len(base.footprint)}
-    for cable, point in zip(robot.cables, robot.exit_points):
-        if cable.base is not None or scene.frame is None:
-            foot = floor_height(robot, scene) + (DECK_HEIGHT if cable.base in decks else 0.0)
-            segments.append(np.stack([[*point[:-1], min(foot, point[-1])], point]))
-    return np.reshape(segments, (-1, 2, d))
-
-
 def surroundings(robot: Robot, scene: Scene, frames: Array | None = None) -> list[Solid]:
     """Frame or masts, the decks of mobile bases, and the scene's boxes.
 
     frames : of bases that lean, see `leaned`
     """
     thickness = 0.005 * float(np.linalg.norm(np.ptp(landmarks(robot, scene), axis=0)))
-    segments = frame_segments(robot, scene)
-    masts = [k for k in robot.base_indices if k >= 0 or scene.frame is None]
-    owners = [-1] * (len(segments) - len(masts)) + masts
-    found = [Solid(leaned(robot, k, _beam(start, end, thickness), frames), STEEL)
-             for k, (start, end) in zip(owners, segments)]
-    found += [Solid(leaned(robot, k, _deck(base), frames), DECK)
-              for k, base in enumerate(robot.bases) if len(base.footprint)]
-    return found + [Solid(box_corners(box.size, box.pose),
-                          OBSTACLE if box.kind == "obstacle" else BOX)
+    return [Solid(leaned(robot, k, _beam(points, thickness) if color == STEEL else points, frames), color)
+            for k, points, color in _standing(robot, scene)]
+
+
+def _standing(robot: Robot, scene: Scene) -> list[tuple[int, Array, str]]:
+    """Frame or masts by their (2, d) ends, decks and boxes by their corners [m].
+
+    Returns of each the base it is part of, −1 for none, its points and its color.
+    """
+    found = []
+    if scene.frame is not None:
+        low, high = scene.frame
+        edges = box_corners(high - low, Pose((low + high) / 2))[box_edges(robot.dimension)]
+        found += [(-1, edge, STEEL) for edge in edges]
+    for k, point in zip(robot.base_indices, robot.exit_points):
+        if k >= 0 or scene.frame is None:
+            deck = DECK_HEIGHT if k >= 0 and len(robot.bases[k].footprint) else 0.0
+            foot = min(floor_height(robot, scene) + deck, point[-1])
+            found.append((k, np.array([[*point[:-1], foot], point]), STEEL))
+    found += [(k, _deck(base), DECK) for k, base in enumerate(robot.bases) if len(base.footprint)]
+    return found + [(-1, box_corners(box.size, box.pose), OBSTACLE if box.kind == "obstacle" else BOX)
                     for box in scene.boxes]
 
 
-def _beam(start: Array, end: Array, thickness: float) -> Array:
+def _beam(ends: Array, thickness: float) -> Array:
     """A square beam between two points, as long as its ends' corners."""
-    d = len(start)
+    way = ends[1:] - ends[:1]
     # Any two directions across will do: those that QR finds.
-    across = np.linalg.qr(np.column_stack([end - start, np.eye(d)[:, np.argsort(np.abs(end - start))[:d - 1]]]))[0]
-    size = np.full(d, thickness)
-    size[0] += np.linalg.norm(end - start)
-    return box_corners(size, Pose.of((start + end) / 2, across))
+    axes = np.linalg.qr(np.hstack([way.T, np.eye(way.size)]))[0]
+    size = np.full(ends.shape[1], thickness)
+    size[0] += np.linalg.norm(way)
+    return box_corners(size, Pose.of(ends.mean(axis=0), axes))
 
 
 def _deck(base: Base) -> Array:
     """The box over a base's footprint, as high as a base that is solid."""
-    planar = base.center_of_mass.size == 2
-    low, high = base.footprint.min(axis=0), base.footprint.max(axis=0)
-    low, high = (np.array([*ends[:1 if planar else 2], z])
-                 for ends, z in ((low, 0.0), (high, DECK_HEIGHT)))
+    flat = base.center_of_mass.size - 1
+    low = np.array([*base.footprint.min(axis=0)[:flat], 0.0])
+    high = np.array([*base.footprint.max(axis=0)[:flat], DECK_HEIGHT])
     return box_corners(high - low, Pose.of(base.origin, base.rotation), (low + high) / 2)
 
 
@@ -208,19 +194,16 @@ def leaned(robot: Robot, k: int, points: Array, frames: Array | None) -> Array:
     if k < 0 or frames is None:
         return points
     base = robot.bases[k]
-    upright = base.origin + base.rotation @ base.center_of_mass
-    return frames[k, :, 3] + (points - upright) @ base.rotation @ frames[k, :, :3].T
+    own = (points - base.to_world(base.center_of_mass)) @ base.rotation
+    return frames[k, :, 3] + own @ frames[k, :, :3].T
 
 
 def landmarks(robot: Robot, scene: Scene, poses: Pose | None = None) -> Array:
     """(k, d) points that must be in the picture: exits, frame, bases, boxes, the platform at some poses [m]."""
-    groups = [robot.exit_points, frame_segments(robot, scene).reshape(-1, robot.dimension)]
-    groups += [box_corners(box.size, box.pose) for box in scene.boxes]
-    groups += [_deck(base) for base in robot.bases if len(base.footprint)]
+    groups = [robot.exit_points, *(points for _, points, _ in _standing(robot, scene))]
     groups += [robot.exit_points + side * robot.pulleys[:, :1] for side in (-1, 1) if robot.pulleys.size]
     if poses is not None:
-        groups += [platform_corners(robot, pose)
-                   for pose in (poses if poses.batch_shape else [poses])]
+        groups.append(platform_corners(robot, poses).reshape(-1, robot.dimension))
     points = np.concatenate(groups)
     grounded = points.copy()
     grounded[:, -1] = floor_height(robot, scene)
@@ -235,13 +218,11 @@ def floor_tiles(points: Array, height: float) -> Array:
     """
     low, high = points.min(axis=0), points.max(axis=0)
     if points.shape[1] == 2:
-        (left, right), depth = (low[0] - 0.5, high[0] + 0.5), 0.04 * float(np.ptp(points, axis=0).max())
-        return np.array([[[left, height], [right, height], [right, height - depth],
-                          [left, height - depth]]])
+        left, right, below = low[0] - 0.5, high[0] + 0.5, height - 0.04 * (high - low).max()
+        return np.array([[[left, height], [right, height], [right, below], [left, below]]])
     tile = 10.0 ** max(0, np.ceil(np.log10(max(*(high - low)[:2], 1.0) / 25)))
     first, last = np.floor(low[:2] / tile - 0.25), np.ceil(high[:2] / tile + 0.25)
     last[1] += (last[1] - first[1] + 1) % 2
     corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]) * tile
-    return np.array([[i * tile, j * tile, height] + corners
-                     for i in np.arange(first[0], last[0])
-                     for j in np.arange(first[1], last[1])])
+    across, along = map(np.arange, first, last)
+    return np.array([[i * tile, j * tile, height] + corners for i in across for j in along])

@@ -13,6 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
+Frame = NDArray[np.uint8]
+"""(height, width, 3) red, green, blue."""
+
 _WHITE = 0xFFFFFFFF
 
 
@@ -96,7 +99,7 @@ class Picture:
         if self._added:
             self.figure.stale = bool(self._changed)
 
-    def pixels(self) -> NDArray[np.uint8]:
+    def pixels(self) -> Frame:
         """(height, width, 3) the figure as it is now."""
         renderer = self._canvas.get_renderer()
         first = self._background is None

@@ -1,6 +1,7 @@
 """Figures of a run. Nothing is computed here beyond differences and unit changes (m to mm, rad to mrad)."""
 
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -44,8 +45,6 @@ class Figure(matplotlib.figure.Figure):
         printer.text(self.alt_text or repr(self))
 
     def _repr_png_(self) -> bytes:
-        from io import BytesIO
-
         buffer = BytesIO()
         self.savefig(buffer, format="png", dpi=100)
         return buffer.getvalue()
@@ -56,11 +55,10 @@ def plot_tracking(run: Run) -> Figure:
 
     run : Run
     """
-    check_like(run, "Run", "commanded_tensions")
+    check_like(run)
     with house_style():
-        rows = _tracking_rows(run)
-        figure = Figure(figsize=(8.0, 1.6 + 2 * rows), layout="constrained")
-        _tracking_panels(figure.subplots(rows), run)
+        figure = Figure(figsize=(8.0, 1.6 + 2 * _tracking_rows(run)), layout="constrained")
+        _draw_tracking(figure, run)
         return _told(figure, run, "Tracking", _tracking_in_words(run))
 
 
@@ -70,10 +68,10 @@ def plot_tensions(run: Run) -> Figure:
     run : Run
     Raises InvalidInput for anything else.
     """
-    check_like(run, "Run", "commanded_tensions")
+    check_like(run)
     with house_style():
         figure = Figure(figsize=(8.0, 6.4), layout="constrained")
-        _tension_panels(figure.subplots(2, height_ratios=[2, 1]), run)
+        _draw_tensions(figure, run)
         return _told(figure, run, "Cable tensions", _tensions_in_words(run))
 
 
@@ -85,22 +83,20 @@ def plot_run(run: Run, beside: Run | None = None) -> Figure:
     with house_style():
         figure = Figure(figsize=(13.0, 7.8), layout="constrained")
         halves: Any = figure.subfigures(1, 2)
-        left = halves[0].subplots(_tracking_rows(run))
-        right = halves[1].subplots(2, height_ratios=[2, 1])
+        left, right = halves
+        position, tensions = _draw_tracking(left, run), _draw_tensions(right, run)
         words = f"{_tracking_in_words(run)} {_tensions_in_words(run)}"
-        _tracking_panels(left, run)
-        _tension_panels(right, run)
         if beside is not None:
-            _cross(left[0], beside.time, beside.poses.position, AXIS_COLORS)
-            _cross(right[0], beside.time, _shown(beside), [cable_style(k).color for k in range(run.lengths.shape[1])])
+            _cross(position, beside.time, beside.poses.position, AXIS_STYLES)
+            _cross(tensions, beside.time, _shown(beside), [cable_style(k) for k in range(run.lengths.shape[1])])
             words += " Crosses: the same of another run."
         return _told(figure, run, "Overview", words)
 
 
-def _cross(panel: Axes, time: Array, lines: Array, colors: Sequence[str]) -> None:
+def _cross(panel: Axes, time: Array, lines: Array, styles: Sequence[LineStyle]) -> None:
     """What another run did."""
-    for line, color in zip(lines.T, colors):
-        panel.plot(time, line, "x", color=color, markersize=5, markevery=max(1, len(time) // _MARKERS), label="_beside")
+    for line, style in zip(lines.T, styles):
+        panel.plot(time, line, "x", color=style.color, markersize=5, markevery=_every(time), label="_beside")
     panel.annotate("crosses: the other run", (0.008, 0.02), xycoords="axes fraction", fontsize=9, color=INK)
 
 
@@ -115,10 +111,9 @@ def plot_glance(run: Run) -> Figure:
         left, right = figure.subplots(1, 2)
         for panel in (left, right):
             _share_time([panel], run)
-        _error_panel(left, run.time, 1e3 * run.errors[:, :d], axis_names(d), "error [mm]",
-                     "Position error")
+        _draw_errors(left, run.time, 1e3 * run.errors[:, :d], axis_names(d), "error [mm]", "Position error")
         draw_cables(right, run.time, _shown(run))
-        _cable_numbers(right, run)
+        _number_cables(right, run)
         right.set(ylabel="tension [N]", title="Tensions")
     figure.alt_text = f"{_tracking_in_words(run)} {_tensions_in_words(run)}"
     return figure
@@ -132,13 +127,13 @@ def save_figure(figure: matplotlib.figure.Figure, path: str | Path) -> Path:
     Raises InvalidInput if its folder does not exist or the ending is none.
     """
     target, formats = checked_path(path), figure.canvas.get_supported_filetypes()
-    if target.suffix[1:].lower() not in formats:
+    ending = target.suffix[1:].lower()
+    if ending not in formats:
         raise InvalidInput(f"the path must end in one of .{', .'.join(formats)}, got {target}")
-    key = {".png": "Description", ".svg": "Description", ".pdf": "Subject"}.get(target.suffix.lower())
+    key = {"png": "Description", "svg": "Description", "pdf": "Subject"}.get(ending)
     text = getattr(figure, "alt_text", "")
     with house_style(), replaced(target) as file:
-        figure.savefig(file, format=target.suffix[1:],
-                       metadata={key: text} if key and text else None)
+        figure.savefig(file, format=ending, metadata={key: text} if key and text else None)
     return target
 
 
@@ -167,48 +162,39 @@ def _tracking_rows(run: Run) -> int:
     return 3 if run.errors.shape[1] > run.world.robot.dimension else 2
 
 
-def _tracking_panels(axes: Sequence[Axes], run: Run) -> None:
-    d = run.world.robot.dimension
+def _draw_tracking(part: Any, run: Run) -> Axes:
+    """Panels in a part of a figure; returns the first one, of positions."""
+    d, time = run.world.robot.dimension, run.time
+    axes, names = part.subplots(_tracking_rows(run)), axis_names(d)
     _share_time(axes, run)
-    _position_panel(axes[0], run)
-    title = "Position error, reference − actual"
+    solid = [LineStyle(color, "solid") for color in AXIS_COLORS]
+    wanted, actual, seen = run.reference.pose.position, run.poses.position, run.estimates.position
+    pale: dict[str, Any] = {"linewidth": 6, "alpha": 0.28}
+    draw_lines(axes[0], time, wanted, names, solid, solid_capstyle="butt", **pale)
+    draw_lines(axes[0], time, actual, names, AXIS_STYLES)
+    axes[0].set(ylabel="position [m]", title="Position of P")
+    handles, title = [_key("reference", **pale), _key("actual")], "Position error, reference − actual"
     if run.estimates is not run.poses:   # what the controller saw
-        believed = 1e3 * (run.reference.pose.position - run.estimates.position)[:, :d]
-        draw_lines(axes[1], run.time, believed, ["_measured"] * d,
-                   [LineStyle(color, "solid") for color in AXIS_COLORS], linewidth=0.6, alpha=0.45, zorder=1)
+        dots = LineStyle(INK, (0, (1, 3)))
+        draw_lines(axes[0], time, seen, names, [dots] * d, linewidth=0.8)
+        handles.append(_key("measured", linestyle=dots.linestyle, linewidth=0.8))
+        draw_lines(axes[1], time, 1e3 * (wanted - seen), ["_measured"] * d, solid, linewidth=0.6, alpha=0.45, zorder=1)
         title = "Position error (thin: as measured)"
-    _error_panel(axes[1], run.time, 1e3 * run.errors[:, :d], axis_names(d), "position error [mm]", title)
+    _legend_above(axes[0], handles)
+    label_ends(axes[0], actual, names, AXIS_COLORS)
+    _draw_errors(axes[1], time, 1e3 * run.errors[:, :d], names, "position error [mm]", title)
     if len(axes) > 2:
-        turns = run.errors[:, d:]
-        names = {1: ("φ",), 2: ("about y′", "about z′"), 3: ("about x", "about y", "about z")}[turns.shape[1]]
-        _error_panel(axes[2], run.time, 1e3 * turns, names, "rotation error [mrad]",
-                     "Rotation error (rotation vector)")
+        turns = 1e3 * run.errors[:, d:]
+        about = {1: ("φ",), 2: ("about y′", "about z′"), 3: ("about x", "about y", "about z")}[turns.shape[1]]
+        _draw_errors(axes[2], time, turns, about, "rotation error [mrad]", "Rotation error (rotation vector)")
+    return axes[0]
 
 
-def _position_panel(panel: Axes, run: Run) -> None:
-    actual, wanted, names = run.poses.position, run.reference.pose.position, axis_names(run.world.robot.dimension)
-    draw_lines(panel, run.time, wanted, names,
-               [LineStyle(color, "solid") for color in AXIS_COLORS], linewidth=6,
-               alpha=0.28, solid_capstyle="butt")
-    draw_lines(panel, run.time, actual, names, AXIS_STYLES)
-    panel.set(ylabel="position [m]", title="Position of P")
-    handles = [Line2D([], [], color=INK, linewidth=6, alpha=0.28, label="reference"),
-               Line2D([], [], color=INK, label="actual")]
-    if run.estimates is not run.poses:
-        draw_lines(panel, run.time, run.estimates.position, names,
-                   [LineStyle(INK, (0, (1, 3)))] * len(names), linewidth=0.8)
-        handles.append(Line2D([], [], color=INK, linestyle=(0, (1, 3)), linewidth=0.8, label="measured"))
-    _legend_above(panel, handles)
-    label_ends(panel, actual, names, AXIS_COLORS)
-
-
-def _error_panel(panel: Axes, time: Array, errors: Array, names: Sequence[str], label: str, title: str) -> None:
+def _draw_errors(panel: Axes, time: Array, errors: Array, names: Sequence[str], label: str, title: str) -> None:
     colors = AXIS_COLORS if errors.shape[1] > 1 else (INK,)
-    draw_lines(panel, time, errors, names, list(map(LineStyle, colors, AXIS_DASHES)),
-               linewidth=1.4)
+    draw_lines(panel, time, errors, names, list(map(LineStyle, colors, AXIS_DASHES)), linewidth=1.4)
     if errors.shape[1] > 1:
-        _legend_above(panel, panel.plot(time, np.linalg.norm(errors, axis=1), color=INK,
-                                        linewidth=1.0,
+        _legend_above(panel, panel.plot(time, np.linalg.norm(errors, axis=1), color=INK, linewidth=1.0,
                                         linestyle=(0, (1, 1.5)), label="norm"))
     _around_zero(panel)
     panel.set(ylabel=label, title=title)
@@ -216,28 +202,30 @@ def _error_panel(panel: Axes, time: Array, errors: Array, names: Sequence[str], 
 
 
 # --- tensions ---------------------------------------------------------------------------------------------
-def _tension_panels(axes: Sequence[Axes], run: Run) -> None:
-    """Tensions above; below what measured ones differ by, or how slack ropes are that were wound to lengths."""
-    above, below = axes
+def _draw_tensions(part: Any, run: Run) -> Axes:
+    """Tensions above; below what measured ones differ by, or how slack ropes are that were wound to lengths.
+
+    Panels in a part of a figure; returns the one above.
+    """
+    axes = above, below = part.subplots(2, height_ratios=[2, 1])
     _share_time(axes, run)
     wound = run.commanded_lengths is not None
-    every = max(1, len(run.time) // _MARKERS)
     draw_cables(above, run.time, _shown(run))
     draw_cables(below, run.time, _below(run), linewidth=1.2)
-    for cable, measured in enumerate(run.measured_tensions.T if not wound else ()):
-        above.plot(run.time, measured, color=cable_style(cable).color, linestyle="none", marker="o",
-                   markersize=4.2, markeredgecolor="white", markeredgewidth=0.5,
-                   markevery=(every * cable // 8, every), label=f"_measured {cable + 1}")
     above.set(ylabel="tension [N]", title="Tensions")
-    below.set_ylabel("slack [mm]" if wound else "difference [N]")
-    below.set_title("Rope let out − distance it spans" if wound else "Measured − commanded")
-    below.set_title("cables drawn as above", loc="right", fontsize=9, fontweight="normal",
-                    color=GREY)
+    handles = [_key("measured" if wound else "commanded")]
+    if wound:
+        below.set(ylabel="slack [mm]", title="Rope let out − distance it spans")
+    else:
+        below.set(ylabel="difference [N]", title="Measured − commanded")
+        dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4.2}
+        handles.append(_key("measured", **dots))
+        every = _every(run.time)
+        for cable, measured in enumerate(run.measured_tensions.T):
+            above.plot(run.time, measured, color=cable_style(cable).color, markeredgecolor="white", markeredgewidth=0.5,
+                       markevery=(every * cable // 8, every), label=f"_measured {cable + 1}", **dots)
+    below.set_title("cables drawn as above", loc="right", fontsize=9, fontweight="normal", color=GREY)
     _around_zero(below)
-    handles: list[Any] = [Line2D([], [], color=INK, label="measured" if wound else "commanded")]
-    if not wound:
-        handles.append(Line2D([], [], color=INK, linestyle="none", marker="o", markersize=4.2,
-                              label="measured"))
     if not np.all(run.feasible):
         handles.append(Patch(color=WARNING, label="not held" if wound else "infeasible"))
     for panel in axes:
@@ -246,7 +234,13 @@ def _tension_panels(axes: Sequence[Axes], run: Run) -> None:
     _legend_above(above, handles)
     # The differences all but coincide: names pushed apart would point nowhere, so the panel
     # above names the lines.
-    _cable_numbers(above, run)
+    _number_cables(above, run)
+    return above
+
+
+def _every(time: Array) -> int:
+    """Of how many values one is marked."""
+    return max(1, len(time) // _MARKERS)
 
 
 def draw_cables(panel: Axes, time: Array, lines: Array, **options: Any) -> None:
@@ -255,7 +249,7 @@ def draw_cables(panel: Axes, time: Array, lines: Array, **options: Any) -> None:
     draw_lines(panel, time, lines, [f"cable {k + 1}" for k in cables], [cable_style(k) for k in cables], **options)
 
 
-def _cable_numbers(panel: Axes, run: Run) -> None:
+def _number_cables(panel: Axes, run: Run) -> None:
     cables = range(run.world.robot.n_cables)
     label_ends(panel, _shown(run), [str(k + 1) for k in cables], [cable_style(k).color for k in cables])
 
@@ -285,21 +279,19 @@ def shade(panel: Axes, time: Array, feasible: Any) -> None:
 
 def _draw_limits(panel: Axes, run: Run) -> None:
     """Limits as lines where they are in range, else in words: a far limit must not squeeze the tensions."""
-    robot = run.world.robot
-    shown = float(np.fmax.reduce([_shown(run), run.measured_tensions], axis=None, initial=1e-9))
-    words = []
-    for name, limits in ((r"$\tau_\mathrm{min}$", robot.tension_min),
-                         (r"$\tau_\mathrm{max}$", robot.tension_max)):
+    robot, words = run.world.robot, []
+    shown = np.fmax.reduce([_shown(run), run.measured_tensions], axis=None, initial=1e-9)
+    for name, limits in (("min", robot.tension_min), ("max", robot.tension_max)):
         for limit in np.unique(limits):
+            told = rf"$\tau_\mathrm{{{name}}}$ {limit:g} N"
             if limit <= 1.4 * shown:
-                mark_level(panel, limit, f"{name} {limit:g} N", 0.995, "right")
+                mark_level(panel, limit, told, 0.995, "right")
             else:
-                words.append(f"{name} {limit:g} N")
+                words.append(told)
     if words:
         low, high = panel.get_ylim()
         panel.set_ylim(low, high + 0.08 * (high - low))  # room for the note above all lines
-        panel.annotate(f"off scale: {', '.join(words)}", (0.008, 0.985),
-                       xycoords="axes fraction", va="top",
+        panel.annotate(f"off scale: {', '.join(words)}", (0.008, 0.985), xycoords="axes fraction", va="top",
                        fontsize=9, color=INK)
 
 
@@ -337,10 +329,14 @@ def fitted_title(figure: Any, title: str) -> None:
     figure.suptitle(title, x=0.01, ha="left", fontsize=size, color=INK)
 
 
+def _key(label: str, **look: Any) -> Any:
+    """What a legend shows of lines of all colors."""
+    return Line2D([], [], label=label, color=INK, **look)
+
+
 def _legend_above(panel: Axes, handles: list[Any]) -> None:
     """A legend on the title's line, where no data can be."""
-    panel.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 0.995),
-                 ncols=len(handles),
+    panel.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 0.995), ncols=len(handles),
                  borderaxespad=0.1, handlelength=1.8, columnspacing=1.2)
 
 
@@ -352,12 +348,10 @@ def _around_zero(panel: Axes) -> None:
 
 
 def draw_lines(panel: Axes, time: Array, lines: Array, names: Sequence[str],
-               styles: Sequence[LineStyle],
-               **options: Any) -> None:
+               styles: Sequence[LineStyle], **options: Any) -> None:
     """Columns (N, k) over time (N,), each under its name and in its style."""
     for line, name, style in zip(lines.T, names, styles):
-        panel.plot(time, line, color=style.color, linestyle=style.linestyle,
-                   label=name, **options)
+        panel.plot(time, line, label=name, **style._asdict(), **options)
 
 
 def mark_level(panel: Axes, level: float, words: str = "", place: float = 0.005, align: str = "left") -> None:

@@ -1,7 +1,6 @@
 """From space to the plane of a picture: a mild perspective that turns about the vertical, in plain numpy."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..arrays import Array
 
@@ -30,7 +29,6 @@ class Projection:
 
     def turn(self, azimuth: float) -> None:
         """Walk around: ``azimuth`` [deg]."""
-        self.azimuth = azimuth
         a, e = np.deg2rad([azimuth, _ELEVATION])
         right = np.array([np.cos(a), np.sin(a), 0.0])
         towards_eye = np.array([np.sin(a) * np.cos(e), -np.cos(a) * np.cos(e), np.sin(e)])
@@ -39,7 +37,7 @@ class Projection:
     @property
     def eye(self) -> Array:
         """(3,) where the camera stands [m]."""
-        return np.asarray(self.center + _DISTANCE * self.radius * self.axes[2])
+        return self.center + _DISTANCE * self.radius * self.axes[2]
 
     def flat(self, points: Array) -> Array:
         """Where points appear.
@@ -52,11 +50,5 @@ class Projection:
         local = (points - self.center) @ self.axes.T
         # What comes nearer than a third of the distance stays there: nothing may pass behind
         # the eye.
-        depth = np.minimum(local[..., 2] / (_DISTANCE * self.radius), 2 / 3)
-        return np.asarray(local[..., :2] / (1 - depth[..., None]))
-
-    def bounds(self, points: Array, azimuths: ArrayLike) -> Array:
-        """(2, 2) lowest and highest picture coordinates over a walk around."""
-        views = [Projection(points, azimuth) for azimuth in np.asarray(azimuths).tolist()]
-        seen = np.concatenate([view.flat(points) for view in views])
-        return np.stack([seen.min(axis=0), seen.max(axis=0)])
+        depth = np.minimum(local[..., 2:] / (_DISTANCE * self.radius), 2 / 3)
+        return local[..., :2] / (1 - depth)

@@ -2,29 +2,26 @@
 
 import html
 import json
-from base64 import b64encode
+import re
 from collections.abc import Mapping, Sequence
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image, ImageColor
 
 from ..arrays import Array, checked
 from ..errors import InvalidInput, needed_by
 from ..simulate.state import State
 from ..world.files import checked_path, replaced
-from .film import draw, state_at
+from .film import as_png, draw, evenly, state_at
+from .notebook import picture_tag
 from .outlines import (
     EMPTY,
     Solid,
     box_faces,
-    cable_lines,
     floor_height,
     floor_tiles,
     landmarks,
-    leaned,
     platform_solids,
     strung,
     surroundings,
@@ -65,67 +62,54 @@ class MotionScene:
     """
 
     def __init__(self, states: Sequence[State] | Mapping[str, Sequence[State]], title: str = "") -> None:
-        notes: list[str] = []
-        if isinstance(states, Mapping):
-            states, notes = _joined(states)
-        if not states:
+        joined, notes = _joined(states if isinstance(states, Mapping) else {"": states})
+        if not joined:
             raise InvalidInput("a scene needs one state at least, got none")
         with needed_by("the scene one turns", "stills and films work without it"):
             import k3d
-        chosen = _some(len(states))
-        self.states, self.title = [states[k] for k in chosen], title
-        self.notes = [notes[k] for k in chosen] if notes else []
-        self.times = [state.time - states[0].time for state in self.states]
+        chosen = evenly(len(joined), _MOST_FRAMES)
+        self.states, self.notes, self.title = [joined[k] for k in chosen], [notes[k] for k in chosen], title
+        self.times = [state.time for state in self.states]
         tensions = np.nan_to_num([state.tensions for state in self.states])
         self.largest = max(float(tensions.max()), 1.0)
         first = self.states[0]
-        points = _raised(landmarks(first.robot, first.scene or EMPTY, first.pose))
+        points = _raised(landmarks(first.robot, first.scene, first.pose))
         self.unit = 0.004 * float(np.linalg.norm(np.ptp(points, axis=0)))
         self.plot = k3d.plot(height=400, grid_visible=False, camera_auto_fit=False, axes_helper=0.0,
                              menu_visibility=False, colorbar_object_id=0, snapshot_type="full", name=title)
-        self._add_floor(points)
+        tiles = floor_tiles(points, floor_height(first.robot, first.scene))
+        for parity, color in enumerate(FLOOR):
+            self.plot += self._mesh([tiles[parity::2]], np.array([[0, 1, 2, 3]]), color)
         self._add_solids()
         self._add_cables(tensions)
         center, reach = (points.min(axis=0) + points.max(axis=0)) / 2, 250 * self.unit
         way = np.array([0.0, -1.0, 0.12] if first.robot.dimension == 2 else [0.55, -0.75, 0.4])
         center[2] -= 0.1 * reach   # the player's bar covers what is below
-        self.plot.camera = [*(center + reach * way).tolist(), *center.tolist(), 0, 0, 1]
+        self.plot.camera = [*(center + reach * way), *center, 0, 0, 1]
         self.plot.additional_js_code = self._player(tensions)
 
     def page(self) -> str:
         """HTML that opens anywhere, without a server or a network, with a still where there is no WebGL."""
-        shown = self.plot.get_snapshot()
-        words = f"{html.escape(self.title)}: the robot at its start. Turning it needs WebGL."
-        still = (f'<img class="cdprlab-still" style="position: absolute" alt="{words}" '
-                 f'src="data:image/png;base64,{b64encode(self.still()).decode("ascii")}">')
-        head, rest = shown.split("<body>", 1)
-        start, after = head.split("<title>", 1)
-        title = f"<title>{html.escape(self.title)}</title>{after.split('</title>', 1)[1]}"
-        return f"{start}{title}<body>{still}{rest}".replace("<html>", '<html lang="en">', 1)
+        still = picture_tag(self.still(), f"{self.title}: the robot at its start. Turning it needs WebGL.")
+        page = self.plot.get_snapshot().replace("<html>", '<html lang="en">', 1)
+        page = page.replace("<body>", f'<body><div class="cdprlab-still" style="position: absolute">{still}</div>', 1)
+        return re.sub("<title>.*?<", lambda _: f"<title>{html.escape(self.title)}<", page, count=1)
 
     def still(self) -> bytes:
         """The first state as PNG."""
-        file = BytesIO()
-        Image.fromarray(draw(self.states[0])).save(file, "png", optimize=True)
-        return file.getvalue()
+        return as_png(draw(self.states[0]), self.title)
 
     # --- what is in it --------------------------------------------------------------------------------
-    def _series(self, values: Sequence[Array]) -> Any:
+    def _series(self, values: Any) -> Any:
         """What k3d plays, or one value where nothing moves."""
         arrays = [np.asarray(value, dtype=np.float32) for value in values]
         if all(np.array_equal(arrays[0], value) for value in arrays):
             return arrays[0]
         return {f"{time:.3f}": value for time, value in zip(self.times, arrays)}
 
-    def _add_floor(self, points: Array) -> None:
-        state = self.states[0]
-        tiles = floor_tiles(points, floor_height(state.robot, state.scene or EMPTY))
-        for parity, color in enumerate(FLOOR):
-            self.plot += self._mesh([tiles[parity::2]], np.array([[0, 1, 2, 3]]), color)
-
     def _add_solids(self) -> None:
         """One mesh for all boxes of one color."""
-        kinds = [_by_color([*surroundings(state.robot, state.scene or EMPTY, state.base_frames),
+        kinds = [_by_color([*surroundings(state.robot, state.scene, state.base_frames),
                             *platform_solids(state.robot, state.pose, state.boxes)]) for state in self.states]
         for color in kinds[0]:
             self.plot += self._mesh([kind[color] for kind in kinds], box_faces(3), color,
@@ -134,33 +118,31 @@ class MotionScene:
     def _add_cables(self, tensions: Array) -> None:
         import k3d
 
-        lines = [_lines(state) for state in self.states]
+        lines, wheels = zip(*(map(_raised, strung(state.robot, state.pose, state.tensions, state.rope_lengths,
+                                                  state.base_frames, _PIECES, _LOOSE)) for state in self.states))
         m = tensions.shape[1]
         shades = np.where(tensions > 0, tensions, -_GREY * self.largest)
         self.cables = k3d.lines(
             self._flat(lines), _chains(m, _PIECES),
             indices_type="segment", shader="thick", width=1.3 * self.unit,
-            attribute=self._series([np.repeat(row, _PIECES + 1) for row in shades]),
+            attribute=self._series(np.repeat(shades, _PIECES + 1, axis=1)),
             color_map=_scale(), color_range=[-_GREY * self.largest, self.largest], name="tension [N]")
         self.plot += self.cables
-        wheels = [_raised(_leaned(state, strung(state.robot, state.pose)[2])) for state in self.states]
         if wheels[0].size:
             self.plot += k3d.lines(self._flat(wheels), _chains(len(wheels[0]), 24), indices_type="segment",
                                    shader="thick", width=self.unit, color=_rgb(INK))
-        exits = self._series([_raised(_leaned(state, state.robot.exit_points)) for state in self.states])
-        anchors = self._flat([line[:, -1:] for line in lines])
-        for marks, size in ((exits, 5), (anchors, 3)):
-            self.plot += k3d.points(marks, point_size=size * self.unit, color=_rgb(INK), shader="flat")
-        first = _raised(self.states[0].robot.exit_points)
+        for end, size in ((0, 5), (-1, 3)):
+            self.plot += k3d.points(self._series([line[:, end] for line in lines]), point_size=size * self.unit,
+                                    color=_rgb(INK), shader="flat")
+        first = lines[0][:, 0]
         for k in range(m):
-            place = exits[k] if isinstance(exits, np.ndarray) else {time: points[k] for time, points in exits.items()}
             # Outwards of the point, and above or below it where another is near.
             side = "l" if first[k, 0] > first[:, 0].mean() else "r"
-            shared = int((np.abs(first[:k] - first[k]).max(axis=1, initial=0.0) < 20 * self.unit).sum())
-            self.plot += k3d.text(str(k + 1), position=place, color=_rgb(INK), size=1.0, label_box=False,
-                                  reference_point=side + "bt"[shared % 2])
+            near = (np.abs(first[:k] - first[k]).max(axis=1) < 20 * self.unit).sum()
+            self.plot += k3d.text(str(k + 1), position=self._series([line[k, 0] for line in lines]), color=_rgb(INK),
+                                  size=1.0, label_box=False, reference_point=side + "bt"[near % 2])
 
-    def _flat(self, lines: list[Array]) -> Any:
+    def _flat(self, lines: Sequence[Array]) -> Any:
         return self._series([line.reshape(-1, 3) for line in lines])
 
     def _mesh(self, bodies: list[Array], faces: Array, color: str, opacity: float = 1.0) -> Any:
@@ -188,7 +170,7 @@ def states_of(run: Any) -> list[State]:
 
     run : Run
     """
-    return [state_at(run, k) for k in _some(len(run.time))]
+    return [state_at(run, k) for k in evenly(len(run.time), _MOST_FRAMES)]
 
 
 @checked
@@ -200,44 +182,23 @@ def save_scene(run: Any, path: str | Path, title: str = "") -> Path:
     """
     target, shown = checked_path(path, ".html"), run
     if not isinstance(run, Mapping):
-        check_like(run, "Run", "commanded_tensions")
+        check_like(run)
         shown, title = states_of(run), title or f"{run.world.title}, task {run.task}"
     with replaced(target) as file:
         file.write(MotionScene(shown, title).page().encode())
     return target
 
 
-def _joined(motions: Mapping[str, Sequence[State]]) -> tuple[list[State], list[str]]:
-    """States on one clock, and what is said at each."""
-    states: list[State] = []
+def _joined(motions: Mapping[str, Sequence[State]]) -> tuple[list[Any], list[str]]:
+    """States on one clock, each with a scene, and what is said at each."""
+    states: list[Any] = []
     notes: list[str] = []
     for said, motion in motions.items():
         began = states[-1].time + _BETWEEN if states else 0.0
-        states += [state._replace(time=began + state.time - motion[0].time) for state in motion]
+        states += [state._replace(time=began + state.time - motion[0].time, scene=state.scene or EMPTY)
+                   for state in motion]
         notes += [said] * len(motion)
     return states, notes
-
-
-def _some(count: int) -> list[int]:
-    """Which of so many states are kept, the last one among them."""
-    return np.unique(np.linspace(0, count - 1, min(count, _MOST_FRAMES)).round().astype(int)).tolist()
-
-
-def _lines(state: State) -> Array:
-    """(m, pieces + 1, 3) cables from exit to anchor; slack ones hang through."""
-    starts, arcs, _ = strung(state.robot, state.pose)
-    return _raised(cable_lines(state.robot, state.pose, state.tensions, state.rope_lengths,
-                               _leaned(state, starts), arcs, _PIECES, _LOOSE))
-
-
-def _leaned(state: State, points: Array) -> Array:
-    """What rides on bases, a row a cable or a cable with a pulley, where it is as they lean."""
-    robot = state.robot
-    owners = np.array(robot.base_indices)
-    if len(points) < robot.n_cables:
-        owners = owners[robot.pulleys[:, 0] > 0]
-    rows = [leaned(robot, k, row, state.base_frames) for k, row in zip(owners, points)]
-    return np.reshape(rows, points.shape)
 
 
 def _chains(count: int, pieces: int) -> Any:
@@ -248,18 +209,18 @@ def _chains(count: int, pieces: int) -> Any:
 
 def _raised(points: Array) -> Array:
     """(…, 3) points in space; planar ones in the plane y = 0, their y upwards."""
-    return np.asarray(points) if points.shape[-1] == 3 else np.insert(points, 1, 0.0, axis=-1)
+    return points if points.shape[-1] == 3 else np.insert(points, 1, 0.0, axis=-1)
 
 
 def _by_color(solids: list[Solid]) -> dict[str, Array]:
     """Color → (n, 8, 3) corners; planar boxes become 0.2 m deep."""
     found: dict[str, list[Array]] = {}
-    for solid in solids:
-        corners = solid.corners
+    for corners, color in solids:
         if corners.shape[-1] == 2:
-            front, back = (np.insert(corners.reshape(2, 1, 2, 2), 1, y, axis=-1) for y in (-0.1, 0.1))
-            corners = np.concatenate([front, back], axis=1).reshape(8, 3)
-        found.setdefault(solid.color, []).append(corners)
+            deep = _raised(np.repeat(corners.reshape(2, 1, 2, 2), 2, axis=1))
+            deep[..., 1] += [[-0.1], [0.1]]
+            corners = deep.reshape(8, 3)
+        found.setdefault(color, []).append(corners)
     return {color: np.stack(bodies) for color, bodies in found.items()}
 
 
@@ -272,5 +233,4 @@ def _scale() -> Array:
 
 
 def _rgb(color: str) -> int:
-    red, green, blue = ImageColor.getrgb(color)[:3]
-    return red << 16 | green << 8 | blue
+    return int(color.removeprefix("#"), 16)

@@ -4,8 +4,7 @@ Cables take four colors, solid for 1 to 4, dashed for 5 to 8, dotted for 9 to 12
 their number at the line's end, so that no reader depends on color alone.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -53,8 +52,8 @@ def cable_style(index: int) -> LineStyle:
     >>> cable_style(0)
     LineStyle(color='#0072B2', linestyle='solid')
     """
-    colors, dashes = len(CABLE_COLORS), len(CABLE_DASHES)
-    return LineStyle(CABLE_COLORS[index % colors], CABLE_DASHES[index // colors % dashes])
+    lap, color = divmod(index, len(CABLE_COLORS))
+    return LineStyle(CABLE_COLORS[color], CABLE_DASHES[lap % len(CABLE_DASHES)])
 
 
 def tension_colors(tensions: ArrayLike, limits: tuple[float, float]) -> NDArray[np.uint8]:
@@ -68,24 +67,19 @@ def tension_colors(tensions: ArrayLike, limits: tuple[float, float]) -> NDArray[
     [[120, 120, 120], [240, 150, 20]]
     """
     tau = np.asarray(tensions, dtype=float)
-    low, high = limits
-    place = (tau - low) / max(high - low, 1e-12) * (len(TENSION_COLORS) - 1)
-    colors = [np.interp(place, range(len(TENSION_COLORS)), channel)
-              for channel in np.transpose(TENSION_COLORS)]
-    return np.where((tau > 0)[..., None], np.stack(colors, axis=-1).round(), SLACK_COLOR).astype(np.uint8)
+    places = np.linspace(*limits, len(TENSION_COLORS))
+    colors = [np.interp(tau, places, channel).round() for channel in np.transpose(TENSION_COLORS)]
+    return np.where(tau[..., None] > 0, np.stack(colors, axis=-1), SLACK_COLOR).astype(np.uint8)
 
 
 def tension_limits(robot: Robot) -> tuple[float, float]:
     """A color scale for any task: 0 to the smaller of the platform's weight and the largest tension limit [N]."""
-    weight = robot.platform.mass * robot.gravity
-    highest = float(np.max(robot.tension_max))
-    return 0.0, min(weight, highest) if weight > 0 else highest
+    highest = float(robot.tension_max.max())
+    return 0.0, min(robot.mass * robot.gravity or highest, highest)
 
 
-@contextmanager
-def house_style() -> Iterator[None]:
+def house_style() -> AbstractContextManager[None]:
     """Figures made inside look like all the others; settings outside stay as they are."""
     import matplotlib.style
 
-    with matplotlib.style.context(Path(__file__).with_name("cdprlab.mplstyle")):
-        yield
+    return matplotlib.style.context(Path(__file__).with_name("cdprlab.mplstyle"))

@@ -38,7 +38,7 @@ class MotionPlayer(Shown):
         elif not all(isinstance(part, Sequence) and all(isinstance(state, State) for state in part) for part in parts):
             raise InvalidInput(f"play takes a Run or a list of engine states, got {type(motion).__name__}")
         self.scene = scene = MotionScene(states, title)
-        said = "".join(f" {note}." for note in dict.fromkeys(scene.notes))
+        said = "".join(f" {note}." for note in dict.fromkeys(scene.notes) if note)
         self.alt_text = (f"{title}: {scene.states[0].robot.n_cables} cables colored by tension, "
                          f"0 to {scene.largest:.0f} N, over {scene.times[-1]:.2f} s.{said}")
         head = ipywidgets.HTML(f"{style()}<b>{html.escape(title)}</b>")
