@@ -19,8 +19,7 @@ from ..world.files import checked_path, replaced
 from ..world.model import Scene
 from .drawing import SLACK_DASHES, RobotDrawing
 from .outlines import landmarks
-from .picture import Frame as Frame
-from .picture import Picture
+from .picture import Frame as Frame, Picture
 from .screen import HEIGHT, Screen, check_like, robot_axes, sized_figure
 from .style import AXIS_COLORS, INK, SLACK_COLOR, TRAIL, house_style, tension_colors
 
