@@ -8,7 +8,7 @@ import pytest
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
-from cdprlab.run import Log, save_record
+from cdprlab.run import Log
 
 
 def filled(rows):
@@ -40,17 +40,21 @@ def test_a_row_of_another_width_is_refused():
         filled(1).keep(0.0, np.eye(2), True)
 
 
-def test_what_is_saved(tmp_path):
-    log = filled(7)
-    columns = {name: (log[name], unit) for name, unit in log.units.items()}
-    save_record(tmp_path / "out", columns, cl.load_world("planar_rigid"), {"task": "default"}, every=3)
-    saved = np.load(tmp_path / "out" / "log.npz")
-    assert json.loads(str(saved["units"])) == log.units and saved["bases"].shape == (7, 2, 3)
+def test_what_is_saved(tmp_path, monkeypatch):
+    run = cl.run(cl.load_world("planar_rigid"), duration=0.007)
+    monkeypatch.setattr(type(run), "csv_rows", 3)
+    run.save(tmp_path / "out")
+    saved, columns = np.load(tmp_path / "out" / "log.npz"), run.columns()
+    assert json.loads(str(saved["units"])) == {name: unit for name, (_, unit) in columns.items()}
+    for name, (values, _) in columns.items():
+        np.testing.assert_array_equal(saved[name], values)
     with (tmp_path / "out" / "log.csv").open(encoding="utf-8") as file:
         header, *rows = csv.reader(file)
-    assert header[:5] == ["time [s]", "rotation_1", "rotation_2", "rotation_3", "rotation_4"]
-    assert header[-1] == "feasible" and [row[0] for row in rows] == ["0", "0.3", "0.6"]
-    assert json.loads((tmp_path / "out" / "settings.json").read_text()) == {"task": "default"}
+    assert header[:4] == ["time [s]", "position_1 [m]", "position_2 [m]", "rotation [rad]"]
+    assert header[-1] == "feasible" and [row[0] for row in rows] == ["0", "0.003", "0.006"]
+    settings = json.loads((tmp_path / "out" / "settings.json").read_text())
+    assert settings == json.loads(json.dumps({"task": "default", "method": run.method, "cables": run.cables,
+                                              **run.settings}))
 
 
 def test_a_column_may_be_of_nothing():

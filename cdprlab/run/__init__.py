@@ -2,8 +2,8 @@
 
 from ..simulate import WOUND
 from .distributor import INFEASIBLE
-from .log import Log, save_record
+from .log import Log
 from .record import Run
-from .start import Cuts, run
+from .start import run
 
-__all__ = ["INFEASIBLE", "WOUND", "Cuts", "Log", "Run", "run", "save_record"]
+__all__ = ["INFEASIBLE", "WOUND", "Log", "Run", "run"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar
 
@@ -74,10 +74,15 @@ class TensionComparison:
 
     def lines(self) -> list[tuple[str, ...]]:
         """The table in words: its head, then a line a method."""
-        head = ("method", "feasible", "τ min [N]", "τ max [N]", "∫‖τ‖² [N² s]", "step [N]",
-                "continuous", "margin [N]",
-                "solve [µs]")
-        return [head, *(_line(row) for row in self.rows())]
+        lines: list[tuple[str, ...]] = [("method", "feasible", "τ min [N]", "τ max [N]", "∫‖τ‖² [N² s]", "step [N]",
+                                         "continuous", "margin [N]", "solve [µs]")]
+        for row in self.rows():
+            *numbers, margin = [f"{row[name]:.4g}".replace("nan", "–") for name in
+                                ("smallest", "largest", "energy", "largest_step", "margin")]
+            continuous = ("yes" if row["continuous"] else "no") if row["feasible_share"] else "–"
+            lines.append((row["method"], f"{100 * row['feasible_share']:.0f} %", *numbers, continuous, margin,
+                          f"{1e6 * row['solve_time']:.1f}"))
+        return lines
 
     def __str__(self) -> str:
         head, *rows = self.lines()
@@ -107,7 +112,13 @@ def compare_tensions(world: World, task: str = "default",
     """
     job, robot = world.task(task), world.robot
     step = job.duration / 400 if time_step is None else time_step
-    names = _names(methods, robot)
+    redundancy = robot.n_cables - robot.n_dof
+    fits = {"kernel": redundancy == 1, "barycenter": redundancy <= 2}
+    names = [name for name in tension_methods() if fits.get(name, True)]
+    if methods is not None:
+        names = [methods] if isinstance(methods, str) else list(methods)
+    if not names:
+        raise InvalidInput(f"methods must name at least one of {', '.join(tension_methods())}, got none")
     count = as_count(round(job.duration / step) + 1, "duration / time_step")
     times = np.linspace(0.0, job.duration, max(2, count))
     path = job.trajectory()
@@ -118,26 +129,13 @@ def compare_tensions(world: World, task: str = "default",
         if progress is not None:
             progress(len(found), len(names))
     columns = {name: frozen(np.array([entry[name] for entry in found])) for name in found[0]}
-    return TensionComparison(world, task, names, time=frozen(times), **columns)
-
-
-def _names(methods: str | Iterable[str] | None, robot: Robot) -> tuple[str, ...]:
-    redundancy = robot.n_cables - robot.n_dof
-    if methods is None:
-        fits = {"kernel": redundancy == 1, "barycenter": redundancy <= 2}
-        return tuple(name for name in tension_methods() if fits.get(name, True))
-    names = (methods,) if isinstance(methods, str) else tuple(methods)
-    if not names:
-        raise InvalidInput(f"methods must name at least one of {', '.join(tension_methods())}, got none")
-    return names
+    return TensionComparison(world, task, tuple(names), time=frozen(times), **columns)
 
 
 def _wrenches(robot: Robot, path: Trajectory, times: Array) -> tuple[Array, Array]:
-    reference = path(times)
-    wanted = [inverse_dynamics(robot, *motion)
-              for motion in zip(reference.pose.rotation, reference.twist,
-                                reference.acceleration)]
-    return np.ascontiguousarray(wrench_matrix(robot, reference.pose)), -np.array(wanted)
+    pose, twists, accelerations = path(times)
+    wanted = [inverse_dynamics(robot, *motion) for motion in zip(pose.rotation, twists, accelerations)]
+    return np.ascontiguousarray(wrench_matrix(robot, pose)), -np.array(wanted)
 
 
 def _follow(robot: Robot, path: Trajectory, times: Array, W: Array, w_e: Array, name: str) -> dict[str, Any]:
@@ -145,46 +143,27 @@ def _follow(robot: Robot, path: Trajectory, times: Array, W: Array, w_e: Array, 
     low, high = robot.tension_min, robot.tension_max
     solve = solver_for(name, robot.n_dof, low, high)
     solve(W[0], w_e[0])   # what is compiled or imported at first use is no part of a solve
-    tensions, elapsed = _timed(solve, W, w_e)
-    judged = checked_distribution(W, w_e, low, high, tensions, "", name)
+    tensions, moments = [], [time.perf_counter()]
+    for problem in zip(W, w_e):
+        tensions.append(solve(*problem)[0])
+        moments.append(time.perf_counter())
+    judged = checked_distribution(W, w_e, low, high, np.array(tensions), "", name)
     good = judged.feasible
-    row = {"feasible_share": good.mean(), "solve_time": np.median(elapsed),
-           "tensions": judged.tensions,
+    row = {"feasible_share": good.mean(), "solve_time": np.median(np.diff(moments)), "tensions": judged.tensions,
            "feasible": good}
     if not good.any():
         return row | dict.fromkeys(("smallest", "largest", "energy", "largest_step", "margin"), np.nan) | {
             "continuous": False}
-    steps = np.abs(np.diff(judged.tensions, axis=0)).max(axis=1)
-    steps = np.where(good[1:] & good[:-1], steps, 0.0)
+    steps = np.where(good[1:] & good[:-1], np.abs(np.diff(judged.tensions, axis=0)).max(axis=1), 0.0)
     at, used = int(steps.argmax()), judged.tensions[good]
-    return row | {"smallest": used.min(), "largest": used.max(),
-                  "margin": judged.margin[good].min(),
+    return row | {"smallest": used.min(), "largest": used.max(), "margin": judged.margin[good].min(),
                   "energy": np.trapezoid(np.where(good, (judged.tensions**2).sum(axis=1), 0.0), times),
                   "largest_step": steps[at],
                   "continuous": step_shrinks(robot, path, times[at:at + 2], solve, steps[at])}
 
 
-def _timed(solve: Solver, W: Array, w_e: Array) -> tuple[Array, Array]:
-    """Tensions of one solve after the other, and how long each took [s]."""
-    tensions, moments = [], [time.perf_counter()]
-    for problem in zip(W, w_e):
-        tensions.append(solve(*problem)[0])
-        moments.append(time.perf_counter())
-    return np.array(tensions), np.diff(moments)
-
-
 def step_shrinks(robot: Robot, path: Trajectory, span: Array, solve: Solver, step: float) -> bool:
     """Whether the largest step of a method's tensions within a span of time falls when sampled more finely."""
-    W, w_e = _wrenches(robot, path, np.linspace(span[0], span[1], _FINER + 1))
-    tensions, _ = _timed(solve, W, w_e)
-    return bool(np.abs(np.diff(tensions, axis=0)).max() <= max(0.5 * step,
-                                                               1e-6 * robot.tension_max.max()))
-
-
-def _line(row: dict[str, Any]) -> tuple[str, ...]:
-    *numbers, margin = [f"{row[name]:.4g}".replace("nan", "–") for name in
-                        ("smallest", "largest", "energy", "largest_step", "margin")]
-    continuous = ("yes" if row["continuous"] else "no") if row["feasible_share"] else "–"
-    return (str(row["method"]), f"{100 * row['feasible_share']:.0f} %", *numbers, continuous,
-            margin,
-            f"{1e6 * row['solve_time']:.1f}")
+    problems = zip(*_wrenches(robot, path, np.linspace(span[0], span[1], _FINER + 1)))
+    steps = np.diff([solve(W, w_e)[0] for W, w_e in problems], axis=0)
+    return bool(np.abs(steps).max() <= max(0.5 * step, 1e-6 * robot.tension_max.max()))

@@ -52,9 +52,7 @@ class Distributor:
             return tensions
         if self.infeasible in ("stop", "send"):
             raise InfeasibleTensions(f"at t = {now:.4g} s: {reason}; infeasible=\"relax\" goes on with the least "
-                                     "wrench error inside the limits",
-                                     self._judged(W, -wanted, tensions, reason,
-                                                  self.low, self.high))
+                                     "wrench error inside the limits", self._judged(W, -wanted, tensions, reason))
         if self.infeasible == "relax" or self.last is None:
             if self.solve is not self.relax:
                 tensions, reason = self.relax(W, -wanted)
@@ -83,16 +81,13 @@ class Distributor:
         said, answer = "", self.method(frozen(W), frozen(w_e), self.low, self.high)
         if isinstance(answer, TensionDistribution):
             said, answer = str(answer.reason), answer.tensions
-        if said and answer.shape == self.low.shape and np.isnan(answer).any():
-            return answer, said   # it has none, and says why
+            if said and answer.shape == self.low.shape and np.isnan(answer).any():
+                return answer, said   # it has none, and says why
         tensions = as_answer(answer, "the method's tensions", self.low.size, "N", now)
         # A copy: the method may use its array again.
-        judged = self._judged(W, w_e, tensions.copy(), said, self.low, self.high)
+        judged = self._judged(W, w_e, tensions.copy(), said)
         return judged.tensions, said or str(judged.reason)
 
-    def _judged(self, W: Array, w_e: Array, tensions: Array, reason: str, low: Array,
-                high: Array) -> TensionDistribution:
-        low, high = (np.broadcast_to(limit, tensions.shape) for limit in (low, high))
-        reasons = np.broadcast_to(np.array(reason, dtype=object), tensions.shape[:-1])
-        return checked_distribution(W, w_e, low, high, tensions, reasons,
+    def _judged(self, W: Array, w_e: Array, tensions: Array, reason: str) -> TensionDistribution:
+        return checked_distribution(W, w_e, self.low, self.high, tensions, reason,
                                     self.method if isinstance(self.method, str) else "")

@@ -1,7 +1,7 @@
 """What happens, one row a control step: a table of named columns, each with its shape and its unit."""
 
 import csv
-import json
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from io import TextIOWrapper
 from itertools import chain
@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_count, frozen
+from ..arrays import Array, frozen
 from ..errors import InvalidInput
-from ..world import World
-from ..world.files import made_folder, replaced, write_text
+from ..world.files import replaced
 
 Columns = Mapping[str, tuple[tuple[int, ...], str]]
 """Name → shape of what one row has of it, and its unit."""
@@ -35,13 +34,10 @@ class Log:
 
     def __init__(self, columns: Columns) -> None:
         self.units = {name: unit for name, (_, unit) in columns.items()}
-        self._shapes = {name: shape for name, (shape, _) in columns.items()}
-        ends = np.cumsum([int(np.prod(shape)) for shape in self._shapes.values()]).tolist()
-        self._slices = dict(zip(self._shapes, map(slice, [0, *ends], ends)))
-        self.width = ends[-1]
+        self._row = np.dtype([(name, float, shape) for name, (shape, _) in columns.items()])
         # One block of memory: kept as separate objects, the log would push a loop out of the
         # processor's cache.
-        self._pack, self._rows = Struct(f"{self.width}d").pack, bytearray()
+        self._pack, self._rows = Struct(f"{self._row.itemsize // 8}d").pack, bytearray()
 
     def keep(self, *values: ArrayLike) -> None:
         """Write down one row: a value a column, in their order."""
@@ -52,39 +48,18 @@ class Log:
         try:
             self._rows += self._pack(*row)
         except StructError:
-            raise InvalidInput(f"row {len(self)} of the log must be {self.width} numbers, got {len(row)}: "
+            raise InvalidInput(f"row {len(self)} of the log must be {self._row.itemsize // 8} numbers, got {len(row)}: "
                                f"its columns are {', '.join(self.units)}") from None
 
     def __len__(self) -> int:
-        return len(self._rows) // (8 * self.width)
+        return len(self._rows) // self._row.itemsize
 
     def __contains__(self, name: str) -> bool:
-        return name in self._slices
+        return name in self.units
 
     def __getitem__(self, name: str) -> Array:
         """(N, …) one column, read-only."""
-        table = np.frombuffer(self._rows).reshape(-1, self.width)
-        return frozen(table[:, self._slices[name]].reshape(len(table), *self._shapes[name]).copy())
-
-
-def save_record(folder: str | Path, columns: Mapping[str, tuple[Any, str]], world: World,
-                settings: Mapping[str, Any], every: int = 1) -> Path:
-    """Write log.npz (named arrays and their units), log.csv, the world used and the settings.
-
-    folder : made if missing; columns : name → (N, …) array and its unit
-    every : of how many rows log.csv keeps one; log.npz has them all
-    """
-    as_count(every, "every")
-    target = made_folder(folder)
-    units = json.dumps({name: unit for name, (_, unit) in columns.items()})
-    arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}
-    with replaced(target / "log.npz") as file:
-        np.savez_compressed(file, units=np.array(units), **arrays)
-    write_csv(target / "log.csv",
-              {name: (values[::every], unit) for name, (values, unit) in columns.items()})
-    world.save(target / "world.yaml")
-    write_text(target / "settings.json", json.dumps(settings, indent=1) + "\n")
-    return target
+        return frozen(np.frombuffer(self._rows, self._row)[name].copy())
 
 
 def flat_columns(columns: Mapping[str, tuple[Any, str]]) -> dict[str, Array]:
@@ -98,21 +73,21 @@ def flat_columns(columns: Mapping[str, tuple[Any, str]]) -> dict[str, Array]:
     flat = {}
     for name, (values, unit) in columns.items():
         block = np.asarray(values, dtype=float)
-        block = block.reshape(len(block), int(np.prod(block.shape[1:])))   # -1 fails where there are no rows
-        numbers = [""] if block.shape[1] == 1 else [f"_{i + 1}" for i in range(block.shape[1])]
-        for number, column in zip(numbers, block.T):
-            flat[f"{name}{number} [{unit}]" if unit else name + number] = column
+        block = block.reshape(len(block), math.prod(block.shape[1:]))   # -1 fails where there are no rows
+        for i, column in enumerate(block.T, 1):
+            number = f"_{i}" if len(block.T) > 1 else ""
+            flat[name + number + (f" [{unit}]" if unit else "")] = column
     return flat
 
 
 def write_csv(path: Path, columns: Mapping[str, tuple[Any, str]]) -> None:
     """One row a step, columns as `flat_columns` has them."""
     flat = flat_columns(columns)
-    write_rows(path, chain([list(flat)], ([f"{value:.9g}" for value in row]
-                                          for row in np.column_stack(list(flat.values())).tolist())))
+    table = np.column_stack(list(flat.values())).tolist()
+    write_rows(path, chain([flat], ([f"{value:.9g}" for value in row] for row in table)))
 
 
-def write_rows(path: Path, rows: Iterable[Sequence[str]]) -> None:
+def write_rows(path: Path, rows: Iterable[Iterable[str]]) -> None:
     """A CSV file of these rows, the first of them its header."""
     with replaced(path) as file, TextIOWrapper(file, encoding="utf-8", newline="") as text:
         csv.writer(text).writerows(rows)
@@ -125,7 +100,7 @@ def text_table(header: Sequence[str], rows: Sequence[Sequence[str]], gap: int = 
     cable          1      2
     length [m]  4.36  12.10
     """
-    lines = [list(header), *map(list, rows)]
+    lines = [header, *rows]
     widths = [max(map(len, column)) for column in zip(*lines)]
-    return "\n".join((gap * " ").join(cell.ljust(width) if k == 0 else cell.rjust(width)
-                                     for k, (cell, width) in enumerate(zip(line, widths))).rstrip() for line in lines)
+    form = (gap * " ").join(f"{{:{'>' if k else '<'}{width}}}" for k, width in enumerate(widths))
+    return "\n".join(form.format(*line).rstrip() for line in lines)

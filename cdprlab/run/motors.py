@@ -47,9 +47,10 @@ class Motors:
 
     def reset(self, pose: Pose | None = None) -> State:
         """As the engine does."""
-        self._given = np.zeros(3 * self.body.world.robot.n_cables + 1)
+        m = self.body.world.robot.n_cables
+        self._given, self._rates = np.zeros(3 * m + 1), np.zeros(m)
         self._matrix: Array | None = None
-        self._asked: tuple[Any, Array] | None = None
+        self._asked: Array | None = None
         return self.engine.reset(pose)
 
     def pull(self, tensions: Array, substeps: int, wanted: tuple[Array, Array] | None = None) -> None:
@@ -58,36 +59,42 @@ class Motors:
         wanted : (m,) l̇ and l̈ at which friction and inertia are made up for [m/s, m/s²]; default:
             friction at the present speed
         """
-        rates, loose, yielding, W = motion(self.body)
-        if self._matrix is not None:   # how the cables turn: −Ẇᵀ t
-            loose = loose - self.body.twist @ (W - self._matrix) / self.period
+        body, winch, believed = self.body, self.winch, self.believed
+        rates, W = cable_rates(body)
+        mass, bias = mass_and_bias(body.carrying, body.rotation, body.twist)
+        lightness = np.linalg.inv(mass)
+        # l̈ = l̈₀ − A τ, and how the cables turn: −Ẇᵀ t
+        loose = lightness @ (bias - (0.0 if body.pushed is None else body.pushed)) @ W
+        if self._matrix is not None:
+            loose = loose - body.twist @ (W - self._matrix) / self.period
         self._matrix = W
-        speed, known = motor_speed(self.winch, rates), motor_speed(self.believed, rates)
+        speed, known = motor_speed(winch, rates), motor_speed(believed, rates)
         self._watch(speed)
-        lost = friction_torque(self.believed, known) if wanted is None else motor_torque(self.believed, 0.0, *wanted)
-        asked = gear_torque(self.believed, tensions, known) + lost
         damping: Any = 0.0   # of what nobody makes up for
         if wanted is not None:
-            damping = motor_damping(self.winch, 0.0, speed)
-        elif self.believed != self.winch:
-            damping = np.maximum(motor_damping(self.winch, tensions, speed)
-                                 - motor_damping(self.believed, tensions, known), 0.0)
-        pulled, torques = cable_tensions(self.winch, asked, rates, loose, yielding, self.period, damping)
+            lost, damping = motor_torque(believed, 0.0, *wanted), motor_damping(winch, 0.0, speed)
+        else:
+            lost = friction_torque(believed, known)
+            if believed != winch:
+                damping = np.maximum(motor_damping(winch, tensions, speed)
+                                     - motor_damping(believed, tensions, known), 0.0)
+        asked = gear_torque(believed, tensions, known) + lost
+        pulled, torques = cable_tensions(winch, asked, rates, loose, W.T @ lightness @ W, self.period, damping)
         self._keep(pulled, torques, speed, asked - torques)
         self.engine.pull(pulled, substeps)
 
-    def bring(self, lengths: list[float], substeps: int) -> bool:
+    def bring(self, lengths: Array, substeps: int) -> bool:
         """Rope lengths as far as the motors can bring them: a rope that pulls harder slips."""
-        winch, body = self.winch, self.body
+        winch, body, turned = self.winch, self.body, self._rates
         self._watch(motor_speed(winch, cable_rates(body)[0]))
-        before, turned = self._asked or (lengths, np.zeros(len(lengths)))   # it begins at rest
-        rates = (np.asarray(lengths) - before) / self.period
-        turning, speed = (rates - turned) / self.period, motor_speed(winch, turned)
-        self._asked = lengths, rates
+        if self._asked is not None:   # it begins at rest
+            self._rates = (lengths - self._asked) / self.period
+        self._asked = lengths
+        turning, speed = (self._rates - turned) / self.period, motor_speed(winch, turned)
         spare = winch.torque - motor_torque(winch, 0.0, turned, turning)
         body.strongest = np.clip(spare / gear_torque(winch, 1.0, speed),
                                  0.0, winch.torque * winch.gear_ratio / winch.drum_radius)
-        reached = self.engine.bring(lengths, substeps)
+        reached: bool = self.engine.bring(lengths, substeps)
         self._keep(body.tensions, motor_torque(winch, body.tensions, turned, turning), speed, body.slipping)
         return reached
 
@@ -130,31 +137,18 @@ def identify_friction(run: Run) -> tuple[Friction, float]:
     >>> round(friction.coulomb, 3), round(friction.viscous, 5)
     (0.02, 0.0002)
     """
-    flown = run.real or run.world
-    if run.motor_torques is None or run.motor_speeds is None or flown.robot.winch is None:
+    winch = (run.real or run.world).robot.winch
+    if run.motor_torques is None or run.motor_speeds is None or winch is None:
         raise InvalidInput("nothing is known of motors: fly a world with a `winch:` block, and winch=\"real\"")
     speed = run.motor_speeds[:-1]
     inert = np.diff(run.motor_speeds, axis=0) / run.control_period
-    lost = run.motor_torques[:-1] - gear_torque(flown.robot.winch, run.measured_tensions[:-1], speed)
+    lost = run.motor_torques[:-1] - gear_torque(winch, run.measured_tensions[:-1], speed)
     matrix = np.stack([*friction_features(speed), inert], axis=-1).reshape(-1, 4)
     static, coulomb, viscous, inertia = np.linalg.lstsq(matrix, lost.ravel())[0].tolist()
     return Friction(static, coulomb, viscous), inertia
 
 
 def cable_rates(engine: Simulator) -> tuple[Array, Array]:
-    """l̇ (m,) now [m/s], and W in all rows."""
+    """l̇ (m,) now [m/s], and W in all rows that the motion pattern controls."""
     W = engine.carrying.pattern.basis(engine.rotation) @ engine.wrench_matrix
-    # B_b q̇_b, what driving bases pay of the cables: −u · Ȧ.
-    return (engine.directions * engine.exit_velocities).sum(axis=1) - engine.twist @ W, W
-
-
-def motion(engine: Simulator) -> tuple[Array, Array, Array, Array]:
-    """How the cables of an engine move now: l̇ [m/s], and l̈ = l̈₀ − A τ as `cable_tensions` takes it.
-
-    Returns l̇, l̈₀ (but for what comes of the cables' own turning), A, and W in all rows.
-    """
-    rates, W = cable_rates(engine)
-    mass, bias = mass_and_bias(engine.carrying, engine.rotation, engine.twist)
-    lightness = np.linalg.inv(mass)
-    push = 0.0 if engine.pushed is None else engine.pushed
-    return rates, lightness @ (bias - push) @ W, W.T @ lightness @ W, W
+    return engine.drawn - engine.twist @ W, W

@@ -1,5 +1,6 @@
 """What happened in a run: one row a control step, summed up and saved."""
 
+import json
 from dataclasses import dataclass, field
 from operator import attrgetter
 from pathlib import Path
@@ -13,21 +14,24 @@ from ..mechanics.trajectory import Reference
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import World
-from .log import flat_columns, save_record
+from ..world.files import made_folder, replaced, write_text
+from .log import flat_columns, write_csv
 from .loop import Flight
 
-QUANTITIES = {
-    "time": ("time", "s"), "position": ("poses.position", "m"), "rotation": ("poses.orientation", "rad"),
-    "twist": ("twists", "m/s, rad/s"), "reference_position": ("reference.pose.position", "m"),
-    "reference_rotation": ("reference.pose.orientation", "rad"),
-    "reference_twist": ("reference.twist", "m/s, rad/s"), "error": ("errors", "m, rad"),
-    "commanded_tension": ("commanded_tensions", "N"), "measured_tension": ("measured_tensions", "N"),
-    "length": ("lengths", "m"), "estimated_position": ("estimates.position", "m"),
-    "estimated_rotation": ("estimates.orientation", "rad"),
-    "estimated_twist": ("estimated_twists", "m/s, rad/s"), "sensed_length": ("sensed_lengths", "m"),
-    "sensed_tension": ("sensed_tensions", "N"), "commanded_length": ("commanded_lengths", "m"),
-    "motor_torque": ("motor_torques", "N m"), "motor_speed": ("motor_speeds", "rad/s"),
-    "base_pose": ("base_poses", "m, m, rad"), "feasible": ("feasible", "")}
+_UNITS = {
+    "time": "s", "position": "m", "rotation": "rad", "twist": "m/s, rad/s", "error": "m, rad", "tension": "N",
+    "length": "m", "torque": "N m", "speed": "rad/s", "pose": "m, m, rad", "feasible": ""}
+
+_FIELDS = {
+    "time": "time", "position": "poses.position", "rotation": "poses.orientation", "twist": "twists",
+    "reference_position": "reference.pose.position", "reference_rotation": "reference.pose.orientation",
+    "reference_twist": "reference.twist", "error": "errors", "commanded_tension": "commanded_tensions",
+    "measured_tension": "measured_tensions", "length": "lengths", "estimated_position": "estimates.position",
+    "estimated_rotation": "estimates.orientation", "estimated_twist": "estimated_twists",
+    "sensed_length": "sensed_lengths", "sensed_tension": "sensed_tensions", "commanded_length": "commanded_lengths",
+    "motor_torque": "motor_torques", "motor_speed": "motor_speeds", "base_pose": "base_poses", "feasible": "feasible"}
+
+QUANTITIES = {name: (field, _UNITS[name.rpartition("_")[2]]) for name, field in _FIELDS.items()}
 """Column of log.csv → the field of a `Run` that it tells, and its unit."""
 
 _AS_IT_WAS: Any = None
@@ -101,11 +105,11 @@ class Run:
     sensed_tensions: Array = _AS_IT_WAS
 
     def __post_init__(self) -> None:
-        true = {"estimates": self.poses, "estimated_twists": self.twists, "sensed_lengths": self.lengths,
-                "sensed_tensions": self.measured_tensions}
-        for name, values in true.items():
+        known = {"estimates": self.poses, "estimated_twists": self.twists, "sensed_lengths": self.lengths,
+                 "sensed_tensions": self.measured_tensions}
+        for name, true in known.items():
             if getattr(self, name) is None:
-                object.__setattr__(self, name, values)
+                object.__setattr__(self, name, true)
 
     @classmethod
     def of(cls, flight: Flight, reference: Reference, *, world: World, at_end: bool = False, **about: Any) -> Self:
@@ -115,28 +119,24 @@ class Run:
         at_end : rows tell of each control step's end, not of its begin
         about : the fields that the log does not have
         """
-        log, steps = flight.log, flight.steps
+        seen, steps = flight.seen, flight.steps
         rows = slice(1, None) if at_end else slice(steps)
         reference = reference.rows(slice(steps))
-        poses = Pose.of(log["position"][rows], log["rotation"][rows])
-        if "sensed_position" in log:
-            about |= {"estimates": Pose.of(log["sensed_position"][rows], log["sensed_rotation"][rows]),
-                      "estimated_twists": log["sensed_twist"][rows],
-                      "sensed_lengths": log["sensed_lengths"][rows],
-                      "sensed_tensions": log["sensed_tensions"][rows]}
-        commanded = (log["commanded_tensions"][:steps] if "commanded_tensions" in log else
-                     frozen(np.full((steps, world.robot.n_cables), np.nan)))
-        feasible: Any = log["feasible"][:steps] > 0 if "feasible" in log else np.ones(steps, dtype=bool)
-        if "driven_torques" in log:
-            about |= {"motor_torques": log["driven_torques"][1:], "motor_speeds": log["driven_speeds"][1:]}
-            feasible &= log["short"][1:] == 0
-        return cls(world=world, poses=poses, twists=log["twist"][rows], reference=reference,
-                   commanded_tensions=commanded, measured_tensions=log["measured_tensions"][1:],
-                   lengths=log["lengths"][rows], errors=errors_of(world.robot, poses, reference.pose),
-                   feasible=frozen(feasible),
-                   commanded_lengths=log["commanded_lengths"][:steps]
-                   if "commanded_lengths" in log else None,
-                   cut_short=flight.cut_short, **about)
+        poses = Pose.of(seen["position"][rows], seen["rotation"][rows])
+        asked: dict[str, Any] = {name: flight.asked[name][:steps] for name in flight.asked.units}
+        asked.setdefault("commanded_tensions", frozen(np.full((steps, world.robot.n_cables), np.nan)))
+        feasible = asked.pop("feasible") > 0
+        if "sensed_position" in seen:
+            about |= {"estimates": Pose.of(seen["sensed_position"][rows], seen["sensed_rotation"][rows]),
+                      "estimated_twists": seen["sensed_twist"][rows], "sensed_lengths": seen["sensed_lengths"][rows],
+                      "sensed_tensions": seen["sensed_tensions"][rows]}
+        if "driven_torques" in seen:
+            about |= {"motor_torques": seen["driven_torques"][1:], "motor_speeds": seen["driven_speeds"][1:]}
+            feasible &= seen["short"][1:] == 0
+        return cls(world=world, poses=poses, twists=seen["twist"][rows], reference=reference,
+                   measured_tensions=seen["measured_tensions"][1:], lengths=seen["lengths"][rows],
+                   errors=errors_of(world.robot, poses, reference.pose), feasible=frozen(feasible),
+                   cut_short=flight.cut_short, **asked, **about)
 
     def row(self, index: int) -> int:
         """A control step, counted from the end where the index is negative; raises InvalidInput where there is none."""
@@ -200,13 +200,19 @@ class Run:
 
         folder : made if missing, also for the real world
         """
-        settings = {"task": self.task, "method": self.method, "cables": self.cables,
-                    **self.settings}
-        if self.cut_short:
-            settings["cut_short"] = self.cut_short
-        target = save_record(folder, self.columns(), self.world, settings, self.csv_rows)
+        target, columns = made_folder(folder), self.columns()
+        arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}
+        units = {name: unit for name, (_, unit) in columns.items()}
+        with replaced(target / "log.npz") as file:
+            np.savez_compressed(file, units=np.array(json.dumps(units)), **arrays)
+        write_csv(target / "log.csv", {name: (arrays[name][::self.csv_rows], units[name]) for name in units})
+        self.world.save(target / "world.yaml")
         if self.real is not None:
             self.real.save(target / "real.yaml")
+        settings = {"task": self.task, "method": self.method, "cables": self.cables, **self.settings}
+        if self.cut_short:
+            settings["cut_short"] = self.cut_short
+        write_text(target / "settings.json", json.dumps(settings, indent=1) + "\n")
         return target
 
     def columns(self) -> dict[str, tuple[Any, str]]:

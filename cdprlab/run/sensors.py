@@ -57,6 +57,7 @@ class Sensors:
     def __post_init__(self) -> None:
         as_seed(self.seed)
 
+
 _SOON = 1e-9   # s: what rounding leaves of a time
 
 
@@ -110,18 +111,18 @@ class Belief:
 
     def __init__(self, engine: Any, world: World, sensors: Sensors | None, period: float) -> None:
         real, believed = engine.world.robot, world.robot
-        names = [[base.name for base in robot.bases] for robot in (real, believed)]
-        if (real.motion_pattern, real.n_cables, names[0]) != (believed.motion_pattern, believed.n_cables, names[1]):
+        flies, told = ((robot.motion_pattern, robot.n_cables, [base.name for base in robot.bases])
+                       for robot in (real, believed))
+        if flies != told:
             raise InvalidInput(f"the real robot must have the cables, bases and motion pattern of the one believed "
                                f"in, {believed!r}, got {real!r}")
         self.engine, self.world, self.sensors, self.period = engine, world, sensors, period
-        self.carrying = world.robot
+        self.carrying = believed
         self.offsets = real.length_offsets - believed.length_offsets
         """(m,) what the winches read too much [m]."""
         if sensors is not None:
-            extra = as_array(sensors.length_offset, "length_offset",
-                             (real.n_cables,) if np.ndim(sensors.length_offset) else (), "m")
-            self._read_too_much = self.offsets + extra
+            self._read_too_much = self.offsets + as_array(
+                sensors.length_offset, "length_offset", (real.n_cables,) if np.ndim(sensors.length_offset) else (), "m")
 
     def __getattr__(self, name: str) -> Any:
         if name in ("position", "rotation", "twist", "tensions"):
@@ -133,11 +134,7 @@ class Belief:
         """As the engine does; the sensors begin anew."""
         self._home = self.world.pose if pose is None else pose
         self.engine.reset(self._home)
-        self._seen_at, self._samples = -1, deque[_Sample]()
-        self._wrench: Array | None = None
-        if self.sensors is not None:
-            self._rng = np.random.default_rng(self.sensors.seed)
-            self._measured: _Sample | None = None
+        self._seen_at, self._wrench = -1, None
         return self.state()
 
     def carry(self, mass: float, position: Array) -> None:
@@ -151,9 +148,9 @@ class Belief:
         self._wrench = self.wrench_matrix @ tensions
         self.engine.pull(tensions, substeps)
 
-    def bring(self, lengths: list[float], substeps: int) -> bool:
+    def bring(self, lengths: Array, substeps: int) -> bool:
         """As the engine does; the lengths are what encoders shall read."""
-        return self.engine.bring((np.array(lengths) - self.offsets).tolist(), substeps)
+        return self.engine.bring(lengths - self.offsets, substeps)
 
     # --- what is seen -----------------------------------------------------------------------------
     @property
@@ -207,12 +204,12 @@ class Belief:
     def _sense(self, true: State, sensors: Sensors) -> State:
         """The last sample that has arrived, and the observer's twist."""
         now, robot = true.time, self.robot
-        if self._measured is None:   # at home all is known from the start
-            self._fitted = self._home
+        if not self.engine.steps:   # at home all is known from the start
+            self._rng, self._fitted = np.random.default_rng(sensors.seed), self._home
             self._observer = Observer(robot, self._home, sensors.observer_frequency)
             self._measured = self._look(true, sensors, robot)
             self._observer.pose = self._measured.pose
-            self._taken = 1
+            self._samples, self._taken = deque[_Sample](), 1
         else:
             self._observer.predict(self.carrying, self._wrench, self.period)
             if sensors.rate is None or now >= self._taken / sensors.rate - _SOON:
@@ -235,8 +232,8 @@ class Belief:
         pose = true.pose
         if sensors.pose == "from_lengths":
             pose = self._fitted = nearby_pose(robot, lengths, self._fitted)
-        size = np.full(n, sensors.position_noise)
-        size[n - len(robot.pattern.turn_axes):] = sensors.rotation_noise
+        turns = len(robot.pattern.turn_axes)
+        size = np.repeat([sensors.position_noise, sensors.rotation_noise], [n - turns, turns])
         pose = moved(robot, pose, size * normal(size=n))
         tensions = true.tensions + sensors.tension_noise * normal(size=m)
         return _Sample(true.time, pose, frozen(lengths), frozen(tensions),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from itertools import chain
 from typing import Annotated, Any, Literal
 from warnings import warn
 
@@ -24,8 +23,7 @@ from ..tensions import distribute_tensions
 from ..world import World
 from .controllers import ComputedTorque, Controller, described
 from .distributor import Distributor
-from .drive import Drive
-from .loop import Command, Flight, LengthCommand, StretchedLengths, TensionCommand, counted, fly
+from .loop import Command, Flight, LengthCommand, StretchedLengths, TensionCommand, fly
 from .motors import Motors
 from .record import Run
 from .sensors import Belief, Sensors
@@ -100,16 +98,16 @@ def run(world: World, task: str = "default",
     ...
     cdprlab.errors.WorldError: unknown world 'nowhere'; there are ...
     """
-    told = world
-    flown = world if real is None else real
+    told, flown = world, real or world
     if winch == "ideal":
         world, flown = (replace(one, robot=replace(one.robot, winch=None)) for one in (world, flown))
-        if real is None:
-            flown = world
+    if real is not None and simulator is not None and simulator.world is not real:
+        raise InvalidInput("the simulator must be one of the real world: open_simulator(real)")
     job, robot = world.task(task), world.robot
     if isinstance(controller, WinchControl):
         cables = controller.cables(world, cables)
     wound = cables in WOUND
+    ahead = wound and controller is None   # a wish is of where the platform is by a step's end
     distributor = Distributor(robot, method, infeasible)
     substeps, period = control_steps(dt, control_period)
     length = job.duration + job.hold if duration is None else duration
@@ -119,45 +117,41 @@ def run(world: World, task: str = "default",
     if length < period * (1 - 1e-9):
         raise InvalidInput(f"duration must be at least one control step, {period:g} s, got {length:g} s")
     moments: Array = np.arange(round(length / period) + 1, dtype=float) * period
-    times = moments[:-1]
+    times, steps = moments[:-1], len(moments) - 1
     name = method if isinstance(method, str) else getattr(method, "__name__", "own method")
-    drive = None if base_speeds is None else Drive(base_speeds, period)
-    ahead = wound and controller is None   # a wish is of where the platform is by a step's end
     command: Command
     if isinstance(controller, WinchControl):
         command, name, ruler = controller, controller.name, described(controller)
-    elif not wound:
-        law = ComputedTorque() if controller is None else controller
-        command, ruler = TensionCommand(law, distributor), described(law)
-    elif controller is not None:
+    elif ahead:
+        stretches = cables == "elastic" and robot.elasticity is not None
+        command = StretchedLengths(distributor) if stretches else LengthCommand()
+        name = ruler = "inverse_kinematics"
+    elif wound:
         raise InvalidInput(f"cables={quoted(cables)} winds by inverse kinematics and takes no controller but "
                            "VelocityControl")
     else:
-        stretches = cables == "elastic" and robot.elasticity is not None
-        command = StretchedLengths(distributor, drive) if stretches else LengthCommand()
-        name, ruler = ("inverse_kinematics",) * 2
-    cuts = _cut_steps(cut or {}, robot.n_cables, times.size, period)
+        law = ComputedTorque() if controller is None else controller
+        command, ruler = TensionCommand(law, distributor), described(law)
+    cuts = _cut_steps(cut or {}, robot.n_cables, steps, period)
     path = job.trajectory()(moments)
     frozen(path.twist)   # a controller is handed its rows
     frozen(path.acceleration)
     reference = path.rows(slice(-1))
-    if real is not None and simulator is not None and simulator.world is not real:
-        raise InvalidInput("the simulator must be one of the real world: open_simulator(real)")
     settings = {"dt": dt, "control_period": period, "controller": ruler,
                 "infeasible": infeasible,
                 "external_wrench": None if external_wrench is None else str(external_wrench),
-                "duration": float(times.size * period), "seed": as_seed(seed), **engine_options}
+                "duration": steps * period, "seed": as_seed(seed), **engine_options}
     if base_speeds is not None:
         settings["base_speeds"] = str(base_speeds)
     if sensors is not None:
         settings["sensors"] = {name: np.asarray(value).tolist() for name, value in vars(sensors).items()}
     if cut:
         settings["cut"] = {float(at): np.ravel(indices).tolist() for at, indices in cut.items()}
-    idle = world.idle_keys(cables, driven=base_speeds is not None, bodies=engine_options.get("bodies") is True,
-                           sensed=real is not None or sensors is not None)
-    settings["idle_keys"] = list(idle)
+    settings["idle_keys"] = list(world.idle_keys(
+        cables, driven=base_speeds is not None, bodies=engine_options.get("bodies") is True,
+        sensed=real is not None or sensors is not None))
     body = simulator or open_simulator(flown, cables, dt, **engine_options)
-    engine: Any = body if flown is world and sensors is None else Belief(body, world, sensors, period)
+    engine: Any = body if sensors is None and real in (None, told) else Belief(body, world, sensors, period)
     if flown.robot.winch is not None:
         engine = Motors(engine, body, robot.winch, period)
         settings["winch"] = winch
@@ -165,64 +159,67 @@ def run(world: World, task: str = "default",
                                     robot.tension_min, robot.tension_max)
         if not start.feasible:
             warn(f"the winches do not hold the platform where it starts: {start.reason}", CdprWarning, stacklevel=2)
-    try:
-        engine.reset(job.start)
-        wishes: Iterable[Any] = map(Reference, *reference)
-        if ahead:
-            # By each step's end the lengths of where the platform should then be, from where
-            # its bases then stand.
-            ends = path.rows(slice(1, None))
-            if isinstance(command, StretchedLengths):
-                wishes = map(Reference, *ends)
-            elif drive is None:
-                wishes = cable_lengths(robot, ends.pose).tolist()
-            else:
-                wishes = (cable_lengths(drive.step(engine), pose).tolist() for pose in ends.pose)
+    drive = None if base_speeds is None else _Drive(engine, base_speeds, period)
+
+    def wishes() -> Iterator[Any]:
+        """What is asked for, step after step, and what else happens as each begins."""
         if wound:
-            wishes = chain(_at_rest(engine, body, command, path.rows(0)), wishes)
+            _hang(engine, body, command, path.rows(0))
         if external_wrench is not None and not callable(external_wrench):
             engine.push(external_wrench)
-
-        def happen(k: int) -> None:
-            if drive is not None and not ahead:
-                drive.step(engine)
+        wanted: Iterable[Any] = map(Reference, *(path.rows(slice(1, None)) if ahead else reference))
+        if drive is None and isinstance(command, LengthCommand):
+            wanted = cable_lengths(robot, path.pose[1:])
+        for k, wish in enumerate(wanted):
+            if progress is not None and k % max(1, steps // 100) == 0:
+                progress(k, steps)
+            stand = None if drive is None else drive.step()
             if k in cuts:
-                engine.cut(cuts[k])
-                command.cut(cuts[k])
+                for cut_off in (engine.cut, distributor.cut, command.cut):
+                    cut_off(cuts[k])
             if callable(external_wrench):
                 now = k * period
-                engine.push(as_answer(external_wrench(now), "external_wrench", robot.n_dof,
-                                      "N, N m", now))
+                engine.push(as_answer(external_wrench(now), "external_wrench", robot.n_dof, "N, N m", now))
+            if isinstance(command, StretchedLengths):
+                wish = wish, stand
+            elif ahead and stand is not None:
+                wish = cable_lengths(stand, wish.pose)
+            yield wish
+        if progress is not None:
+            progress(steps, steps)
 
-        def record(flight: Flight) -> Run:
-            steps = flight.steps
-            run = Run.of(flight, reference, world=told, real=real, task=task, method=name, cables=cables,
-                         time=frozen(times[:steps]),
-                         real_time_factor=steps * period / flight.elapsed, dt=dt, control_period=period,
-                         settings=settings,
-                         base_poses=None if drive is None else
-                         frozen(np.reshape(drive.poses[:steps], (steps, len(robot.bases), 3))))
-            carried = run.commanded_tensions
-            if run.motor_torques is not None:
-                carried = flight.log["driven_tensions"][1:]
-                _tell_short(run, flight.log["short"][1:].astype(int))
-            if wound:
-                let_out = flight.log["commanded_lengths"][:-1] - getattr(engine, "offsets", 0.0)
-                longer = flight.log["lengths"][1:] - let_out
-                allowed = _allowed(run, flown.robot, flight.log["lengths"][1:])
-                held = (np.abs(longer) <= allowed).all(axis=1)
-                if not flight.cut_short:
-                    bad = (longer > np.max(allowed)) & run.feasible[:, None]
-                    bad[:, list(body.cut_cables)] = False
-                    _tell_longer(run, bad, let_out, longer)
-                return replace(run, feasible=run.feasible & held)
+    def record(flight: Flight) -> Run:
+        seen, flown_steps = flight.seen, flight.steps
+        run = Run.of(flight, reference, world=told, real=real, task=task, method=name, cables=cables,
+                     time=frozen(times[:flown_steps]),
+                     real_time_factor=flown_steps * period / flight.elapsed, dt=dt, control_period=period,
+                     settings=settings,
+                     base_poses=None if drive is None else
+                     frozen(np.reshape(drive.poses[:flown_steps], (flown_steps, len(robot.bases), 3))))
+        carried = run.commanded_tensions
+        if run.motor_torques is not None:
+            carried = seen["driven_tensions"][1:]
+            _tell_short(run, seen["short"][1:].astype(int))
+        if run.commanded_lengths is not None:
+            let_out = run.commanded_lengths - getattr(engine, "offsets", 0.0)
+            longer = seen["lengths"][1:] - let_out
+            # By how much a cable that is held may be longer, or slack, than its rope: 1 mm and the stretch.
+            allowed: Any = 1e-3
+            if cables == "elastic" and flown.robot.elasticity is not None:
+                stretch = seen["lengths"][1:] * run.measured_tensions / flown.robot.elasticity.axial_stiffness
+                allowed = 1e-3 + stretch.max(axis=1, keepdims=True)
             if not flight.cut_short:
-                _mistrust(run, carried)
-            return run
+                bad = (longer > np.max(allowed)) & run.feasible[:, None]
+                bad[:, list(body.cut_cables)] = False
+                _tell_longer(run, bad, let_out, longer)
+            return replace(run, feasible=run.feasible & (np.abs(longer) <= allowed).all(axis=1))
+        if not flight.cut_short:
+            _mistrust(run, carried)
+        return run
 
-        eventful = cuts or callable(external_wrench) or (drive is not None and not ahead)
-        return fly(engine, command, counted(wishes, times.size, progress), record, substeps,
-                   happen if eventful else None)
+    try:
+        engine.reset(job.start)
+        return fly(engine, command, wishes(), record, substeps)
     except WinchOverrun as error:
         warn(f"{error}: the run ends there", CdprWarning, stacklevel=2)
         return error.run
@@ -231,19 +228,41 @@ def run(world: World, task: str = "default",
             body.close()
 
 
-def _at_rest(engine: Any, body: Simulator, command: Command, begin: Reference) -> Iterator[Any]:
-    """No wishes, but asked for the first one it hangs the robot on the ropes that are let out as the run begins."""
+class _Drive:
+    """Mobile bases driven during a run: their speeds, asked for at each step, and where they have been.
+
+    speeds : (3p,) or t → (3p,); period : control step [s]
+    """
+
+    def __init__(self, engine: Simulator, speeds: Any, period: float) -> None:
+        self.engine, self.speeds, self.period = engine, speeds, period
+        self.poses: list[Array] = []
+
+    def step(self) -> Robot:
+        """Set the coming step's speeds; returns the robot with its bases where they will be at the step's end."""
+        now, robot, speeds = len(self.poses) * self.period, self.engine.robot, self.speeds
+        if callable(speeds):
+            speeds = as_answer(speeds(now), "base_speeds", 3 * len(robot.bases), "rad/s, m/s", now)
+        driven = self.engine.drive(speeds).reshape(-1, 3)
+        self.poses.append(self.engine.base_poses)
+        return robot.with_bases({
+            base.name: (*(base.position + base.rotation[:2, :2] @ speed[1:] * self.period),
+                        base.heading + speed[0] * self.period)
+            for base, speed in zip(robot.bases, driven)})
+
+
+def _hang(engine: Any, body: Simulator, command: Command, begin: Reference) -> None:
+    """At rest on the ropes that are let out as the run begins."""
     lengths = (command.wound(begin) if isinstance(command, StretchedLengths | VelocityControl) else
                cable_lengths(engine.robot, begin.pose)) - getattr(engine, "offsets", 0.0)
     if np.abs(lengths - body.paid_out).max() > _WOUND:
-        real, elastic = body.robot, body.world.robot.elasticity
+        elastic = body.world.robot.elasticity
         stiffness = elastic.axial_stiffness if elastic and body.cables == "elastic" else None
         try:
-            engine.reset(equilibrium(real, lengths, begin.pose, axial_stiffness=stiffness).pose)
+            engine.reset(equilibrium(body.robot, lengths, begin.pose, axial_stiffness=stiffness).pose)
         except (NoConvergence, InvalidInput) as error:
             warn(f"the run begins where its task does, not at rest: {error}", CdprWarning, stacklevel=2)
-        body.paid_out = lengths.tolist()
-    yield from ()
+        body.paid_out = lengths
 
 
 @checked
@@ -261,18 +280,9 @@ def control_steps(dt: Annotated[float, "[s] > 0"],
     return substeps, substeps * dt
 
 
-def _allowed(run: Run, robot: Robot, lengths: Array) -> Any:
-    """(N, 1) by how much a cable that is held may be longer, or slack, than its rope: 1 mm and the stretch [m]."""
-    if run.cables != "elastic" or robot.elasticity is None:
-        return 1e-3
-    stretch = lengths * run.measured_tensions / robot.elasticity.axial_stiffness
-    return 1e-3 + stretch.max(axis=1, keepdims=True)
-
-
 def _tell_longer(run: Run, bad: Any, let_out: Array, longer: Array) -> None:
     """Warn where a rope was first longer than it can be; bad : (N, m) where that is so."""
-    if bad.any():
-        k, cable = np.argwhere(bad)[0]
+    for k, cable in np.argwhere(bad)[:1]:
         warn(f"at t = {run.time[k]:.4g} s cable {cable + 1} spans {longer[k, cable]:.3g} m more than the "
              f"{let_out[k, cable]:.4g} m of its rope: something holds the platform, or the engine does not; "
              "a smaller dt may help", CdprWarning, stacklevel=2)
@@ -280,11 +290,11 @@ def _tell_longer(run: Run, bad: Any, let_out: Array, longer: Array) -> None:
 
 def _tell_short(run: Run, short: Any) -> None:
     """Warn where a motor first gave less than was asked of it; short : (N,) its cable from 1, or 0."""
-    steps = np.flatnonzero(short)
-    if steps.size and run.motor_torques is not None and run.motor_speeds is not None:
-        k, cable = steps[0], short[steps[0]]
-        warn(f"at t = {run.time[k]:.4g} s the motor of cable {cable} could not do what was asked of it: it gave "
-             f"{run.motor_torques[k, cable - 1]:.3g} N m at {run.motor_speeds[k, cable - 1]:.3g} rad/s; "
+    steps, torques, speeds = np.flatnonzero(short), run.motor_torques, run.motor_speeds
+    if steps.size and torques is not None and speeds is not None:
+        k = steps[0]
+        warn(f"at t = {run.time[k]:.4g} s the motor of cable {short[k]} could not do what was asked of it: it gave "
+             f"{torques[k, short[k] - 1]:.3g} N m at {speeds[k, short[k] - 1]:.3g} rad/s; "
              f"{steps.size} of {short.size} steps are like that", CdprWarning, stacklevel=2)
 
 
@@ -292,12 +302,10 @@ def _mistrust(run: Run, commanded: Array) -> None:
     """Warn where cables did not carry what was commanded, or pushed: by more than 1 N and 1 % of the largest."""
     off = np.abs(run.measured_tensions - commanded)
     allowed = 1 + 0.01 * np.abs(commanded).max(axis=1, keepdims=True)
-    bad = np.argwhere((off > allowed) | (run.measured_tensions < -allowed))
-    if len(bad):
-        k, cable = bad[0]
+    for k, cable in np.argwhere((off > allowed) | (run.measured_tensions < -allowed))[:1]:
         asked, carried = commanded[k, cable], run.measured_tensions[k, cable]
         remedy = ("no cable can: let the method keep its limits, infeasible=\"relax\"" if asked < 0 else
-                 "do not trust it; cables=\"force\" or a smaller dt may help")
+                  "do not trust it; cables=\"force\" or a smaller dt may help")
         warn(f"at t = {run.time[k]:.4g} s cable {cable + 1} was to carry {asked:.4g} N and carried {carried:.4g} N: "
              f"{remedy}", CdprWarning, stacklevel=2)
 

@@ -50,7 +50,7 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
         # their winches' speed.
         hanging = hanging_position(body.robot, plan.lengths[0] - engine.offsets)[0]
         engine.reset(Pose(hanging))
-        while not engine.bring(plan.lengths[0].tolist(), 1):
+        while not engine.bring(plan.lengths[0], 1):
             pass
         dt, settings = engine.dt, {"slack": float(slack), "speed": float(speed),
                                    "reeling": float(reeling)}
@@ -63,7 +63,7 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
                           real_time_factor=steps * dt / flight.elapsed, dt=dt,
                           control_period=dt, settings=settings)
 
-        return fly(engine, LengthCommand(), plan.lengths.tolist(), record)
+        return fly(engine, LengthCommand(), plan.lengths, record)
 
 
 @checked

@@ -1,7 +1,7 @@
 """Two commands of winches with motors: velocity control, and torque control behind their friction."""
 
 from abc import abstractmethod
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar
 
@@ -14,7 +14,7 @@ from ..mechanics.kinematics import moved
 from ..mechanics.statics import footings
 from ..mechanics.trajectory import Reference
 from ..mechanics.winch import Friction
-from ..robot import Robot, turned_to
+from ..robot import turned_to
 from ..simulate import WOUND
 from ..simulate.state import State
 from ..tensions import solver_for
@@ -41,6 +41,7 @@ class WinchControl(Command):
     """
 
     name: ClassVar[str]
+    asks: tuple[str, ...] = ("commanded_tensions",)
     feasible: bool
 
     def __init__(self, standing: bool = True, toward: float = 0.0) -> None:
@@ -58,9 +59,6 @@ class WinchControl(Command):
         self.footings = footings(robot) if self.standing else []
         self.motors = engine if isinstance(engine, Motors) else None
         return super().start(engine if self.motors is None else engine.engine, substeps)
-
-    def columns(self, robot: Robot) -> Columns:
-        return {"commanded_tensions": ((robot.n_cables,), "N"), "feasible": ((), "")}
 
     def distribute(self, W: Array, wrench: Array) -> Array | None:
         """(m,) tensions that exert a (n,) wrench and keep the bases standing where they are now; None without any."""
@@ -110,19 +108,18 @@ class TorqueControl(WinchControl):
 
     def start(self, engine: Any, substeps: int) -> Columns:   # a Simulator, or what is believed of one
         asked = super().start(engine, substeps)
-        self.relaxed = solver_for("relaxed", engine.world.robot.n_dof, self.low, self.high)
         if self.motors is not None and self.friction is not None:
             self.motors.believed = replace(self.motors.believed, **self.friction._asdict())
         return asked
 
-    def step(self, wish: Reference) -> Iterable[float]:
+    def step(self, wish: Reference) -> Sequence[float]:
         engine, W = self.engine, self.engine.wrench_matrix
         state = State(0.0, engine.carrying, engine.position, engine.rotation, engine.twist,
                       engine.tensions)
         wrench = self.law(state.time, state, wish)
         found = self.distribute(W, wrench)
         self.feasible = found is not None
-        tau = self.relaxed(W, -wrench)[0] if found is None else found
+        tau = solver_for("relaxed", len(W), self.low, self.high)(W, -wrench)[0] if found is None else found
         if self.motors is None:
             engine.pull(tau, self.substeps)
         else:
@@ -130,10 +127,6 @@ class TorqueControl(WinchControl):
             wanted = self.paid(engine.directions) - wish.twist @ W, -wish.acceleration @ W
             self.motors.pull(tau, self.substeps, wanted)
         return *tau.tolist(), self.feasible
-
-    def cut(self, cables: list[int]) -> None:
-        super().cut(cables)
-        self.relaxed = solver_for("relaxed", self.engine.world.robot.n_dof, self.low, self.high)
 
 
 @checked
@@ -149,6 +142,7 @@ class VelocityControl(WinchControl):
     """
 
     name = "velocity"
+    asks = ("commanded_tensions", "commanded_lengths")
 
     def __init__(self, gain: Annotated[float, "[1/s] ≥ 0"] = 20.0) -> None:
         super().__init__()
@@ -163,9 +157,6 @@ class VelocityControl(WinchControl):
         self.fastest, self.wanted = robot.speed_max, np.zeros(robot.n_cables)
         return super().start(engine, substeps)
 
-    def columns(self, robot: Robot) -> Columns:
-        return {**super().columns(robot), "commanded_lengths": ((robot.n_cables,), "m")}
-
     def wound(self, wish: Reference) -> Array:
         """(m,) rope let out where what holds platform and load as they should be stretches it [m]."""
         engine = self.engine
@@ -176,7 +167,7 @@ class VelocityControl(WinchControl):
         self.wanted = self.wanted if found is None else found
         return lengths if self.elasticity is None else self.elasticity.unstrained(lengths, self.wanted)
 
-    def step(self, wish: Reference) -> Iterable[float]:
+    def step(self, wish: Reference) -> Sequence[float]:
         engine: Any = self.engine
         ropes = engine.rope_lengths
         missing = self.wound(wish) - ropes
@@ -187,10 +178,10 @@ class VelocityControl(WinchControl):
         after = engine.cables_at(moved(robot, wish.pose, way @ robot.pattern.basis(turn))).lengths
         rates = (after - before) / self.period + self.paid(directions) + self.gain * missing
         kept = np.clip(rates, -self.fastest, self.fastest)
-        wound = (ropes + kept * self.period).tolist()
+        wound = ropes + kept * self.period
         reached = (self.motors or engine).bring(wound, self.substeps) and (kept == rates).all()
         self.feasible = bool(reached) and self.feasible
-        return *self.wanted.tolist(), self.feasible, *wound
+        return *self.wanted.tolist(), *wound.tolist(), self.feasible
 
 
 def winch_control(control: str | WinchControl) -> WinchControl:

@@ -13,8 +13,7 @@ length zero to a reel, a static body whose speed (a conveyor belt's: it goes now
 along the rope what the joint would correct: what remains is l(t + dt) ≤ the winch's length.
 """
 
-from functools import cache, partial
-from struct import Struct
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -22,12 +21,10 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_count, frozen
 from ..errors import needed_by
-from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import World
 from .planar_bases import PlanarBases
 from .planar_space import PlanarSpace, solving_order
-from .ropes import RopeLaw
 from .simulator import Simulator
 
 
@@ -45,22 +42,15 @@ class PlanarSimulator(Simulator):
 
     def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *,
                  solver_iterations: int | None = None) -> None:
-        super().__init__(world, cables, dt)
         from ..compiled import reels
 
-        self._pymunk, self._compiled, robot = import_pymunk(), reels, world.robot
-        self._over_pulleys = robot.pulleys.size > 0
-        self.carrying = robot
-        self._order, rounds = solving_order(world)
+        super().__init__(world, cables, dt)
+        self._pymunk, self._compiled = import_pymunk(), reels
+        order, rounds = solving_order(world)
+        self._order = order if cables == "length" else ()
         self._iterations = rounds if solver_iterations is None else as_count(solver_iterations, "solver_iterations")
-        self._center = robot.platform.center_of_mass
         # What every step is written into: the platform and the cables as `sample` tells them, and W.
-        self._seen, self._W = np.zeros(9 + robot.n_cables), np.zeros((3, robot.n_cables))
-        self._position, self._rotation, self._twist, self._lengths = np.split(self._seen, (2, 6, 9))
-        # What ropes are to be wound to; of a few numbers `Struct` makes an array quicker than
-        # numpy.
-        self._wound: Any = np.zeros(robot.n_cables)
-        self._pack = Struct(f"{robot.n_cables}d").pack_into
+        self._seen, self._W = np.zeros(9 + world.robot.n_cables), np.zeros((3, world.robot.n_cables))
         self._space: PlanarSpace | None = None
         self.reset()
 
@@ -68,27 +58,13 @@ class PlanarSimulator(Simulator):
     # ----------------------------------------------------------------------------
     def place(self, start: Pose) -> None:
         self.close()
-        robot = self.world.robot
-        self.bases = PlanarBases(robot, self.dt)
-        self._pulls = [0.0] * robot.n_cables
-        self._reach = 20 * (1 + float(np.abs(robot.exit_points).max() + np.abs(start.position).max()
-                                      + abs(self.world.scene.floor_height)))
+        self.bases = PlanarBases(self.world.robot, self.dt)
+        self._pulls = [0.0] * self.world.robot.n_cables
         # A new space: nothing of the last run, such as an impulse kept for the solver's start,
         # stays behind.
-        self.space = self._space = PlanarSpace(self._pymunk, self.world, start,
-                                               self._iterations,
-                                               self._order if self.cables == "length" else ())
-        # What is asked every step: most of it is always the same, and written into.
-        motion, bases = self.space.motion, self.bases
-        self._see = partial(self._compiled.look, motion, self.dt, self._reach, self._center, bases.exits,
-                            robot.anchor_points, bases.pulleys, self._seen, self._W)
-        self._turn_reels = partial(self._compiled.reel, motion, self._wound, self.dt, self._W,
-                                   bases.reel_velocities, self.space.velocities)
-        self.space.place_bases(bases, self.dt)
+        self.space = self._space = PlanarSpace(self._pymunk, self.world, start, self._iterations, self._order)
+        self.space.place_bases(self.bases, self.dt)
         self._look()
-        self.paid_out = self.hanging_lengths() if self.is_wound else []
-        if self.cables == "elastic":
-            self.ropes = RopeLaw(robot, self.dt, robot.elasticity)
 
     def pull(self, tensions: Array, substeps: int) -> None:
         pulls = np.array(tensions, dtype=float)
@@ -98,10 +74,10 @@ class PlanarSimulator(Simulator):
             self._advance()
         self._pulls = pulls.tolist()
 
-    def reel(self, lengths: list[float]) -> None:
+    def reel(self, lengths: Array) -> None:
         if self.cables == "elastic":
-            W = np.zeros((3, len(lengths)))
-            W[:self.world.robot.n_dof] = self.wrench_matrix   # a rail carries what the pattern leaves
+            W = self._W.copy()
+            W[self.world.robot.n_dof:] = 0.0   # a rail carries what the pattern leaves
             return self.pull(self.rope_tensions(lengths, W), 1)
         if self.pushed is not None:
             self._load(np.zeros(len(lengths)))
@@ -109,8 +85,7 @@ class PlanarSimulator(Simulator):
         if self.strongest is not None:
             for rope, most in zip(space.ropes, self.strongest.tolist()):
                 rope.max_force = most
-        self._pack(self._wound, 0, *lengths)
-        self._turn_reels()
+        self._compiled.reel(space.motion, lengths, dt, self._W, self.bases.reel_velocities, space.velocities)
         space.write_velocities()
         self._advance()
         self._pulls = [rope.impulse / dt for rope in space.ropes]
@@ -123,13 +98,7 @@ class PlanarSimulator(Simulator):
         self._pulls[cable] = 0.0
 
     def drive(self, speeds: ArrayLike) -> Array:
-        """Let the mobile bases drive on at these speeds, (θ̇, ρ̇₁, ρ̇₂) of each in file order, in their own axes.
-
-        speeds : (3p,) [rad/s, m/s, m/s]
-        Returns (3p,) what they drive: clipped to each base's limits, 0 where a direction is
-        held.
-        """
-        driven = self.bases.drive(speeds)
+        driven = super().drive(speeds)
         self.space.place_bases(self.bases, self.dt)
         return driven
 
@@ -140,48 +109,17 @@ class PlanarSimulator(Simulator):
         if self._space is not None:
             self._space.clear()
 
-    # --- the present state as arrays
-    # ----------------------------------------------------------------
-    @property
-    def robot(self) -> Robot:  # type: ignore[override]
-        """The robot with its bases where they are now."""
-        return self.bases.robot
-
-    @property
-    def position(self) -> Array:  # type: ignore[override]
-        return frozen(self._position.copy())
-
-    @property
-    def rotation(self) -> Array:  # type: ignore[override]
-        return frozen(self._rotation.reshape(2, 2).copy())
-
-    @property
-    def twist(self) -> Array:  # type: ignore[override]
-        return frozen(self._twist.copy())
-
     @property
     def exit_velocities(self) -> Array:  # type: ignore[override]
-        return frozen(self.bases.reel_velocities.copy())
+        return self.bases.reel_velocities
 
     @property
-    def tensions(self) -> Array:  # type: ignore[override]
-        return frozen(np.array(self._pulls))
+    def whole_wrenches(self) -> Array:  # type: ignore[override]
+        return frozen(self._W.copy())
 
     @property
-    def directions(self) -> Array:  # type: ignore[override]
-        return self._W[:2].T.copy()
-
-    @property
-    def base_poses(self) -> Array:  # type: ignore[override]
-        return self.bases.poses
-
-    @property
-    def lengths(self) -> Array:  # type: ignore[override]
-        return frozen(self._lengths.copy())
-
-    @property
-    def wrench_matrix(self) -> Array:  # type: ignore[override]
-        return self._W[:self.world.robot.n_dof].copy()
+    def _row(self) -> Array:  # type: ignore[override]
+        return frozen(np.array(self.sample()))
 
     def sample(self) -> list[float]:
         return self._seen.tolist() + self._pulls
@@ -193,7 +131,7 @@ class PlanarSimulator(Simulator):
         if self.pushed is not None:
             wrench += self.pushed
         fx, fy, moment = wrench.tolist()
-        x, y = (self._rotation.reshape(2, 2) @ self._center).tolist()
+        x, y = (self.rotation @ self.world.robot.platform.center_of_mass).tolist()
         self.space.body.force, self.space.body.torque = (fx, fy), moment + y * fx - x * fy
 
     def _advance(self) -> None:
@@ -208,16 +146,18 @@ class PlanarSimulator(Simulator):
 
     def _look(self) -> None:
         """Where the platform is about to be, and the cables there."""
-        self.space.read_motion()
-        if not self._see():
-            if not self._lengths.all() and np.isfinite(self._position).all():
+        space, bases, robot = self.space, self.bases, self.world.robot
+        space.read_motion()
+        if not self._compiled.look(space.motion, self.dt, 20 * self._extent, robot.platform.center_of_mass, bases.exits,
+                                   robot.anchor_points, bases.pulleys, self._seen, self._W):
+            if not self.lengths.all() and np.isfinite(self.position).all():
                 self.jump_off()
             self.diverge()
-        if self._over_pulleys:
+        if bases.pulleys.size:
             # A rope on a pulley pulls as a straight one as long would, from the end of which its reel stands.
-            anchors = self._position + self.world.robot.anchor_points @ self._rotation.reshape(2, 2).T
-            self.bases.lead(anchors + self._lengths[:, None] * self._W[:2].T)
-            self.space.place_reels(self.bases)
+            anchors = self.position + robot.anchor_points @ self.rotation.T
+            bases.lead(anchors + self.lengths[:, None] * self.directions)
+            space.place_reels(bases)
 
 
 @cache

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array
+from ..arrays import Array, as_array, frozen
 from ..robot import Robot, turned_to
 
 
@@ -20,50 +20,41 @@ class PlanarBases:
         the exit points [m]
     reel_velocities : (m, 2) theirs as points of the bases, other ones where a base turns [m/s]
     pulleys : (m or 0, 3) as `Robot.pulleys` has them, now
-    Arrays that change are written into, but for the poses.
+    frames : none leans
     """
 
+    frames = None
+
     def __init__(self, robot: Robot, dt: float) -> None:
-        self._start, self._dt = robot, dt
-        self._present: Robot | None = robot
-        self.poses = np.array([base.pose for base in robot.bases]).reshape(-1, 3)
-        self.exits, self.pulleys = robot.exit_points.copy(), robot.pulleys.copy()
-        self.reels = self.exits
-        self.exit_velocities = self.reel_velocities = np.zeros_like(self.exits)
-        if self.pulleys.size:
-            self.reel_velocities = np.zeros_like(self.exits)
+        self._robot, self._dt = robot, dt
+        self.poses = frozen(np.array([base.pose for base in robot.bases]).reshape(-1, 3))
+        self.exits = self.reels = robot.exit_points
+        self.pulleys = robot.pulleys
         self.drive(np.zeros(self.poses.size))
 
     def drive(self, speeds: ArrayLike) -> Array:
         """Set (3p,) speeds (θ̇, ρ̇₁, ρ̇₂); returns them clipped to the limits."""
         wanted = as_array(speeds, "base speeds", (self.poses.size,), "rad/s, m/s")
-        limits = np.array([base.speed_max for base in self._start.bases]).ravel()
+        limits = np.array([base.speed_max for base in self._robot.bases]).ravel()
         driven = np.clip(wanted, -limits, limits)
         self._speeds, self.moving = driven.reshape(-1, 3), bool(driven.any())
         self._aim()
         return driven
 
-    @property
-    def robot(self) -> Robot:
-        """The robot with its bases where they are now."""
-        if self._present is None:
-            self._present = self._start.with_bases(dict(zip((base.name for base in self._start.bases), self.poses)))
-        return self._present
-
     def advance(self) -> None:
         """One step on."""
-        self.poses = self.poses + self.rates * self._dt
-        self.exits[:], self._present = self.exits_ahead, None
-        self._aim()
+        self.poses, self.exits = frozen(self.poses + self.rates * self._dt), self.exits_ahead
         if self.pulleys.size and self.rates[:, 2].any():
-            self.pulleys[:] = self.robot.pulleys
+            names = (base.name for base in self._robot.bases)
+            self.pulleys = self._robot.with_bases(dict(zip(names, self.poses))).pulleys
+        self._aim()
 
     def lead(self, reels: Array) -> None:
         """Over pulleys: the ropes come from these (m, 2) points of the bases [m]."""
-        spins = np.array([self.rates[k, 2] if k >= 0 else 0.0 for k in self._start.base_indices])
+        spins = np.append(self.rates[:, 2], 0.0)[list(self._robot.base_indices)]
         x, y = (reels - self.exits).T
         self.reels = reels
-        self.reel_velocities[:] = self.exit_velocities + np.stack([-spins * y, spins * x], axis=1)
+        self.reel_velocities = self.exit_velocities + np.stack([-spins * y, spins * x], axis=1)
 
     def _aim(self) -> None:
         """What the present speeds, in the bases' own axes, come to in the world."""
@@ -73,9 +64,10 @@ class PlanarBases:
         after = self.poses + self.rates * self._dt
         self.exits_ahead = np.array([
             place if k < 0 else after[k, :2] + turned_to(after[k, 2], 2) @ cable.exit_point
-            for cable, k, place in zip(self._start.cables, self._start.base_indices,
-                                       self.exits)])
+            for cable, k, place in zip(self._robot.cables, self._robot.base_indices, self.exits)])
         # What stands still does so exactly, not to rounding.
-        self.exit_velocities[:] = self.moving * (self.exits_ahead - self.exits) / self._dt
+        self.exit_velocities = self.moving * (self.exits_ahead - self.exits) / self._dt
         if self.pulleys.size:
             self.lead(self.reels)
+        else:
+            self.reels, self.reel_velocities = self.exits, self.exit_velocities

@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -45,50 +45,40 @@ class Simulator(ABC):
     """
 
     boxes: Any = ()
-    robot: Robot
-    carrying: Robot
+    bases: Any
     exit_velocities: Array
-    position: Array
-    rotation: Array
-    twist: Array
-    tensions: Array
-    wrench_matrix: Array
-    lengths: Array
-    directions: Array
-    base_poses: Array
-    ropes: RopeLaw
+    whole_wrenches: Array   # W in all rows
+    _row: Array   # what `columns` says
 
     def __init__(self, world: World, cables: str, dt: float) -> None:
-        if cables == "elastic" and world.robot.elasticity is None:
+        self.world, self.cables, self.dt = world, cables, float(dt)
+        self.elasticity = world.robot.elasticity if cables == "elastic" else None
+        if cables == "elastic" and self.elasticity is None:
             raise InvalidInput(f"cables=\"elastic\" needs the ropes' stiffness: world {world.name!r} has no "
                                "`cable: {axial_stiffness: …}` block")
-        self.world, self.cables, self.dt = world, cables, float(dt)
-        self.is_wound = cables in WOUND
-        self.paid_out: list[float] = []
-        self._most = (world.robot.speed_max * self.dt).tolist()   # wound in one step
-        self._surely = min(self._most)
+        self.is_wound, self._d = cables in WOUND, world.robot.dimension
+        self._most = world.robot.speed_max * self.dt   # wound in one step
+        self._surely = float(self._most.min())
+        ends = np.cumsum([math.prod(shape) for shape, _ in self.columns().values()]).tolist()
+        self._position, self._rotation, self._twist, self._lengths, self._tensions = map(slice, [0, *ends], ends)
 
     # --- what each engine does in its own way
     # --------------------------------------------------------
     @abstractmethod
     def place(self, start: Pose) -> None:
-        """Put the robot at rest at a pose, all cables whole, and what its winches have paid out to what holds it."""
+        """Put the robot at rest at a pose, all cables whole."""
 
     @abstractmethod
     def pull(self, tensions: Array, substeps: int) -> None:
         """Advance by ``substeps`` × dt with these (m,) cable tensions held [N]."""
 
     @abstractmethod
-    def reel(self, lengths: list[float]) -> None:
+    def reel(self, lengths: Array) -> None:
         """Advance by dt, by whose end no rope is longer than these (m,) lengths [m]."""
 
     @abstractmethod
     def sever(self, cable: int) -> None:
         """Cut a cable that is whole, given by index."""
-
-    @abstractmethod
-    def sample(self) -> Sequence[float]:
-        """Position, rotation (row by row), twist, lengths and tensions as one row of a log."""
 
     @abstractmethod
     def contact_force(self) -> float:
@@ -99,21 +89,34 @@ class Simulator(ABC):
         """Release the engine; safe to call twice."""
 
     def drive(self, speeds: ArrayLike) -> Array:
-        """Let the mobile bases drive on at these (3p,) speeds; returns them as their limits allow [rad/s, m/s]."""
-        raise InvalidInput(f"{type(self).__name__} has no bases that drive: planar worlds have")
+        """Let the mobile bases drive on at these speeds, (θ̇, ρ̇₁, ρ̇₂) of each in file order, in their own axes.
+
+        speeds : (3p,) [rad/s, m/s, m/s]
+        Returns (3p,) what they drive: clipped to each base's limits, 0 where a direction is
+        held.
+        """
+        driven: Array = self.bases.drive(speeds)
+        return driven
 
     # --- the interface
     # ----------------------------------------------------------------------------
     @checked
     def reset(self, pose: Pose | None = None) -> State:
         """Put the robot at rest at a pose (default the world's), all cables whole; time starts at 0."""
-        start = self.world.pose if pose is None else pose
-        check_pose(start, self.world.robot, ("pose",))
+        start, robot = self.world.pose if pose is None else pose, self.world.robot
+        check_pose(start, robot, ("pose",))
         self.steps = 0
         self.strongest: Array | None = None
         self.cut_cables: set[int] = set()
         self.pushed: Array | None = None
+        # Of the scene: a fall ends on the floor, however deep that lies.
+        self._extent = 1 + float(np.abs(robot.exit_points).max() + np.abs(start.position).max()
+                                 + abs(self.world.scene.floor_height))
+        self.carry(0.0, np.zeros(self._d))
+        self._stand: Array | None = None
         self.place(start)
+        self._stand, self._present = self.base_poses, robot
+        self.paid_out = self.hanging_lengths() if self.is_wound else np.zeros(0)
         return self.state()
 
     def step(self, tensions: ArrayLike, substeps: int = 1) -> None:
@@ -138,56 +141,62 @@ class Simulator(ABC):
             raise InvalidInput(f"cables={self.cables!r} takes tensions: use step(tensions), or open the simulator "
                                "with cables=\"length\"")
         wanted = as_answer(lengths, "rope lengths", len(self.paid_out), "m", self.time)
-        return self.bring(wanted.tolist(), as_count(substeps, "substeps"))
+        return self.bring(wanted.copy(), as_count(substeps, "substeps"))
 
-    def bring(self, lengths: list[float], substeps: int) -> bool:
-        """What `wind` does with (m,) numbers; a loop asks for nothing else."""
-        before, after = self.paid_out, lengths
+    def bring(self, lengths: Array, substeps: int) -> bool:
+        """What `wind` does with (m,) numbers, which it keeps; a loop asks for nothing else."""
+        before, after, reached = self.paid_out, lengths, True
         # Mostly all ropes together change by less than any one of them may.
-        if not (math.dist(lengths, before) < self._surely * substeps and min(lengths) > 0):
-            after = self._reachable(lengths, substeps)
-        ways = [after]
-        if substeps > 1:
-            ways = [[a + k / substeps * (b - a) for a, b in zip(before, after)] for k in range(1, substeps)] + ways
-        for held in ways:
+        if not (math.hypot(*(lengths - before).tolist()) < self._surely * substeps and min(lengths.tolist()) > 0):
+            if not ((lengths > 0) & (lengths < np.inf)).all():
+                raise InvalidInput(f"rope lengths must be {len(before)} positive numbers [m], "
+                                   f"got {quoted(lengths.tolist())}")
+            # A winch exactly at its limit must not fail by rounding.
+            farthest = self._most * substeps + 1e-9
+            after = np.clip(lengths, before - farthest, before + farthest)
+            reached = bool((after == lengths).all())
+        for k in range(1, substeps + 1):
+            held = after if k == substeps else before + k / substeps * (after - before)
             self.reel(held)
             self.paid_out = held
             if self.strongest is not None:
                 self._slip(self.strongest)
-        return after is lengths and (self.strongest is None or not self.slipping.any())
+        return reached and (self.strongest is None or not self.slipping.any())
 
-    def rope_tensions(self, lengths: list[float], W: Array) -> Array:
+    def rope_tensions(self, lengths: Array, W: Array) -> Array:
         """(m,) of ropes let out to these lengths by the step's end, as `ropes` has them; W : in all rows [N]."""
-        wound = np.array(lengths)
+        wound = lengths
         if self.cut_cables:
             cut = list(self.cut_cables)
+            wound = lengths.copy()
             wound[cut] = self.lengths[cut] + _AMPLE
         if self.world.robot.bases:   # one that drives away in the step needs that much more rope
-            wound -= self.dt * (self.directions * self.exit_velocities).sum(axis=1)
-        pulls = self.ropes(W, self.rotation, self.twist, self.lengths, np.array(self.paid_out), wound,
+            wound = wound - self.dt * self.drawn
+        pulls = self.ropes(W, self.rotation, self.twist, self.lengths, self.paid_out, wound,
                            np.zeros(len(W)) if self.pushed is None else self.pushed)
         return pulls if self.strongest is None else np.minimum(pulls, self.strongest)
 
+    @cached_property
+    def ropes(self) -> RopeLaw:
+        """How ropes of commanded length pull; which of them were taut is its memory."""
+        return RopeLaw(self.carrying, self.dt, self.elasticity)
+
     def _slip(self, strongest: Array) -> None:
         """Let out what ropes drew that pull as hard as their winches can."""
-        elastic = self.world.robot.elasticity if self.cables == "elastic" else None
-        held, drawn = np.array(self.paid_out), self.lengths
-        if elastic is not None:
-            drawn = elastic.unstrained(drawn, self.tensions)
+        held, drawn = self.paid_out, self.lengths
+        if self.elasticity is not None:
+            drawn = self.elasticity.unstrained(drawn, self.tensions)
         # A reaction is known to a small part of it: legs have tips.
         self.slipping = (self.tensions > 0.99 * strongest) & (drawn > held)
-        self.paid_out = np.where(self.slipping, drawn, held).tolist()
+        self.paid_out = np.where(self.slipping, drawn, held)
 
-    def _reachable(self, wanted: list[float], substeps: int) -> list[float]:
-        """The wanted lengths as far as the winches' speed limits allow; the same list if they all do."""
-        now = self.paid_out
-        if not all(0 < wish < math.inf for wish in wanted):
-            raise InvalidInput(f"rope lengths must be {len(now)} positive numbers [m], got {quoted(wanted)}")
-        # A winch exactly at its limit must not fail by rounding.
-        farthest = [most * substeps + 1e-9 for most in self._most]
-        reached = [min(max(wish, rope - far), rope + far)
-                   for wish, rope, far in zip(wanted, now, farthest)]
-        return wanted if reached == wanted else reached
+    def carry(self, mass: float, position: Array) -> None:
+        """Let those who command, and ropes of commanded length, know the payload that hangs on them now.
+
+        mass : [kg]; position : (d,) in the platform frame [m]
+        """
+        self.carrying = self.world.robot.with_payload(mass, position) if mass else self.world.robot
+        vars(self).pop("ropes", None)
 
     def cut(self, cables: ArrayLike | None = None) -> None:
         """Cut cables by index from 0 (default all): they carry nothing until the next reset."""
@@ -202,6 +211,55 @@ class Simulator(ABC):
         robot = self.world.robot
         given = as_array(wrench, "external wrench", (robot.n_dof,), "N, N m")
         self.pushed = robot.pattern.basis(self.rotation) @ given if given.any() else None
+
+    # --- the present state
+    # -------------------------------------------------------------------------
+    @property
+    def position(self) -> Array:
+        return self._row[self._position]
+
+    @property
+    def rotation(self) -> Array:
+        return self._row[self._rotation].reshape(self._d, self._d)
+
+    @property
+    def twist(self) -> Array:
+        return self._row[self._twist]
+
+    @property
+    def lengths(self) -> Array:
+        return self._row[self._lengths]
+
+    @property
+    def tensions(self) -> Array:
+        return self._row[self._tensions]
+
+    @property
+    def directions(self) -> Array:
+        return self.whole_wrenches[:self._d].T
+
+    @property
+    def wrench_matrix(self) -> Array:
+        return self.world.robot.pattern.project(self.whole_wrenches, self.rotation)
+
+    @property
+    def drawn(self) -> Array:
+        """(m,) −B_b q̇_b, what driving bases draw of the cables: −u · Ȧ [m/s]."""
+        return (self.directions * self.exit_velocities).sum(axis=1)
+
+    @property
+    def base_poses(self) -> Array:
+        poses: Array = self.bases.poses
+        return poses
+
+    @property
+    def robot(self) -> Robot:
+        """The robot with its bases where they are now."""
+        stand, robot = self.base_poses, self.world.robot
+        if stand is not self._stand:
+            self._stand = stand
+            self._present = robot.with_bases(dict(zip((base.name for base in robot.bases), stand)))
+        return self._present
 
     @property
     def time(self) -> float:
@@ -220,20 +278,24 @@ class Simulator(ABC):
             return None
         return tangent_points(robot, Pose.of(self.position, self.rotation)) - robot.exit_points
 
-    def hanging_lengths(self) -> list[float]:
+    def hanging_lengths(self) -> Array:
         """(m,) rope lengths at which the robot hangs where it is: stretching ropes are wound shorter."""
-        robot, lengths = self.robot, self.lengths
-        if self.cables == "elastic" and robot.elasticity is not None:
-            held = distribute_tensions(self.wrench_matrix, gravity_wrench(robot, Pose.of(self.position, self.rotation)),
-                                       robot.tension_min, robot.tension_max, "relaxed")
-            lengths = robot.elasticity.unstrained(lengths, held.tensions)
-        wound: list[float] = lengths.tolist()
-        return wound
+        if self.elasticity is None:
+            return self.lengths
+        robot = self.robot
+        held = distribute_tensions(self.wrench_matrix, gravity_wrench(robot, Pose.of(self.position, self.rotation)),
+                                   robot.tension_min, robot.tension_max, "relaxed")
+        return self.elasticity.unstrained(self.lengths, held.tensions)
 
     @property
     def rope_lengths(self) -> Array | None:
         """What the winches have let out of each rope, None where there are none [m]."""
-        return frozen(np.array(self.paid_out)) if self.is_wound else None
+        return frozen(self.paid_out.copy()) if self.is_wound else None
+
+    def sample(self) -> list[float]:
+        """Position, rotation (row by row), twist, lengths and tensions as one row of a log."""
+        row: list[float] = self._row.tolist()
+        return row
 
     def columns(self) -> dict[str, tuple[tuple[int, ...], str]]:
         """Name → shape and unit of what `sample` gives, in its order."""
@@ -243,17 +305,12 @@ class Simulator(ABC):
                 "twist": ((3 * (d - 1),), "m/s, rad/s"),
                 "lengths": ((m,), "m"), "measured_tensions": ((m,), "N")}
 
-    @property
-    def base_frames(self) -> Array | None:
-        """(p, 3, 4) rotation and center of mass of each base that may lean; None where none can."""
-        return None
-
     def state(self) -> State:
         """The present state."""
         return State(self.time, self.robot, self.position, self.rotation, self.twist,
                      self.tensions,
                      self.world.scene, self.rope_lengths, tuple(self.boxes) if self.boxes else (),
-                     self.lengths, self.base_frames)
+                     self.lengths, self.bases.frames)
 
     def diverge(self) -> None:
         """Raise SimulationDiverged, which names the cable that pulls hardest."""

@@ -6,7 +6,6 @@ from typing import Any
 from warnings import warn
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..arrays import Array, as_count, as_number, checked, frozen
 from ..errors import CdprWarning, InvalidInput
@@ -17,7 +16,6 @@ from ..world import World
 from .boxes import Boxes
 from .bullet import Bullet, quaternion_of
 from .legs import Legs, fixed_leg
-from .ropes import RopeLaw
 from .simulator import Simulator
 from .spatial_bases import SpatialBases
 
@@ -50,7 +48,6 @@ class SpatialSimulator(Simulator):
     """
 
     shifts: Array | None = None
-    _row: Array
 
     @checked
     def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *,
@@ -69,14 +66,13 @@ class SpatialSimulator(Simulator):
             warn(f"the platform of {robot.mass:g} kg feels its cables' tips of {tips:g} kg together; "
                  "use cables=\"force\" or a smaller tip_mass", CdprWarning, stacklevel=3)
         self._tip_mass, self._bodies = tip_mass, bodies
-        self._stand = np.array([base.pose for base in robot.bases]).reshape(-1, 3)
         self.bullet, self._frame = Bullet.connect(), _BodyFrame(robot)
         # Threshold 0: the default ends the iterations early, at a moment that depends on the
         # motion.
-        self._set(fixedTimeStep=self.dt,
-                  numSolverIterations=as_count((50 if bodies else 5) if solver_iterations is None else
-                                               solver_iterations, "solver_iterations", maximum=100_000),
-                  solverResidualThreshold=0)
+        self.bullet.setPhysicsEngineParameter(
+            fixedTimeStep=self.dt, solverResidualThreshold=0,
+            numSolverIterations=as_count((50 if bodies else 5) if solver_iterations is None else
+                                         solver_iterations, "solver_iterations", maximum=100_000))
         self.bullet.setGravity(0, 0, -robot.gravity)
         self._substeps = 1
         # What Bullet tells of a step; of plain numbers `Struct` makes an array quicker than numpy.
@@ -86,7 +82,7 @@ class SpatialSimulator(Simulator):
         self.platform = self._add_platform()
         self._add_scene()
         self.boxes = Boxes(self.bullet, self.platform)
-        self.bases = SpatialBases(self.bullet, robot, self._tip_mass)
+        self.bases = SpatialBases(self.bullet, robot, tip_mass)
         self._legs: Legs | None = None
         self.reset()
 
@@ -99,24 +95,17 @@ class SpatialSimulator(Simulator):
             self._legs.remove()
         b.resetBasePositionAndOrientation(self.platform, *self._frame.body_pose(start))
         b.resetBaseVelocity(self.platform, [0, 0, 0], [0, 0, 0])
-        self._exits, self._pulleys = robot.exit_points, robot.pulleys
-        self._present: Robot | None = None
         self._legs = None if self.cables == "force" else self._add_legs(start)
-        # A fall ends on the floor, however deep that lies.
-        self._reach = 5 * (1 + float(np.abs(robot.exit_points).max() + np.abs(start.position).max()
-                                     + abs(self.world.scene.floor_height)))
         self.whole_wrenches = np.zeros((6, robot.n_cables))
         self._read(1)
-        self.carry(0.0, np.zeros(3))
-        self.paid_out = self.hanging_lengths() if self.is_wound else []
 
     def pull(self, tensions: Array, substeps: int) -> None:
         if substeps != self._substeps:
             # One engine call for all substeps: torques are held over them and Python waits
             # once.
             self._substeps = substeps
-            self._set(fixedTimeStep=self.dt * substeps,
-                      numSubSteps=substeps if substeps > 1 else 0)
+            self.bullet.setPhysicsEngineParameter(fixedTimeStep=self.dt * substeps,
+                                                  numSubSteps=substeps if substeps > 1 else 0)
         if self.cut_cables:
             tensions = np.array(tensions)
             tensions[list(self.cut_cables)] = 0.0
@@ -128,7 +117,7 @@ class SpatialSimulator(Simulator):
         if legs is None:
             self._apply(self.world.robot.pattern.basis(self.rotation) @ (self.wrench_matrix @ tensions))
             beside = tensions
-        elif self._pulleys.size:
+        elif self.bases.pulleys.size:
             beside = self._pull_over_pulleys(legs, tensions)
         else:
             legs.pull(tensions)
@@ -136,24 +125,19 @@ class SpatialSimulator(Simulator):
         self.steps += substeps
         self._read(substeps, beside)
 
-    def reel(self, lengths: list[float]) -> None:
+    def reel(self, lengths: Array) -> None:
         self.pull(self.rope_tensions(lengths, self.whole_wrenches), 1)
 
     def sever(self, cable: int) -> None:
         m, row = self.world.robot.n_cables, self._row.copy()
         row[cable - m] = 0.0
         self._row = frozen(row)
-        self.tensions = row[-m:]
         if self._legs is not None:
             self._legs.cut(cable)
 
     def contact_force(self) -> float:
         contacts = self.bullet.getContactPoints(bodyA=self.platform)
         return float(sum(contact[9] for contact in contacts))
-
-    def sample(self) -> list[float]:
-        row: list[float] = self._row.tolist()
-        return row
 
     def close(self) -> None:
         if self.bullet.client >= 0:
@@ -162,44 +146,17 @@ class SpatialSimulator(Simulator):
             for deed in ("pull", "reel", "place", "sever"):
                 setattr(self, deed, closed)
 
-    def carry(self, mass: float, position: Array) -> None:
-        """Let those who command, and ropes of commanded length, know the payload that hangs on them now.
-
-        mass : [kg]; position : (3,) in the platform frame [m]
-        """
-        self.carrying = robot = self.world.robot.with_payload(mass, position) if mass else self.world.robot
-        if self.is_wound:   # anew: which ropes were taut is the last flight's memory
-            self.ropes = RopeLaw(robot, self.dt,
-                                 robot.elasticity if self.cables == "elastic" else None)
-
     def cables_at(self, pose: Pose) -> Cables:
         """Directions, lengths and wrench matrix if the platform were at a pose, the bases where they are."""
         from ..compiled.columns import cables
 
         robot = self.world.robot
-        lengths, W = cables(self._exits, robot.anchor_points, pose.position[None],
-                            pose.rotation[None], self._pulleys)
+        lengths, W = cables(self.bases.exits, robot.anchor_points, pose.position[None],
+                            pose.rotation[None], self.bases.pulleys)
         return Cables(W[0, :3].T, lengths[0], robot.pattern.project(W[0], pose.rotation))
 
     # --- mobile bases
     # -----------------------------------------------------------------------------
-    @property
-    def robot(self) -> Robot:  # type: ignore[override]
-        """The robot with its bases where they are now; how they tilt, `tilts` says."""
-        if not self._bodies:
-            return self.world.robot
-        if self._present is None:
-            robot = self.world.robot
-            self._present = robot.with_bases({
-                base.name: tuple(pose) for base, pose in zip(robot.bases,
-                                                             self.base_poses.tolist())})
-        return self._present
-
-    @property
-    def base_poses(self) -> Array:  # type: ignore[override]
-        """(p, 3) x, y and heading of each base [m, rad]."""
-        return self.bases.poses if self._bodies else self._stand
-
     @property
     def exit_velocities(self) -> Array:  # type: ignore[override]
         """(m, 3) of the exit points during the last step [m/s]."""
@@ -210,16 +167,9 @@ class SpatialSimulator(Simulator):
         """(p,) angle of each base's mast from the vertical [rad]."""
         return self.bases.tilts
 
-    @property
-    def base_frames(self) -> Array | None:
-        return self.bases.frames if self._bodies else None
-
     def wheel_loads(self) -> dict[str, Array]:
         """Base name → (k,) normal force on each footprint contact, in file order [N]."""
         return self.bases.wheel_loads(self._substeps)
-
-    def drive(self, speeds: ArrayLike) -> Array:
-        return self.bases.drive(speeds) if self._bodies else super().drive(speeds)
 
     # --- every step
     # -------------------------------------------------------------------------------
@@ -258,31 +208,23 @@ class SpatialSimulator(Simulator):
         place, quaternion = b.getBasePositionAndOrientation(self.platform, client)
         linear, angular = b.getBaseVelocity(self.platform, client)
         x, y, z = place
-        if not abs(x) + abs(y) + abs(z) < self._reach:  # also false for NaN
+        if not abs(x) + abs(y) + abs(z) < 5 * self._extent:  # also false for NaN
             self.diverge()
         if self._bodies:
-            self._present = None
             self.bases.look()
-            self._exits, self._pulleys = self.bases.exits, self.bases.pulleys
         forces = () if self._legs is None else self._legs.forces()
         self._pack(self._told, 0, *place, *quaternion, *linear, *angular, *chain.from_iterable(forces))
-        robot, frame = self.world.robot, self._frame
-        row, W = self._platform_and_cables(self._told, frame.axes, frame.center, self._exits, robot.anchor_points,
-                                           self._pulleys, self.whole_wrenches, substeps)
-        m = robot.n_cables
-        carried = row[-m:]
+        robot, frame, bases = self.world.robot, self._frame, self.bases
+        row, W = self._platform_and_cables(self._told, frame.axes, frame.center, bases.exits, robot.anchor_points,
+                                           bases.pulleys, self.whole_wrenches, substeps)
+        carried = row[self._tensions]
         if beside is not None:
             carried += beside
         if self.is_wound:   # what a slack leg's tip weighs is no rope's tension
             np.maximum(carried, 0.0, out=carried)
         # Controllers and methods are handed views of these.
-        self._row = frozen(row)
-        frozen(W)
-        self.position, self.rotation, self.twist = row[:3], row[3:12].reshape(3, 3), row[12:18]
-        self.lengths, self.tensions = row[18:-m], row[-m:]
-        self.whole_wrenches, self.directions = W, W[:3].T
-        self.wrench_matrix = W if robot.n_dof == 6 else robot.pattern.project(W, self.rotation)
-        if self._pulleys.size:
+        self._row, self.whole_wrenches = frozen(row), frozen(W)
+        if bases.pulleys.size:
             self._see_pulleys()
 
     def _see_pulleys(self) -> None:
@@ -290,15 +232,10 @@ class SpatialSimulator(Simulator):
         if not self.lengths.all():
             self.jump_off()
         self._anchors = self.position + self.world.robot.anchor_points @ self.rotation.T
-        ways = self._exits - self._anchors
+        ways = self.bases.exits - self._anchors
         self._legs_pull = ways / np.linalg.norm(ways, axis=1, keepdims=True)
-        straight = straight_lengths(-ways, self._pulleys)
-        self.shifts = frozen(straight[:, None] * self.directions - ways)
-        if self._bodies:
-            self.bases.shifts = self.shifts
-
-    def _set(self, **parameters: float) -> None:
-        self.bullet.setPhysicsEngineParameter(**parameters)
+        straight = straight_lengths(-ways, self.bases.pulleys)
+        self.shifts = self.bases.shifts = frozen(straight[:, None] * self.directions - ways)
 
     # --- building
     # ---------------------------------------------------------------------------------

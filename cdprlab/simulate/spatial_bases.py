@@ -8,6 +8,7 @@ Bullet solves without the slip a constraint between bodies would bring.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,15 +23,17 @@ from .legs import Leg, leg_joints, leg_links
 _ALONG, _ACROSS, _ABOUT, _BODY = 0, 1, 2, 6   # joints that drive, and the link that is the base
 _WHEEL = 0.05      # m
 _TRACTION = 0.8    # of the weight: the most the drives push with, rubber on concrete
+_WORLD = (*np.eye(3).ravel(), 0.0, 0.0, 0.0)   # rotation and place of what stands still
 _GAINS = 0.1, 1.0, 0.0    # of a speed motor, as PyBullet has them; named ones take twice the time of the call
 
 
 class SpatialBases:
     """The bases of a robot that are bodies, steered within limits, coupled by a link, their wheels weighed.
 
-    robot : whose bases stand; with none of them nothing moves
+    robot : whose bases stand; until they are built nothing moves
     is_stabilized : whether they stand on feet, which are where the wheels are: then none drives
     bodies : of the bases, in file order
+    frames : (p, 3, 4) rotation and center of mass of each, None where none is a body
     exits : (m, 3) exit points now [m]; exit_steps : (m, 3) how far they, on pulleys the tangent
         points, went with the bases in the last step [m]
     pulleys : (m or 0, 4) as `Robot.pulleys` has them, now
@@ -40,14 +43,19 @@ class SpatialBases:
     def __init__(self, bullet: Bullet, robot: Robot, tip_mass: float) -> None:
         self._bullet, self._robot, self._tip_mass = bullet, robot, tip_mass
         self._fastest = np.array([base.speed_max for base in robot.bases]).ravel()
-        self._traction = [_TRACTION * base.mass * robot.gravity for base in robot.bases]
-        self._feet = [np.insert(base.footprint, 2, 0.0, axis=1) - base.center_of_mass
-                      for base in robot.bases]
-        self._still, self._mounted = _mounted(robot, [cable.exit_point for cable in robot.cables], 1.0)
-        self._held, self._turning = _mounted(robot, [np.zeros(3) if cable.pulley is None else cable.pulley.axis
-                                                     for cable in robot.cables], 0.0)
+        # The exit points and the pulleys' axes by [R c]ᵀ of every base and, last, of the world, one on the other.
+        m, centers = robot.n_cables, [base.center_of_mass for base in robot.bases] + [np.zeros(3)]
+        mounted, axes = np.zeros((2, m, len(centers), 4))
+        for i, (cable, k) in enumerate(zip(robot.cables, robot.base_indices)):
+            mounted[i, k] = *(cable.exit_point - centers[k]), 1.0
+            if cable.pulley is not None:
+                axes[i, k, :3] = cable.pulley.axis
+        self._mounted, self._axes = mounted.reshape(m, -1), axes.reshape(m, -1)
         self.bodies: list[int] = []
+        self.frames: Any = None
+        self.exits, self.pulleys = robot.exit_points, robot.pulleys
         self.exit_steps = np.zeros_like(robot.exit_points)
+        self._poses: Array | None = frozen(np.array([base.pose for base in robot.bases]).reshape(-1, 3))
 
     def build(self, anchors: Array, middle: Array) -> dict[int, Leg]:
         """Anew where the world puts them; returns the leg of each of their cables, by its index.
@@ -59,12 +67,12 @@ class SpatialBases:
         self._targets = [list(base.pose) for base in robot.bases]
         for k, base in enumerate(robot.bases):
             cables = [i for i, of in enumerate(robot.base_indices) if of == k]
-            exits = np.array([robot.cables[i].exit_point for i in cables]).reshape(-1, 3)
+            exits = [robot.cables[i].exit_point for i in cables]
             body = _add_base(self._bullet, base, exits, anchors[cables], middle, self._tip_mass)
             self.bodies.append(body)
             legs.update({i: (body, _BODY + 3 * (place + 1)) for place, i in enumerate(cables)})
-        self.exits, self.pulleys, self.shifts = robot.exit_points, robot.pulleys, np.zeros((robot.n_cables, 3))
-        self.frames = np.zeros((len(robot.bases), 3, 4))
+        self.exits, self.shifts = robot.exit_points, np.zeros((robot.n_cables, 3))
+        self._frames = np.zeros((len(robot.bases) + 1, 3, 4))
         self.look()
         return legs
 
@@ -74,11 +82,12 @@ class SpatialBases:
         """Let the motors drive on for so long [s]."""
         b, client = self._bullet
         control, speed = b.setJointMotorControl2, b.VELOCITY_CONTROL
-        speeds, poses = self._speeds.tolist(), self.poses.tolist()
-        for k, body in enumerate(self.bodies):
-            spin, along, across = speeds[3 * k:3 * k + 3]
-            goal, now, towed = self._targets[k], poses[k], self.is_coupled and k == 1
-            heading, force = goal[2] + spin * period / 2, 0.0 if towed else self._traction[k]
+        for k, (base, body, goal, now, (spin, along, across)) in enumerate(zip(
+                self._robot.bases, self.bodies, self._targets, self.poses.tolist(),
+                self._speeds.reshape(-1, 3).tolist())):
+            towed = self.is_coupled and k == 1
+            force = 0.0 if towed else _TRACTION * base.mass * self._robot.gravity
+            heading = goal[2] + spin * period / 2
             c, s = math.cos(heading), math.sin(heading)
             for joint, rate in ((_ALONG, c * along - s * across),
                                 (_ACROSS, s * along + c * across), (_ABOUT, spin)):
@@ -90,26 +99,23 @@ class SpatialBases:
 
     def look(self) -> None:
         """See where they have come to."""
-        self._poses: Array | None = None
+        self._poses = None
         b, client = self._bullet
         rows = []
         for body in self.bodies:
             place, quaternion = b.getLinkState(body, _BODY, 0, 1, client)[:2]
             rows.append(b.getMatrixFromQuaternion(quaternion) + place)
-        values = np.array(rows)
-        # Per base, rotation and center of mass side by side.
-        before = self.frames
-        self.frames = frames = np.concatenate([values[:, :9].reshape(-1, 3, 3), values[:, 9:, None]], axis=2)
-        stacked = frames.transpose(0, 2, 1).reshape(-1, 3)
-        exits = self._mounted.dot(stacked) + self._still
+        # Per base and, last, of the world, rotation and center of mass side by side.
+        values = np.array([*rows, _WORLD])
+        frames = np.concatenate([values[:, :9].reshape(-1, 3, 3), values[:, 9:, None]], axis=2)
+        stacked = frames.swapaxes(1, 2).reshape(-1, 3)
+        exits = self._mounted @ stacked
         self.exit_steps = exits - self.exits
-        self.exits = frozen(exits)
-        if self.pulleys.size:
-            for i, k in enumerate(self._robot.base_indices):
-                if k >= 0:   # the tangent point as a point of the base
-                    self.exit_steps[i] += (frames[k, :, :3] - before[k, :, :3]) @ (before[k, :, :3].T @ self.shifts[i])
-            axes = self._turning.dot(stacked) + self._held
-            self.pulleys = frozen(np.column_stack([self.pulleys[:, 0], axes]))
+        if self.pulleys.size:   # the tangent point as a point of the base
+            before, after = (part[list(self._robot.base_indices), :, :3] for part in (self._frames, frames))
+            self.exit_steps += ((after - before) @ (before.swapaxes(1, 2) @ self.shifts[:, :, None]))[:, :, 0]
+            self.pulleys = frozen(np.column_stack([self.pulleys[:, 0], self._axes @ stacked]))
+        self._frames, self.frames, self.exits = frames, frozen(frames)[:-1], frozen(exits)
 
     def press(self, forces: Array, points: Array) -> None:
         """Let the coming engine call press on the cables' bases with these (m, 3) forces at points [N, m]."""
@@ -140,23 +146,23 @@ class SpatialBases:
         substeps : of the last engine call
         """
         loads = {}
-        for base, body, feet, frame in zip(self._robot.bases, self.bodies, self._feet,
-                                           self.frames):
+        for base, body, frame in zip(self._robot.bases, self.bodies, self.frames):
+            feet = np.insert(base.footprint, 2, 0.0, axis=1) - base.center_of_mass
             force = np.zeros(len(feet))
-            contacts = self._bullet.getContactPoints(bodyA=body, linkIndexA=_BODY)
-            if contacts:
-                points = (np.array([contact[5] for contact in contacts]) - frame[:, 3]).dot(frame[:, :3])
-                nearest = ((points[:, None] - feet)**2).sum(axis=2).argmin(axis=1)
+            for contact in self._bullet.getContactPoints(bodyA=body, linkIndexA=_BODY):
+                point = (contact[5] - frame[:, 3]) @ frame[:, :3]
                 # Bullet divides a substep's impulse by the whole step.
-                np.add.at(force, nearest, [contact[9] * substeps for contact in contacts])
+                force[((feet - point)**2).sum(axis=1).argmin()] += contact[9] * substeps
             loads[base.name] = force
         return loads
 
     def drive(self, speeds: ArrayLike) -> Array:
         """Drive on at these (3p,) speeds; returns them as their limits allow [rad/s, m/s]."""
+        if not self.bodies:
+            raise InvalidInput("SpatialSimulator has no bases that drive: planar worlds have")
         wanted = as_array(speeds, "base speeds", self._fastest.shape, "rad/s, m/s")
         fastest = np.zeros_like(wanted) if self.is_stabilized else self._fastest
-        self._speeds = np.minimum(np.maximum(wanted, -fastest), fastest)
+        self._speeds = np.clip(wanted, -fastest, fastest)
         return self._speeds
 
     @property
@@ -196,54 +202,29 @@ class SpatialBases:
         self.is_stabilized = False
 
 
-def _add_base(bullet: Bullet, base: Base, exits: Array, anchors: Array, middle: Array, tip_mass: float) -> int:
+def _add_base(bullet: Bullet, base: Base, exits: list[Array], anchors: Array, middle: Array, tip_mass: float) -> int:
     """The body of a base where the world puts it, its legs reaching to the anchor points.
 
-    exits : (k, 3) of its cables, in its own frame [m]; anchors, middle : in the world [m]
+    exits : (3,) of its cables, in its own frame [m]; anchors, middle : in the world [m]
     """
-    links = _standing(bullet, base)
+    com, n = base.center_of_mass, len(base.footprint)
+    wheels = bullet.createCollisionShapeArray(
+        shapeTypes=[bullet.GEOM_SPHERE] * n, radii=[_WHEEL] * n,
+        collisionFramePositions=[[x - com[0], y - com[1], _WHEEL - com[2]] for x, y in base.footprint.tolist()])
+    slide, swing = bullet.JOINT_PRISMATIC, bullet.JOINT_REVOLUTE
+    free = [(slide, [1, 0, 0]), (slide, [0, 1, 0]), (swing, [0, 0, 1]),
+            (slide, [0, 0, 1]), (swing, [1, 0, 0]), (swing, [0, 1, 0])]
+    links: list[Link] = [(0.0, -1, ORIGIN, STRAIGHT, k, kind, axis) for k, (kind, axis) in enumerate(free)]
+    links.append((base.mass, wheels, com.tolist(), STRAIGHT, _BODY, bullet.JOINT_FIXED, [0, 0, 1]))
     joints = [*base.pose, 0.0, 0.0, 0.0, 0.0]
     seen, ends = ((points - base.origin) @ base.rotation for points in (middle, anchors))   # in the base's frame
     for exit_point, anchor in zip(exits, ends):
         aim = turn_z_to(seen - exit_point)
-        links += leg_links(bullet, tip_mass, len(links), _BODY + 1,
-                           (exit_point - base.center_of_mass).tolist(), aim)
+        links += leg_links(bullet, tip_mass, len(links), _BODY + 1, (exit_point - com).tolist(), aim)
         joints += leg_joints(bullet, aim, anchor - exit_point)
     body = bullet.add_chain(links, joints)
     # Of a box over the footprint, twice as high as its center of mass.
-    size = *np.ptp(base.footprint, axis=0), 2 * base.center_of_mass[2]
-    inertia = box_inertia(base.mass, size).diagonal().tolist()
-    bullet.changeDynamics(body, _BODY, localInertiaDiagonal=inertia)
+    inertia = box_inertia(base.mass, (*np.ptp(base.footprint, axis=0), 2 * com[2]))
+    bullet.changeDynamics(body, _BODY, localInertiaDiagonal=inertia.diagonal().tolist())
     bullet.changeDynamics(body, _BODY, lateralFriction=0.0)
     return body
-
-
-def _standing(bullet: Bullet, base: Base) -> list[Link]:
-    """Links of a base without legs."""
-    com, n = base.center_of_mass, len(base.footprint)
-    wheels = bullet.createCollisionShapeArray(
-        shapeTypes=[bullet.GEOM_SPHERE] * n, radii=[_WHEEL] * n,
-        collisionFramePositions=[[x - com[0], y - com[1], _WHEEL - com[2]]
-                                 for x, y in base.footprint.tolist()])
-    slide, swing = bullet.JOINT_PRISMATIC, bullet.JOINT_REVOLUTE
-    free = [(slide, [1, 0, 0]), (slide, [0, 1, 0]), (swing, [0, 0, 1]),
-            (slide, [0, 0, 1]), (swing, [1, 0, 0]), (swing, [0, 1, 0])]
-    links: list[Link] = [(0.0, -1, ORIGIN, STRAIGHT, k, kind, axis)
-                         for k, (kind, axis) in enumerate(free)]
-    return [*links, (base.mass, wheels, com.tolist(), STRAIGHT, _BODY,
-                     bullet.JOINT_FIXED, [0, 0, 1])]
-
-
-def _mounted(robot: Robot, vectors: list[Array], weight: float) -> tuple[Array, Array]:
-    """Where the cables' vectors are fixed: (m, 3) in the world, and (m, 4p) for [R c]ᵀ of every base, one on the other.
-
-    weight : 1 of points, which go with their base, 0 of directions, which only turn
-    """
-    m = robot.n_cables
-    still, local = np.zeros((m, 3)), np.zeros((m, len(robot.bases), 4))
-    for i, (vector, k) in enumerate(zip(vectors, robot.base_indices)):
-        if k < 0:
-            still[i] = vector
-        else:
-            local[i, k] = [*(vector - weight * robot.bases[k].center_of_mass), weight]
-    return still, local.reshape(m, -1)
