@@ -4,6 +4,6 @@ from ..simulate import WOUND
 from .distributor import INFEASIBLE
 from .log import Log
 from .record import Run
-from .start import run
+from .start import Cuts, run
 
-__all__ = ["INFEASIBLE", "WOUND", "Log", "Run", "run"]
+__all__ = ["INFEASIBLE", "WOUND", "Cuts", "Log", "Run", "run"]
