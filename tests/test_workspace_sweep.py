@@ -244,11 +244,10 @@ def test_interval_sums_hold_what_they_stand_for(planar, held):
     p, angles, turn = low + rng.random((50, d)) * (high - low), rng.uniform(-0.5, 0.5, 50), 0.05
     if held:
         pose = cl.Pose(p, **({"angle": 0.3} if planar else {"rpy": [0.2, -0.1, 0.4]}))
-        turned = pose.rotation[0]
     else:
         pose = cl.Pose(p, angle=angles + rng.uniform(-turn, turn, 50))
-        turned = Intervals(angles - turn, angles + turn)
-    boxes = PoseBoxes(robot, Intervals(low, high), turned)
+        low, high = np.column_stack([low, angles - turn]), np.column_stack([high, angles + turn])
+    boxes = PoseBoxes(robot, Intervals(low, high), pose.rotation[0])   # which counts where no angle is given
     sigma, normal = rng.normal(size=(50, 2, robot.n_cables)), rng.normal(size=(50, robot.n_dof))
     W, lengths = cl.wrench_matrix(robot, pose), cl.cable_lengths(robot, pose)
     V = W * lengths[:, None]

@@ -118,11 +118,9 @@ def capacity_margins(W: Array, w_e: Array, loads: Array, half: Array, low: Array
     return s, normals
 
 
-def external_wrenches(wrenches: ArrayLike | None, n: int) -> Array:
-    """(k, n) from None, one or several."""
-    if wrenches is None:
-        return np.zeros((1, n))
-    return np.atleast_2d(as_array(wrenches, "wrenches", (n,), "N, N m", batch=True))
+def one_or_several(rows: ArrayLike | None, name: str, n: int, unit: str) -> Array:
+    """(k, n); 0 from None."""
+    return as_array(np.zeros(n) if rows is None else rows, name, (n,), unit, batch=True).reshape(-1, n)
 
 
 def box_half_widths(value: ArrayLike | None, n: int, unit: str) -> Array:

@@ -11,7 +11,7 @@ from ..mechanics.intervals import Intervals
 from ..mechanics.statics import gravity_wrench, wrench_matrix
 from ..robot import Robot
 from ..robot.pose import Pose
-from .capacity import best_tensions, capacity_margins, external_wrenches
+from .capacity import best_tensions, capacity_margins, one_or_several
 from .grids import corners
 from .interval_statics import PoseBoxes, certainly_inside, certainly_outside
 from .workspace_cells import WorkspaceCells, halved
@@ -54,7 +54,7 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: Ann
     if low.size not in (robot.dimension, 3):
         raise InvalidInput(f"lower must be {robot.dimension} numbers [m] for this robot, got {low.size}")
     rotation = Pose(np.zeros(robot.dimension), rpy, angle=angle).rotation
-    loads = external_wrenches(wrenches, robot.n_dof)
+    loads = one_or_several(wrenches, "wrenches", robot.n_dof, "N, N m")
     low, high = low[None], high[None]
     kept: list[tuple[Array, Array, Array]] = []
     while len(low):
@@ -73,9 +73,9 @@ def certify(robot: Robot, lower: ArrayLike, upper: ArrayLike, *, resolution: Ann
 
 def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array, loads: Array) -> Array:
     """(N,) 1, −1 or 0: inside for all loads, outside for one."""
-    boxes, poses = _boxes(robot, low, high, rotation)
-    verdict, sound = np.zeros(len(low)), have_directions(robot, poses)   # an exit point in the middle: halved
-    boxes, poses = boxes[sound], poses[sound]
+    boxes = PoseBoxes(robot, Intervals(low, high), rotation)
+    verdict, sound = np.zeros(len(low)), have_directions(robot, boxes.middle)   # an exit point in the middle: halved
+    boxes, poses = boxes[sound], boxes.middle[sound]
     W, lengths = wrench_matrix(robot, poses), cable_lengths(robot, poses)
     weight = np.broadcast_to(gravity_wrench(robot, poses), W.shape[:2])
     inside, outside = np.ones(len(W), dtype=bool), np.zeros(len(W), dtype=bool)
@@ -92,13 +92,3 @@ def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array, loads: Arr
             outside[bad] = certainly_outside(boxes[bad], load, normal)
     verdict[sound] = inside.astype(float) - outside
     return verdict
-
-
-def _boxes(robot: Robot, low: Array, high: Array, rotation: Array) -> tuple[PoseBoxes, Pose]:
-    """Boxes between corners, and the poses in their middle; a column more than positions need is the angle."""
-    d, middle = robot.dimension, (low + high) / 2
-    position = Intervals(low[:, :d], high[:, :d])
-    if low.shape[1] == d:
-        return PoseBoxes(robot, position, rotation), Pose(middle, matrix=rotation)
-    turned = Intervals(low[:, d], high[:, d])
-    return PoseBoxes(robot, position, turned), Pose(middle[:, :d], angle=middle[:, d])

@@ -16,6 +16,7 @@ import numpy as np
 from ..arrays import Array, Flags
 from ..mechanics.intervals import Intervals, exact, stack
 from ..robot import Robot
+from ..robot.pose import Pose
 
 _TINY = 1e-12
 
@@ -25,26 +26,38 @@ class PoseBoxes:
     """N boxes of poses.
 
     robot : any motion pattern but 2R3T, without pulleys
-    position : Intervals (N, d) [m]
-    turned : one rotation R (d, d) for all; in the plane also by angles, Intervals (N,) [rad]
+    bounds : Intervals (N, d) of the position [m]; in the plane also (N, 3), the last of the angle [rad]
+    rotation : R (d, d) for all where there is no angle
     """
 
     robot: Robot
-    position: Intervals
-    turned: Intervals | Array
+    bounds: Intervals
+    rotation: Array
 
     def __getitem__(self, chosen: Flags) -> PoseBoxes:
-        turned = self.turned[chosen] if isinstance(self.turned, Intervals) else self.turned
-        return PoseBoxes(self.robot, self.position[chosen], turned)
+        return PoseBoxes(self.robot, self.bounds[chosen], self.rotation)
+
+    @property
+    def position(self) -> Intervals:
+        """(N, 1, d)."""
+        return self.bounds[:, None, :self.robot.dimension]
+
+    @property
+    def middle(self) -> Pose:
+        """(N,) poses in the middle of each."""
+        d, center = self.robot.dimension, (self.bounds.lower + self.bounds.upper) / 2
+        if center.shape[1] > d:
+            return Pose(center[:, :d], angle=center[:, d])
+        return Pose(center, matrix=self.rotation)
 
     @cached_property
     def turns(self) -> list[tuple[Intervals, Array]]:
         """f (N or 1, 1, 1) and exact R_k with R = Σ f_k R_k: cos φ and sin φ of angles, else 1."""
-        if isinstance(self.turned, Intervals):
-            angle = self.turned[:, None, None]
-            return [(angle.cos(), np.eye(2)),
-                    (angle.sin(), np.array([[0.0, -1.0], [1.0, 0.0]]))]
-        return [(exact(np.ones((1, 1, 1))), self.turned)]
+        d = self.robot.dimension
+        if self.bounds.lower.shape[1] > d:
+            angle = self.bounds[:, d:, None]
+            return [(angle.cos(), np.eye(2)), (angle.sin(), np.array([[0.0, -1.0], [1.0, 0.0]]))]
+        return [(exact(np.ones((1, 1, 1))), self.rotation)]
 
     @cached_property
     def arms(self) -> Intervals:
@@ -54,7 +67,7 @@ class PoseBoxes:
     @cached_property
     def lengths(self) -> Intervals:
         """(N, m) of the cables [m]."""
-        way = self.robot.exit_points - self.position[:, None, :] - self.arms
+        way = self.robot.exit_points - self.position - self.arms
         return way.square().total().sqrt()
 
     @cached_property
@@ -65,29 +78,24 @@ class PoseBoxes:
 
     def wrenches(self, sigma: Array) -> Intervals:
         """(N, k, n) V σ for exact σ (N, k, m), as narrow as positions and angle allow."""
-        exits, p = self.robot.exit_points, self.position[:, None, :]
-        arms, moments = exact(0.0), exact(0.0)      # Σ σ_i r_i and Σ σ_i r_i × A_i
-        for f, R in self.turns:
-            r = exact(self.robot.anchor_points).times(R.T)
-            arms = f * exact(sigma).times(r) + arms
-            moments = f * exact(sigma).times(_cross(r, exact(exits))) + moments
-        ones = np.ones((self.robot.n_cables, 1))
-        return self._wrench(exact(sigma).times(exits) - arms - exact(sigma).times(ones) * p,
-                            moments - _cross(arms, p))
+        exits, anchors, pull, p = self.robot.exit_points, self.robot.anchor_points, exact(sigma), self.position
+        arms = self._turned(pull.times(anchors))   # Σ σ_i r_i
+        moments = reduce(add, (f * pull.times(_cross(exact(anchors).times(R.T), exact(exits))) for f, R in self.turns))
+        return self._wrench(pull.times(exits) - arms - pull.total()[..., None] * p, moments - _cross(arms, p))
 
     def pulls(self, normal: Array) -> Intervals:
         """(N, m) n · [u_i; r_i × u_i] for exact n = [f; m] (N, n): (f + m × r)·(A − p) − f·r, over the length."""
         d = self.robot.dimension
         full = exact(np.pad(normal, ((0, 0), (0, d + len(_CROSS[d]) - self.robot.n_dof)))[:, None])
-        way, r, force = self.robot.exit_points - self.position[:, None, :], self.arms, full[..., :d]
+        way, r, force = self.robot.exit_points - self.position, self.arms, full[..., :d]
         turned = [force[..., i] for i in range(d)]
         for i, (j, k) in enumerate(_CROSS[d], d):
             turned[k] = full[..., i] * r[..., j] + turned[k]
             turned[j] = turned[j] - full[..., i] * r[..., k]
         return (stack(turned) * way - r * force).total() / self.lengths
 
-    def _turned(self, points: Array) -> Intervals:
-        """(N or 1, k, d) R x of exact points (k, d)."""
+    def _turned(self, points: Intervals | Array) -> Intervals:
+        """(N or 1, k, d) R x of points (k, d) or (N, k, d)."""
         return reduce(add, (f * exact(points).times(R.T) for f, R in self.turns))
 
     def _wrench(self, force: Intervals, moment: Intervals) -> Intervals:

@@ -100,7 +100,7 @@ def over_cores(work: Callable[..., Answer], calls: Iterable[tuple[Any, ...]], n_
 
     if n_jobs is not None and not 0 < abs(n_jobs) <= 1000:
         raise InvalidInput(f"n_jobs must be a number of processes, or −1 for all cores, got {quoted(n_jobs)}")
-    if n_jobs == 1 or effective_n_jobs(n_jobs) == 1:
+    if effective_n_jobs(n_jobs) == 1:
         return (work(*call) for call in calls)
     with _interrupts_ignored():
         answers: Iterator[Answer] = Parallel(n_jobs=n_jobs, return_as="generator")(

@@ -17,8 +17,8 @@ from .capacity import (
     box_half_widths,
     box_loads,
     capacity_margins,
-    external_wrenches,
     feasible,
+    one_or_several,
     standing_margin,
 )
 from .criterion import Criterion, Judgement, unknown
@@ -74,7 +74,7 @@ class WrenchFeasible(Criterion):
             raise InvalidInput(f"by must be 'tensions' or 'facets', got {quoted(self.by)}")
         W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
         low, high = robot.tension_min, robot.tension_max
-        loads = external_wrenches(self.wrenches, robot.n_dof)
+        loads = one_or_several(self.wrenches, "wrenches", robot.n_dof, "N, N m")
         half = box_half_widths(self.half_widths, robot.n_dof, "N, N m")
         if self.by == "facets" or (self.by is None and self.half_widths is not None):
             s = capacity_margins(W, weight, loads, half, low, high)[0]

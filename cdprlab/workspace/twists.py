@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, checked
+from ..arrays import Array, checked
 from ..errors import InvalidInput
 from ..mechanics.kinematics import base_jacobian, jacobian
 from ..mechanics.optimization import largest_last
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..sets.twist import base_speeds, moving_columns
-from .capacity import box_half_widths, box_loads
+from .capacity import box_half_widths, box_loads, one_or_several
 from .criterion import Criterion, Judgement
 
 _ROUNDING = 1e-9
@@ -43,10 +43,8 @@ class TwistFeasible(Criterion):
             raise InvalidInput("TwistFeasible takes twists or half_widths, one of the two")
         columns, n = moving_columns(robot, self.moving), robot.n_dof
         J, bases = jacobian(robot, poses), base_speeds(robot)[columns]
-        if self.twists is not None:
-            wanted, half = as_array(self.twists, "twists", (n,), "m/s, rad/s", batch=True).reshape(-1, n), np.zeros(n)
-        else:
-            wanted, half = np.zeros((1, n)), box_half_widths(self.half_widths, n, "m/s, rad/s")
+        wanted = one_or_several(self.twists, "twists", n, "m/s, rad/s")
+        half = box_half_widths(self.half_widths, n, "m/s, rad/s")
         rates = np.abs(J @ wanted.T).max(axis=-1) + np.abs(J) @ half
         spare = (robot.speed_max - rates).min(axis=-1)
         if bases.any():

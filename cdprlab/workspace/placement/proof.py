@@ -72,9 +72,8 @@ def largest_share(robot: Robot, pose: Pose, load: Array, tipping: bool) -> float
     pulls, bounds = np.zeros((m, m, 3, d)), np.full((m, 3, 2), [-np.inf, np.inf])
     for i, (u, k) in enumerate(zip(cable_directions(robot, pose), robot.base_indices)):
         ways = _ways(robot, k)
-        pulls[i, i, :1 + len(ways)] = [u, *ways]
-        bounds[i, 0] = (0.0, np.inf) if len(ways) else (robot.tension_min[i],
-                                                        robot.tension_max[i])
+        pulls[i, i] = [u, *ways]
+        bounds[i, 0] = (0.0, np.inf) if ways.any() else (robot.tension_min[i], robot.tension_max[i])
     forces = pulls.reshape(m, 3 * m, d)
     moments = cross(anchor_offsets(robot, pose)[:, None], forces)
     exerted = robot.pattern.basis(pose.rotation).T @ np.concatenate([forces, moments], axis=-1).sum(axis=0).T
@@ -97,14 +96,14 @@ def largest_share(robot: Robot, pose: Pose, load: Array, tipping: bool) -> float
 
 
 def _ways(robot: Robot, k: int) -> Array:
-    """(0 to 2, d) directions in which a base takes its exit points along; a turning one swings them any way."""
-    d = robot.dimension
+    """(2, d) directions in which a base takes its exit points along, or 0; a turning one swings them any way."""
+    ways = np.eye(2, robot.dimension)
     if k < 0:
-        return np.zeros((0, d))
+        return 0 * ways
     base = robot.bases[k]
     if base.speed_max[0] > 0:
-        return np.eye(d)[:2]
-    return np.asarray(base.rotation.T[:2][base.speed_max[1:] > 0])
+        return ways
+    return np.asarray(base.rotation.T[:2] * (base.speed_max[1:, None] > 0))
 
 
 def _normals(d: int, load: Array) -> Array:
