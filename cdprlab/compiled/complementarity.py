@@ -21,23 +21,14 @@ def complementary(A: Array, b: Array, last: Array) -> Array:
     first.
     """
     m = b.size
-    T, taut, order, small = np.zeros(m), last > 0.0, np.zeros(m, np.int64), 1e-13 * np.abs(b).max()
+    T, taut, small = np.zeros(m), last > 0.0, 1e-13 * np.abs(b).max()
     for _ in range(1000):
-        k = 0
-        for i in range(m):
-            if taut[i]:
-                order[k] = i
-                k += 1
-        part, pulls = np.empty((k, k)), np.empty(k)
-        for i in range(k):
-            pulls[i] = b[order[i]]
-            for j in range(k):
-                part[i, j] = A[order[i], order[j]]
-        factor(part, k)
-        solve(part, k, pulls)
+        pulling = np.flatnonzero(taut)
+        part, pulls = A[pulling][:, pulling], b[pulling]
+        factor(part, pulls.size)
+        solve(part, pulls.size, pulls)
         T[:] = 0.0
-        for i in range(k):
-            T[order[i]] = pulls[i]
+        T[pulling] = pulls
         wrong = -1
         for i in range(m - 1, -1, -1):
             gap = -b[i]

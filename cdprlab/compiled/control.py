@@ -1,12 +1,11 @@
 """What a controller asks for a thousand times a second: how far off the platform is, and what it takes to move it."""
 
-from typing import Any
-
 import numpy as np
 
 from ..arrays import Array
 from ..robot.pose import turn_about_axes, turn_coefficients
 from .jit import compiled, compiled_for
+from .linear_algebra import cross
 
 _log = compiled(turn_about_axes)
 _coefficients = compiled(turn_coefficients)
@@ -53,56 +52,43 @@ def mass_and_bias(mass: float, inertia: Array, center: Array, gravity: float, R:
     R : (d, d); t = [v; ω] : (n,) twist of P in world axes
     """
     d, n = center.size, t.size
-    r, f, M, h = np.zeros(d), np.zeros(d), np.zeros((n, n)), np.zeros(n)
-    # r = R c, f = m (ω × (ω × r) + g e_up) with ω × (ω × r) = ω (ω · r) − r (ω · ω)
-    along = around = distance = 0.0
+    # The plane is the space of which the rows of x, y and the turn about z are kept.
+    r, w, L, M, h = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros((6, 6)), np.zeros(6)
+    w[3 + d - n:] = t[d:]
     for i in range(d):
         for j in range(d):
             r[i] += R[i, j] * center[j]
-        distance += r[i] * r[i]
-    for i in range(n - d):
-        around += t[d + i] * t[d + i]
-        if d == 3:
-            along += t[3 + i] * r[i]
-    for i in range(d):
-        f[i] = -mass * around * r[i]
-        if d == 3:
-            f[i] += mass * along * t[3 + i]
-    f[d - 1] += mass * gravity
-    for i in range(d):
-        M[i, i] = mass
-        h[i] = f[i]
-    if d == 2:
-        M[0, 2] = M[2, 0] = -mass * r[1]
-        M[1, 2] = M[2, 1] = mass * r[0]
-        M[2, 2] = inertia[0, 0] + mass * distance
-        h[2] = r[0] * f[1] - r[1] * f[0]
-        return M, h
-    # turned = R I Rᵀ, the inertia in world axes; L = R I Rᵀ ω
-    turned, L = np.zeros((3, 3)), np.zeros(3)
+    # R I Rᵀ, the inertia in world axes
+    M[5, 5] = inertia[0, 0]
+    if d == 3:
+        M[5, 5] = 0.0
+        for i in range(3):
+            for j in range(3):
+                for a in range(3):
+                    for b in range(3):
+                        M[3 + i, 3 + j] += R[i, a] * inertia[a, b] * R[j, b]
+    # L = R I Rᵀ ω, f = m (ω × (ω × r) + g e_up) with r = R c
+    spin = cross(w, cross(w, r))
     for i in range(3):
+        h[i] = mass * spin[i]
         for j in range(3):
-            for a in range(3):
-                for b in range(3):
-                    turned[i, j] += R[i, a] * inertia[a, b] * R[j, b]
-            L[i] += turned[i, j] * t[3 + j]
+            L[i] += M[3 + i, 3 + j] * w[j]
+    h[d - 1] += mass * gravity
+    moment, swing, distance = cross(r, h), cross(w, L), r[0] * r[0] + r[1] * r[1] + r[2] * r[2]
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
-        # M = [m, −m [r]×; m [r]×, R I Rᵀ − m [r]×²]
+        # M = [m, −m [r]×; m [r]×, R I Rᵀ − m [r]×²], h = [f; r × f + ω × L]
+        M[i, i] = mass
         M[i, 3 + j] = M[3 + j, i] = mass * r[k]
         M[i, 3 + k] = M[3 + k, i] = -mass * r[j]
         for a in range(3):
-            M[3 + i, 3 + a] = turned[i, a] - mass * r[i] * r[a]
+            M[3 + i, 3 + a] -= mass * r[i] * r[a]
         M[3 + i, 3 + i] += mass * distance
-        # h = [f; r × f + ω × L]
-        h[3 + i] = r[j] * f[k] - r[k] * f[j] + t[3 + j] * L[k] - t[3 + k] * L[j]
+        h[3 + i] = moment[i] + swing[i]
+    if d == 2:
+        kept = np.array([0, 1, 5])
+        return M[kept][:, kept], h[kept]
     return M, h
-
-
-@compiled
-def _cross(a: Any, b: Any) -> Any:
-    """The three entries of a × b."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @compiled
@@ -138,8 +124,8 @@ def computed_torque(K_p: Array, K_d: Array, z: Array, mass: float, inertia: Arra
         for i in range(3):
             u[i] -= w[i]
         # J_r⁻¹ = I + [r]×/2 − (db/dθ)/(2 θ b) [r]×²
-        r_u = _cross(r, u)
-        r_r_u = _cross(r, r_u)
+        r_u = cross(r, u)
+        r_r_u = cross(r, r_u)
         for i in range(3):
             v[i] = u[i] + 0.5 * r_u[i] - b_rate / (2 * b) * r_r_u[i]
     for i in range(n):
@@ -149,8 +135,8 @@ def computed_torque(K_p: Array, K_d: Array, z: Array, mass: float, inertia: Arra
         along = r[0] * v[0] + r[1] * v[1] + r[2] * v[2]
         _turn_back(R, R_d, a_d[3:], a[3:])
         # J_r = I − b [r]× + c [r]×², and its rate
-        r_v, r_x, w_u = _cross(r, v), _cross(r, x[3:]), _cross(w, u)
-        r_r_v, r_r_x, v_r_v = _cross(r, r_v), _cross(r, r_x), _cross(v, r_v)
+        r_v, r_x, w_u = cross(r, v), cross(r, x[3:]), cross(w, u)
+        r_r_v, r_r_x, v_r_v = cross(r, r_v), cross(r, r_x), cross(v, r_v)
         for i in range(3):
             a[3 + i] += (w_u[i] - b * r_x[i] + c * r_r_x[i]
                          + along * (b_rate * r_v[i] - c_rate * r_r_v[i]) - c * v_r_v[i])

@@ -125,3 +125,9 @@ def nearest(c: Array, D: Array, free: int, wish: Array, gram: Array, lam: Array)
                 gram[a, b] += D[i, a] * D[i, b]
     factor(gram, free)
     solve(gram, free, lam)
+
+
+@compiled
+def cross(a: Any, b: Any) -> Any:
+    """The three entries of a × b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

@@ -52,7 +52,7 @@ def clip(corners: Array, first: int, count: int, limit: float, sign: float, miss
 @compiled
 def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, row: int, size: float,
             corners: Array) -> tuple[int, int]:
-    """Corners, in order, of {λ : low[row] ≤ c + D λ ≤ high[row]}; a segment has 2 or more, a point 1 or more.
+    """Corners, in order, of {λ : low[row] ≤ c + D λ ≤ high[row]}; those of a segment or a point coincide.
 
     size : `wrench_size`
     Returns where in ``corners`` they begin, and how many they are.
@@ -60,17 +60,17 @@ def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, row: int, s
     slack, miss = 0.0, ROUNDING
     for _ in range(2):
         first: Any = np.int64(0)   # for bare literals `clip` would be compiled a second time
-        count: Any = np.int64(1)
-        for a in range(2):
-            corners[0, a] = corners[1, a] = 0.0
+        count: Any = np.int64(4)
+        corners[:4] = 0.0
+        axis = 0
         for j in range(c.shape[0]):
-            if owner[j] == FREE:   # from a point to a segment, from a segment to a rectangle
-                axis = count // 2
-                for k in range(count):
-                    corners[2 * count - 1 - k, 0] = corners[k, 0]
-                    corners[k, axis] = low[row, j] - slack * (size + abs(low[row, j]))
-                    corners[2 * count - 1 - k, axis] = high[row, j] + slack * (size + abs(low[row, j]))
-                count *= 2
+            if owner[j] == FREE:
+                for k in range(4):   # low, low, high, high of one λ, and low, high, high, low of the other
+                    end = low[row, j] - slack * (size + abs(low[row, j]))
+                    if (k + axis) % 4 > 1:
+                        end = high[row, j] + slack * (size + abs(low[row, j]))
+                    corners[k, axis] = end
+                axis += 1
         for j in range(c.shape[0]):
             for sign in (-1.0, 1.0):
                 if owner[j] == FREE or count == 0:

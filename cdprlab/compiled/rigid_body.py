@@ -5,6 +5,7 @@ import numpy as np
 from ..arrays import Array
 from .columns import put_cables
 from .jit import compiled_for
+from .linear_algebra import cross
 
 
 @compiled_for(1, 2, 1, 2, 2, 2, 2, 0)
@@ -34,9 +35,9 @@ def platform_and_cables(told: Array, axes: Array, center: Array, exit_points: Ar
                 R[i, j] += Q[i, k] * axes[j, k]
             r[i] += R[i, j] * center[j]
         p[i] = told[i] - r[i]
+    swing = cross(omega, r)
     for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        row[12 + i] = told[7 + i] - (omega[j] * r[k] - omega[k] * r[j])
+        row[12 + i] = told[7 + i] - swing[i]
         row[15 + i] = omega[i]
     put_cables(exit_points, anchor_points, p, R, pulleys, row[18:18 + m], W)
     u = before if substeps == 1 else W
