@@ -1,8 +1,8 @@
 """A brief: what a robot is wanted for, judged point by point on anybody's world, with reasons that help."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from itertools import product
 from pathlib import Path
 from textwrap import fill
 from typing import Any, NamedTuple
@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array, checked
-from ..errors import InvalidInput, WorldError
+from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
 from ..mechanics.statics import gravity_wrench, wrench_matrix
 from ..robot import Robot, box_inertia
@@ -26,19 +26,24 @@ _AXES = ("f_x", "f_y", "f_z", "m_x", "m_y", "m_z")
 
 
 class Point(NamedTuple):
-    """One point of a brief: its name, whether it is met, and what was found."""
+    """One point of a brief.
+
+    words : what was found
+    margin : smallest distance of a tension from its limits over the box, negative if it breaks
+        them [N]; −inf for a point that does not look at tensions
+    """
 
     name: str
     met: bool
     words: str
+    margin: float = -np.inf
 
 
 class Verdict(NamedTuple):
     """What became of a brief, point by point; prints as a list.
 
     points : Point a requirement; those that could not be looked at are missing
-    margin : smallest distance of a tension from its limits over the box, negative if it breaks
-        them [N]
+    margin : the one that was found, else −inf [N]
     """
 
     points: tuple[Point, ...]
@@ -91,17 +96,16 @@ class Brief:
 
         pushes = ", ".join(f"{axis} {push:g} {'N' if axis[0] == 'f' else 'N m'}"
                            for axis, push in zip(_AXES, self.pushes) if push)
-        lines = {
-            "load": f"{self.mass:g} kg, a box of {' × '.join(f'{edge:g}' for edge in self.size)} m, P at its center",
-            "positions of P": f"{to(self.lower, self.upper)} m",
-            "orientation": f"level, turned by up to {np.rad2deg(self.yaw):g}° either way about the vertical",
-            "pushes": f"{pushes}; either way, one at a time",
-            "exit points": f"{to(*self.hall)} m",
-            "winches": f"{self.tension[0]:g} to {self.tension[1]:g} N",
-            "clearance": f"{self.clearance:g} m between cables",
-            "cables": f"at most {self.most_cables}",
-        }
-        return "\n".join(f"{name:<16}{words}" for name, words in lines.items())
+        return (
+            f"load            {self.mass:g} kg, a box of {' × '.join(f'{edge:g}' for edge in self.size)} m, "
+            "P at its center\n"
+            f"positions of P  {to(self.lower, self.upper)} m\n"
+            f"orientation     level, turned by up to {np.rad2deg(self.yaw):g}° either way about the vertical\n"
+            f"pushes          {pushes}; either way, one at a time\n"
+            f"exit points     {to(*self.hall)} m\n"
+            f"winches         {self.tension[0]:g} to {self.tension[1]:g} N\n"
+            f"clearance       {self.clearance:g} m between cables\n"
+            f"cables          at most {self.most_cables}")
 
     @property
     def wrenches(self) -> Array:
@@ -114,10 +118,9 @@ class Brief:
         if seed is not None:
             spread = low_discrepancy_poses(self.lower, self.upper, count, seed, turn=self.yaw)
             return Pose(spread.position, rpy=spread.rpy * [0.0, 0.0, 1.0])
-        shares = np.stack(np.meshgrid(*[[0.0, 0.5, 1.0]] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
-        turns = self.yaw * (2 * shares[:, 3:] - 1)
+        shares = np.array([*product((0.0, 0.5, 1.0), repeat=4)])
         return Pose(self.lower + shares[:, :3] * (self.upper - self.lower),
-                    rpy=np.pad(turns, ((0, 0), (2, 0))))
+                    rpy=self.yaw * (2 * shares[:, 3:] - 1) * [0.0, 0.0, 1.0])
 
     def judge(self, design: World | Mapping[str, Any] | str | Path, poses: Pose | None = None) -> Verdict:
         """Look at a design, point by point; a point that others build on ends the list if it is not met.
@@ -127,162 +130,21 @@ class Brief:
         """
         try:
             world = _world(design)
-        except (WorldError, InvalidInput) as error:
+        except InvalidInput as error:
             return Verdict((Point("a world file", False, str(error)),), -np.inf)
-        case = _Case(self, world, self.poses() if poses is None else poses)
-        points: list[Point] = []
-        for name, needed, look in _POINTS:
-            met, words = look(case)
-            points.append(Point(name, met, words))
-            if needed and not met:
-                return Verdict(tuple(points), -np.inf)
-        return Verdict(tuple(points), case.worst.margin)
+        points = tuple(_points(self, world, self.poses() if poses is None else poses))
+        return Verdict(points, max(point.margin for point in points))
 
     def margins(self, robot: Robot, poses: Pose) -> Array:
         """(k, N) distance of the tensions from their limits at best, push by push of ``wrenches``, pose by pose [N]."""
-        return np.array([s for s, _ in self.best_tensions(robot, poses)])
+        return self.best_tensions(robot, poses)[0]
 
-    def best_tensions(self, robot: Robot, poses: Pose) -> list[tuple[Array, Array]]:
-        """For each push of ``wrenches`` those margins (N,) and the tensions (N, m) that have them [N]."""
-        W = wrench_matrix(robot, poses)
-        weight = np.broadcast_to(gravity_wrench(robot, poses), W.shape[:-1])
-        return [best_tensions(W, weight + push, robot.tension_min, robot.tension_max)
-                for push in self.wrenches]
-
-
-_Found = tuple[bool, str]
-"""Whether a point is met, and what to say of it."""
-
-
-class _Worst(NamedTuple):
-    """The smallest margin over all poses and pushes, the tensions there, where it is, and how many poses are held."""
-
-    margin: float
-    tensions: Array
-    where: str
-    held: str
-
-
-@dataclass(frozen=True, eq=False)
-class _Case:
-    """A design before its brief; a method a point, each says whether it is met and what was found."""
-
-    brief: Brief
-    world: World
-    poses: Pose
-
-    @property
-    def robot(self) -> Robot:
-        return self.world.robot
-
-    def freedoms(self) -> _Found:
-        said = self.robot.motion_pattern
-        if said == "3R3T":
-            return True, said
-        return False, f"the load must not swing or turn: 3R3T is needed, got {said}"
-
-    def count(self) -> _Found:
-        m = self.robot.n_cables
-        if m < self.robot.n_dof:
-            return False, (f"{m} cables cannot balance every push: W has {m} columns, pushes and weight need 6 "
-                           "independent ones. Six is the least, with the weight as the seventh cable")
-        return m <= self.brief.most_cables, f"{m}, allowed are {self.brief.most_cables}"
-
-    def load(self) -> _Found:
-        body, brief = self.robot.platform, self.brief
-        uniform = box_inertia(brief.mass, brief.size)
-        wrong = {"mass": abs(body.mass - brief.mass) > _ROUNDING,
-                 "size": np.abs(body.size - brief.size).max() > _ROUNDING,
-                 "center of mass": np.abs(body.center_of_mass).max() > _ROUNDING,
-                 "box center": np.abs(body.center).max() > _ROUNDING,
-                 "inertia": np.abs(body.inertia - uniform).max() > 1e-3 * uniform.max(),
-                 "gravity": abs(self.robot.gravity - 9.81) > _ROUNDING}
-        changed = ", ".join(name for name, is_wrong in wrong.items() if is_wrong)
-        return not changed, (f"another {changed} than the brief's; the customer's load is not yours to change"
-                             if changed else f"as given, {brief.mass:g} kg")
-
-    def winches(self) -> _Found:
-        low, high = self.brief.tension
-        wrong = np.abs(self.robot.tension_min - low) > _ROUNDING
-        wrong |= np.abs(self.robot.tension_max - high) > _ROUNDING
-        given = f"{low:g} to {high:g} N"
-        return _none(wrong, f"as given, {given}",
-                     f"other limits than {given}; these winches are in stock")
-
-    def exits(self) -> _Found:
-        low, high = self.brief.hall
-        exits = self.robot.exit_points
-        out = ((exits < low - _ROUNDING) | (exits > high + _ROUNDING)).any(axis=1)
-        return _none(out, "all in the hall", "exit points outside the hall")
-
-    def anchors(self) -> _Found:
-        off = (np.abs(self.robot.anchor_points) > self.brief.size / 2 + _ROUNDING).any(axis=1)
-        return _none(off, "all on the load",
-                     "anchor points beyond the box of the load: there is nothing to fix a cable to")
-
-    def directions(self) -> _Found:
-        limp = (cable_lengths(self.robot, self.poses) < 1e-9).any(axis=0)
-        return _none(limp, "yes", "no length at some pose")
-
-    @cached_property
-    def worst(self) -> _Worst:
-        found = self.brief.best_tensions(self.robot, self.poses)
-        margins = np.array([s for s, _ in found])
-        k, i = np.unravel_index(np.argmin(margins), margins.shape)
-        held = int((margins.min(axis=0) >= 0).sum())
-        return _Worst(float(margins[k, i]), found[k][1][i],
-                      f"{_place(self.poses[int(i)])}, {_push(self.brief.wrenches[k])}",
-                      f"{held} of {margins.shape[1]} poses are held")
-
-    def holds(self) -> _Found:
-        least, tau, where, held = self.worst
-        if least >= -_ROUNDING * self.brief.tension[1]:
-            return True, f"with {least:.0f} N to spare at {where}"
-        advice = _advice(self.robot, tau, -least) if np.isfinite(least) else \
-            "no tensions at all balance that, for W has lost rank there. Spread exit points and anchor points, so " \
-            "that the cables' lines do not all meet"
-        return False, f"{held}. The worst is {where}: {advice}"
-
-    def apart(self) -> _Found:
-        pairs = cable_pairs(self.robot)
-        if not pairs:
-            return True, "none can cross"
-        gaps = cable_distances(self.robot, self.poses)
-        nearest, worst = gaps.min(axis=0), gaps.argmin(axis=0)
-        near = [f"{pairs[k][0] + 1} and {pairs[k][1] + 1} ({1e3 * nearest[k]:.0f} mm)"
-                for k in np.argsort(nearest) if nearest[k] < self.brief.clearance]
-        if near:
-            place = _place(self.poses[int(worst[nearest.argmin()])])
-            return False, (f"too near come cables {', '.join(near)}; the nearest at {place}. "
-                           "Cables that share an exit or an anchor point never cross")
-        return True, f"by {1e3 * nearest.min():.0f} mm at least"
-
-    def free(self) -> _Found:
-        robot, poses = self.robot, self.poses
-        inside = (np.abs(robot.anchor_points) < self.brief.size / 2 - _ROUNDING).all(axis=1)
-        bad = inside if inside.any() else piercing_cables(robot, poses).any(axis=0)
-        if bad.any():
-            return _none(bad, "", "to pass through the load itself. Anchor it on a face, an edge or a corner that "
-                                  "looks towards its exit point")
-        for box in self.world.scene.boxes:
-            if (obstacle_distances(robot, poses, box) < self.brief.clearance).any():
-                return False, f"a cable touches {box.name or 'a box'} of the scene"
-        return True, "none touches the load or what stands around"
-
-
-_POINTS: tuple[tuple[str, bool, Callable[[_Case], _Found]], ...] = (
-    ("six degrees of freedom", True, _Case.freedoms),
-    ("number of cables", True, _Case.count),
-    ("the load", False, _Case.load),
-    ("the winches", False, _Case.winches),
-    ("exit points", False, _Case.exits),
-    ("anchor points", False, _Case.anchors),
-    ("every cable has a direction", True, _Case.directions),
-    ("holds the load everywhere", False, _Case.holds),
-    ("cables keep apart", False, _Case.apart),
-    ("cables run freely", False, _Case.free),
-)
-"""Name, whether the points after it build on it, and who looks; the most basic first."""
+    def best_tensions(self, robot: Robot, poses: Pose) -> tuple[Array, Array]:
+        """Those margins, and (k, N, m) the tensions that have them [N]."""
+        W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
+        margins, tensions = zip(*(best_tensions(W, weight + push, robot.tension_min, robot.tension_max)
+                                  for push in self.wrenches))
+        return np.array(margins), np.array(tensions)
 
 
 @checked
@@ -301,6 +163,96 @@ def workshop_brief(most_cables: int = 8) -> Brief:
         most_cables=most_cables)
 
 
+# --- point by point -----------------------------------------------------------------------------------------
+def _points(brief: Brief, world: World, poses: Pose) -> Iterator[Point]:
+    """The most basic first; one that the others build on is the last if it is not met."""
+    robot, pattern, m = world.robot, world.robot.motion_pattern, world.robot.n_cables
+    free, enough = pattern == "3R3T", 6 <= m <= brief.most_cables
+    yield Point("six degrees of freedom", free, pattern if free else
+                f"the load must not swing or turn: 3R3T is needed, got {pattern}")
+    if not free:
+        return
+    yield Point("number of cables", enough, f"{m}, allowed are {brief.most_cables}" if m >= 6 else
+                f"{m} cables cannot balance every push: W has {m} columns, pushes and weight need 6 "
+                "independent ones. Six is the least, with the weight as the seventh cable")
+    if not enough:
+        return
+    yield _load(brief, robot)
+    low, high = brief.tension
+    limits = np.transpose([robot.tension_min - low, robot.tension_max - high])
+    yield _cables("the winches", limits, f"as given, {low:g} to {high:g} N",
+                  f"other limits than {low:g} to {high:g} N; these winches are in stock")
+    exits, beyond = robot.exit_points, np.abs(robot.anchor_points) - brief.size / 2
+    yield _cables("exit points", exits - exits.clip(*brief.hall), "all in the hall", "exit points outside the hall")
+    yield _cables("anchor points", beyond.clip(min=0.0), "all on the load",
+                  "anchor points beyond the box of the load: there is nothing to fix a cable to")
+    limp = (cable_lengths(robot, poses) < 1e-9).T
+    yield _cables("every cable has a direction", limp, "yes", "no length at some pose")
+    if limp.any():
+        return
+    yield _held(brief, robot, poses)
+    yield _apart(brief, robot, poses)
+    inside = (beyond < -_ROUNDING).all(axis=1)
+    pierces: Any = inside if inside.any() else piercing_cables(robot, poses).any(axis=0)
+    touched = [f"a cable touches {box.name or 'a box'} of the scene" for box in world.scene.boxes
+               if (obstacle_distances(robot, poses, box) < brief.clearance).any()]
+    if touched and not pierces.any():
+        yield Point("cables run freely", False, touched[0])
+    else:
+        yield _cables("cables run freely", pierces[:, None], "none touches the load or what stands around",
+                      "to pass through the load itself. Anchor it on a face, an edge or a corner that looks "
+                      "towards its exit point")
+
+
+def _load(brief: Brief, robot: Robot) -> Point:
+    body, uniform = robot.platform, box_inertia(brief.mass, brief.size)
+    off = {"mass": body.mass - brief.mass, "size": body.size - brief.size, "center of mass": body.center_of_mass,
+           "box center": body.center, "inertia": 1e-3 * (body.inertia - uniform) / uniform.max(),
+           "gravity": robot.gravity - 9.81}
+    changed = ", ".join(name for name, error in off.items() if np.abs(error).max() > _ROUNDING)
+    return Point("the load", not changed,
+                 f"another {changed} than the brief's; the customer's load is not yours to change"
+                 if changed else f"as given, {brief.mass:g} kg")
+
+
+def _held(brief: Brief, robot: Robot, poses: Pose) -> Point:
+    margins, tensions = brief.best_tensions(robot, poses)
+    k, i = np.unravel_index(np.argmin(margins), margins.shape)
+    least = float(margins[k, i])
+    where = f"{_place(poses[int(i)])}, {_push(brief.wrenches[k])}"
+    if least >= -_ROUNDING * brief.tension[1]:
+        return Point("holds the load everywhere", True, f"with {least:.0f} N to spare at {where}", least)
+    held = (margins.min(axis=0) >= 0).sum()
+    return Point("holds the load everywhere", False,
+                 f"{held} of {margins.shape[1]} poses are held. The worst is {where}: "
+                 f"{_advice(robot, tensions[k, i], -least)}", least)
+
+
+def _apart(brief: Brief, robot: Robot, poses: Pose) -> Point:
+    pairs = cable_pairs(robot)
+    if not pairs:
+        return Point("cables keep apart", True, "none can cross")
+    gaps = cable_distances(robot, poses)
+    nearest = gaps.min(axis=0)
+    near = [f"{pairs[k][0] + 1} and {pairs[k][1] + 1} ({1e3 * nearest[k]:.0f} mm)"
+            for k in np.argsort(nearest) if nearest[k] < brief.clearance]
+    place = _place(poses[int(gaps.min(axis=1).argmin())])
+    return Point("cables keep apart", not near,
+                 f"too near come cables {', '.join(near)}; the nearest at {place}. "
+                 "Cables that share an exit or an anchor point never cross"
+                 if near else f"by {1e3 * nearest.min():.0f} mm at least")
+
+
+def _cables(name: str, errors: Any, well: str, ill: str) -> Point:
+    """Met where no cable is wrong; else which cables have what.
+
+    errors : (m, …) of each; what is as small as rounding is none
+    """
+    wrong = (np.abs(errors) > _ROUNDING).any(axis=1)
+    have = "has" if wrong.sum() == 1 else "have"
+    return Point(name, not wrong.any(), f"{cable_names(wrong)} {have} {ill}" if wrong.any() else well)
+
+
 # --- words ----------------------------------------------------------------------------------------------------
 def _world(design: Any) -> World:
     if isinstance(design, World):
@@ -313,13 +265,10 @@ def _world(design: Any) -> World:
                        f"{type(design).__name__}")
 
 
-def _none(wrong: Any, well: str, ill: str) -> _Found:
-    """Met where no cable is wrong; else which cables have what."""
-    have = "has" if wrong.sum() == 1 else "have"
-    return not wrong.any(), f"{cable_names(wrong)} {have} {ill}" if wrong.any() else well
-
-
 def _advice(robot: Robot, tau: Array, missing: float) -> str:
+    if not np.isfinite(missing):
+        return ("no tensions at all balance that, for W has lost rank there. Spread exit points and anchor points, so "
+                "that the cables' lines do not all meet")
     low, high = robot.tension_min - tau, tau - robot.tension_max
     if low.max() > high.max() + 1e-6:      # as much of both is missing: the winch is told
         i = np.argmax(low)

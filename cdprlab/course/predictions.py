@@ -72,21 +72,18 @@ def predict(shown: Told, *questions: Question) -> Told:
     entries = [question.entry() for question in questions]
     words = ipywidgets.HTML(f"{style()}<b>Predict, then move.</b> Nothing is graded.")
     opens = ipywidgets.Button(description="Open", disabled=True, tooltip="once every question is answered")
-    lines, sees = [ipywidgets.HTML() for _ in questions], []
+    lines = [ipywidgets.HTML() for _ in questions]
+    sees = [ipywidgets.Button(description="See", tooltip=f"{question.text}: moves the controls there")
+            for question in questions]
     explorer, form = shown.widget, boxed([words, *entries, opens], "form")
-    for k, question in enumerate(questions):
-        sees.append(ipywidgets.Button(description="See", tooltip=f"{question.text}: moves the controls there"))
-        sees[k].on_click(lambda _, k=k: tell(k, f", it is <b>{html.escape(questions[k].true_of(shown))}</b>"))
     beside = boxed([boxed(pair, "truth") for pair in zip(lines, sees)], "truths")
 
-    def answer(k: int) -> str:
-        return questions[k].answer(entries[k].value)
-
     def tell(k: int, truth: str = "") -> None:
-        lines[k].value = f"{html.escape(questions[k].text)}: you said <b>{html.escape(answer(k))}</b>{truth}"
+        said = questions[k].answer(entries[k].value)
+        lines[k].value = f"{html.escape(questions[k].text)}: you said <b>{html.escape(said)}</b>{truth}"
 
     def entered(_: Any) -> None:
-        opens.disabled = not all(map(answer, range(len(questions))))
+        opens.disabled = not all(question.answer(entry.value) for question, entry in zip(questions, entries))
 
     def opened(_: Any) -> None:
         form.layout.display, beside.layout.display, explorer.layout.display = "none", "", ""
@@ -94,8 +91,9 @@ def predict(shown: Told, *questions: Question) -> Told:
             tell(k)
         sees[0].focus()
 
-    for entry in entries:
+    for k, (entry, see) in enumerate(zip(entries, sees)):
         entry.observe(entered, names="value")
+        see.on_click(lambda _, k=k: tell(k, f", it is <b>{html.escape(questions[k].true_of(shown))}</b>"))
     opens.on_click(opened)
     beside.layout.display = explorer.layout.display = "none"
     shown.widget = boxed([form, beside, explorer], "predicted")

@@ -35,18 +35,13 @@ class Slice(NamedTuple):
     plane : "x–y", "x–z" or "y–z"
     grid : PoseGrid
     held : (k,) tensions within the limits hold the platform there
-    clear : (k,) no cable is near another one, the platform or an obstacle
+    clear : (k,) and no cable is near another one, the platform or an obstacle
     """
 
     plane: str
     grid: PoseGrid
     held: Flags
     clear: Flags
-
-    @property
-    def area(self) -> float:
-        """Of the poses that are held and clear [m²]."""
-        return float((self.held & self.clear).sum() * self.grid.cell)
 
 
 class Assessment(NamedTuple):
@@ -86,17 +81,12 @@ def assess(world: World, plane: str = "x–y", window: Window | None = None) -> 
         where = f"{without.capitalize().replace('this pose', 'the start')}."
         return Assessment((where,), None, None, np.nan, found)
     W, w_e = wrench_matrix(robot, pose), gravity_wrench(robot, pose)
-    held = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max,
-                               "quadratic_program")
-    K, least, tipping = None, np.nan, {}
+    held = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max)
+    K, least = None, np.nan
     if held.feasible:
         K = stiffness(robot, pose, held.tensions, stretch(robot))
         least = float(smallest_stiffness(robot, pose, held.tensions, stretch(robot)))
-        tipping = tipping_moments(robot, pose, held.tensions)
-    warnings = (*_rank(robot, W), *_equilibrium(W, w_e, held), *_tipping(tipping),
-                *_interference(world),
-                *_stability(least), *_ground(world))
-    return Assessment(warnings, held, K, least, found)
+    return Assessment((*_warnings(world, W, w_e, held, least),), held, K, least, found)
 
 
 def stretch(robot: Robot) -> float:
@@ -112,7 +102,8 @@ def workspace_slice(world: World, plane: str = "x–y", window: Window | None = 
     grid = slice_grid(world, plane, window)
     poses = grid.poses
     directed = have_directions(robot, poses)
-    held, clear = np.zeros(len(grid), dtype=bool), np.zeros(len(grid), dtype=bool)
+    held = np.zeros(len(grid), bool)
+    clear = held.copy()
     if directed.any():
         held[directed] = workspace(robot, poses[directed], WrenchFeasible(), margin=False).inside
     if held.any():
@@ -151,39 +142,28 @@ def _clear(world: World, poses: Pose) -> Flags:
 
 
 # --- at the start ---------------------------------------------------------------------------------------------
-def _rank(robot: Robot, W: Array) -> Iterator[str]:
-    rank = int(np.linalg.matrix_rank(W, tol=1e-6 * float(np.abs(W).max())))
+def _warnings(world: World, W: Array, w_e: Array, held: TensionDistribution, least: float) -> Iterator[str]:
+    robot, pose = world.robot, world.pose
+    rank = np.linalg.matrix_rank(W, tol=1e-6 * np.abs(W).max())
     if rank < robot.n_dof:
         yield (f"W has rank {rank} of {robot.n_dof} at the start: there is a motion that no cable resists, whatever it "
                f"pulls. {'Add cables, or move' if robot.n_cables < robot.n_dof else 'Move'} exit or anchor points.")
-
-
-def _equilibrium(W: Array, w_e: Array, held: TensionDistribution) -> Iterator[str]:
     if held.feasible:
-        return
-    weight = max(float(np.abs(w_e).max()), 1.0)
-    unlimited = distribute_tensions(W, w_e, 0.0, 100 * weight, "quadratic_program")
-    if unlimited.feasible:
-        most = float(unlimited.tensions.max())
-        yield ("Infeasible start: no tensions within the limits balance the weight. With other limits cables could: "
-               f"they would pull up to {most:.3g} N, the least {float(unlimited.tensions.min()):.3g} N.")
+        for name, moments in tipping_moments(robot, pose, held.tensions).items():
+            if (moments > 0).any():
+                yield (f"Base {name!r} tips at the start: the cables turn it over an edge of its footprint with "
+                       f"{moments.max():.3g} N m more than its weight holds.")
     else:
-        yield ("Infeasible start: the weight is not balanced by cables that can only pull, however hard. "
-               "Move the start, the exit points or the anchor points.")
-
-
-def _tipping(tipping: dict[str, Array]) -> Iterator[str]:
-    for name, moments in tipping.items():
-        if (moments > 0).any():
-            yield (f"Base {name!r} tips at the start: the cables turn it over an edge of its footprint with "
-                   f"{float(moments.max()):.3g} N m more than its weight holds.")
-
-
-def _interference(world: World) -> Iterator[str]:
-    robot, pose = world.robot, world.pose
+        unlimited = distribute_tensions(W, w_e, 0.0, 100 * max(np.abs(w_e).max(), 1.0))
+        if unlimited.feasible:
+            tau = unlimited.tensions
+            yield ("Infeasible start: no tensions within the limits balance the weight. With other limits "
+                   f"cables could: they would pull up to {tau.max():.3g} N, the least {tau.min():.3g} N.")
+        else:
+            yield ("Infeasible start: the weight is not balanced by cables that can only pull, however hard. "
+                   "Move the start, the exit points or the anchor points.")
     if robot.dimension == 3:
-        distances = cable_distances(robot, pose)
-        for (i, j), gap in zip(cable_pairs(robot), distances):
+        for (i, j), gap in zip(cable_pairs(robot), cable_distances(robot, pose)):
             if gap < CLEARANCE:
                 yield f"Interference: cables {i + 1} and {j + 1} are {_gap(gap)} at the start."
         through = piercing_cables(robot, pose)
@@ -191,22 +171,16 @@ def _interference(world: World) -> Iterator[str]:
             yield f"Interference: {cable_names(through)} through the platform's box at the start."
     for box in world.scene.boxes:
         gaps = obstacle_distances(robot, pose, box)
-        if (gaps < CLEARANCE).any():
-            i = int(np.argmin(gaps))
-            yield f"Interference: cable {i + 1} is {_gap(gaps[i])} from {box.name or 'a ' + box.kind} at the start."
-
-
-def _stability(least: float) -> Iterator[str]:
+        nearest = gaps.argmin()
+        if gaps[nearest] < CLEARANCE:
+            what = box.name or f"a {box.kind}"
+            yield f"Interference: cable {nearest + 1} is {_gap(gaps[nearest])} from {what} at the start."
     if least <= 0:
         yield (f"Not stable at the start: the smallest eigenvalue of the stiffness is {least:.3g} N/m; a small "
                "push is not pushed back.")
-
-
-def _ground(world: World) -> Iterator[str]:
-    lowest = float(platform_corners(world.robot, world.pose)[:, -1].min())
-    floor = floor_height(world.robot, world.scene)
-    if lowest < floor - 1e-6:
-        yield f"The platform starts {floor - lowest:.3g} m below the floor."
+    depth = floor_height(robot, world.scene) - platform_corners(robot, pose)[:, -1].min()
+    if depth > 1e-6:
+        yield f"The platform starts {depth:.3g} m below the floor."
 
 
 def _gap(gap: float) -> str:

@@ -1,8 +1,9 @@
 """Edits of a world as changes of what its file says, which is then read again. Comments stay."""
 
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import lru_cache, reduce
 from itertools import product
+from operator import getitem
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from ...world import World
 from ...world.blocks import LimitsBlock, WorldFile
 from ...world.document import copied, overlay, own, plain
 from ...world.writer import updated_document
+from ..text_table import cable_names
 
 Path = tuple[str | int, ...]
 """Where in a world file a value stands: ``("cables", 2, "exit_point", 0)``."""
@@ -58,13 +60,11 @@ def value_at(world: World, path: Path) -> Any:
     >>> value_at(cl.load_world("caroca"), ("cables", 0, "tension", 1))
     10000.0
     """
-    found: Any = contents(world)
-    for part in path:
-        try:
-            found = found[part]
-        except (KeyError, IndexError, TypeError):
-            return None
-    return found
+    known: Any = contents(world)
+    try:
+        return reduce(getitem, path, known)
+    except (KeyError, IndexError, TypeError):
+        return None
 
 
 def edited(world: World, path: Path, value: Any, mirrored: str = "") -> World:
@@ -81,7 +81,7 @@ def edited(world: World, path: Path, value: Any, mirrored: str = "") -> World:
     (200.0, 200.0)
     """
     before, after = contents(world), copied(contents(world))
-    for place, its_value in {path: value, **_images(world, path, value, mirrored)}.items():
+    for place, its_value in {**_images(world, path, value, mirrored), path: value}.items():
         node: Any = after
         for part in place[:-1]:
             if isinstance(part, str) and node.get(part) is None:
@@ -107,24 +107,20 @@ def _images(world: World, path: Path, value: Any, axes: str) -> dict[Path, Any]:
     robot = world.robot
     if path[0] != "cables" or not axes or robot.bases:
         return {}
-    key, component = path[2], path[3:]
-    cable = int(path[1])
-    middle = (robot.exit_points.min(axis=0) + robot.exit_points.max(axis=0)) / 2
-    points = robot.exit_points - middle
-    if key == "anchor_point":
-        middle, points = np.zeros(robot.dimension), robot.anchor_points
+    _, cable, key, *component = path
+    middle, points = np.zeros(robot.dimension), robot.anchor_points
+    if key != "anchor_point":
+        middle = (robot.exit_points.min(axis=0) + robot.exit_points.max(axis=0)) / 2
+        points = robot.exit_points - middle
     found: dict[Path, Any] = {}
-    for flips in product((1.0, -1.0), repeat=len(axes)):
-        signs = np.ones(robot.dimension)
-        signs[["xyz".index(axis) for axis in axes]] = flips
+    for signs in product(*((1.0, -1.0) if axis in axes else (1.0,) for axis in "xyz"[:robot.dimension])):
         image = value
         if component and key in ("exit_point", "anchor_point"):
             axis = int(component[0])
             image = float(middle[axis] + signs[axis] * (value - middle[axis]))
-        same = np.isclose(points, signs * points[cable], atol=1e-6).all(axis=1)
-        for other in np.flatnonzero(same):
-            if other != cable:
-                found.setdefault(("cables", int(other), key, *component), image)
+        same = np.isclose(points, signs * points[int(cable)], atol=1e-6).all(axis=1)
+        for other in np.flatnonzero(same).tolist():
+            found.setdefault(("cables", other, key, *component), image)
     return found
 
 
@@ -145,11 +141,10 @@ def without_entry(world: World, key: str, index: int) -> World:
     """
     if key == "bases":
         name = world.robot.bases[index].name
-        carried = [str(i + 1) for i, cable in enumerate(world.robot.cables)
-                   if cable.base == name]
-        if carried:
-            raise InvalidInput(f"base {name!r} still carries cable{'s' * (len(carried) > 1)} {', '.join(carried)}: "
-                               "give them another base, or none, first", ("bases", index))
+        carried = [cable.base == name for cable in world.robot.cables]
+        if any(carried):
+            raise InvalidInput(f"base {name!r} still carries {cable_names(carried)}: give them another base, or none, "
+                               "first", ("bases", index))
     document = copied(world.document)
     del own(document, key)[index]
     return World.from_dict(document, path="")

@@ -68,6 +68,10 @@ LEFT_OUT = {"inertia": "of a uniform box", "speed": "unlimited",
             "axial_stiffness": "does not stretch", "base": "none"}
 """Keys that may be left empty → what that means."""
 
+_KINDS = {"base": "choice", "motion_pattern": "choice", "footprint": "points", "axis": "text", "inertia": "text",
+          "speed": "text", "axial_stiffness": "text"}
+"""Of fields that are no numbers."""
+
 _LABELS = {"exit_point": "exit point A", "anchor_point": "anchor point B",
            "tension": "tension limits",
            "speed": "speed limit", "base": "on base", "radius": "pulley radius", "axis": "pulley axis",
@@ -83,18 +87,15 @@ _PARTS = {"tension": ("min", "max"), "rpy": ("roll", "pitch", "yaw"),
 def rows(world: World, group: str, place: Place) -> list[Row]:
     """The rows of a group for a world as it is.
 
-    Raises InvalidInput for an unknown group.
+    group : of `GROUPS`
 
     >>> import cdprlab as cl
     >>> [row.label for row in rows(cl.load_world("planar_rigid"), "cables", Place())]
     ['exit point A', 'anchor point B', 'tension limits', 'speed limit']
     """
-    if group not in GROUPS:
-        raise InvalidInput(f"there is no group {quoted(group)}; there are {', '.join(GROUPS)}")
     index = {"{cable}": place.cable, "{base}": place.base}
-    paths = [tuple(index.get(part, part) for part in words.split("."))
-             for words in GROUPS[group]]
-    return [row for path in paths for row in _rows(world, path)]
+    return [row for words in GROUPS[group]
+            for row in _rows(world, tuple(index.get(part, part) for part in words.split(".")))]
 
 
 def shown(field: Field, world: World) -> Any:
@@ -109,10 +110,7 @@ def shown(field: Field, world: World) -> Any:
         return value
     if value is None:
         return ""
-    if field.kind == "number":
-        return f"{value / field.scale:.10g}"
-    points = value if field.kind == "points" else [np.ravel(value)]
-    return "; ".join(", ".join(f"{x:.10g}" for x in point) for point in points)
+    return "; ".join(", ".join(f"{x:.10g}" for x in point) for point in np.atleast_2d(value) / field.scale)
 
 
 def typed(world: World, field: Field, entry: Any, mirrored: str = "") -> World:
@@ -127,21 +125,17 @@ def typed(world: World, field: Field, entry: Any, mirrored: str = "") -> World:
         return on_base(world, int(field.path[1]), entry)
     value = entry if field.kind == "choice" else _value(field, str(entry))
     if field.kind == "number":
-        _check_number(value, entry)
+        if value is None:
+            raise InvalidInput("nothing stands there; type a number")
+        if not isinstance(value, float):
+            raise InvalidInput(f"{quoted(entry)} is no number; type one, as 0.5")
+        if not np.isfinite(value):
+            raise InvalidInput(f"{quoted(entry)} is endless; type an ordinary number")
     if field.path[-1] == "axis" and isinstance(value, list) and np.linalg.norm(value) > 0:   # any length says a way
         value = (np.array(value) / np.linalg.norm(value)).tolist()
     if value is None and field.path == ("cable", "axial_stiffness"):   # what does not stretch does not ring
         world = edited(world, ("cable", "damping"), 0.0)
     return edited(world, field.path, value, mirrored)
-
-
-def _check_number(value: Any, entry: Any) -> None:
-    if value is None:
-        raise InvalidInput("nothing stands there; type a number")
-    if not isinstance(value, float):
-        raise InvalidInput(f"{quoted(entry)} is no number; type one, as 0.5")
-    if not np.isfinite(value):
-        raise InvalidInput(f"{quoted(entry)} is endless; type an ordinary number")
 
 
 def _value(field: Field, text: str) -> Any:
@@ -168,20 +162,12 @@ def _rows(world: World, path: Path) -> Iterator[Row]:
         return
     if (value is None and key not in LEFT_OUT) or (key == "base" and not world.robot.bases):
         return
-    schema = keys_at(path[:-1])[key]
-    unit = "".join(re.findall(r"\[(.*?)\]", schema.get("description", ""))).replace("rad", "deg")
-    options = _options(world, key)
-    if options:
-        fields = [Field(path, "", "", "choice", options)]
-    elif key in LEFT_OUT or key == "axis":
-        fields = [Field(path, "", unit, "text")]
-    elif schema.get("items", {}).get("type") == "array":
-        fields = [Field(path, "", unit, "points")]
-    elif isinstance(value, list):
-        fields = [Field((*path, k), name, unit)
-                  for k, (name, _) in enumerate(zip(_parts(world, key), value))]
-    else:
-        fields = [Field(path, "", unit)]
+    told = keys_at(path[:-1])[key].get("description", "")
+    unit = "".join(re.findall(r"\[(.*?)\]", told)).replace("rad", "deg")
+    kind = _KINDS.get(key, "number")
+    fields = [Field(path, "", unit, kind, _options(world, key))]
+    if kind == "number" and isinstance(value, list):
+        fields = [Field((*path, k), name, unit) for k, (name, _) in enumerate(zip(_parts(world, key), value))]
     if fields:
         yield Row(_LABELS.get(key, key.replace("_", " ")), tuple(fields))
 

@@ -11,6 +11,7 @@ import ipywidgets
 import numpy as np
 
 from ...arrays import checked
+from ...errors import CdprError
 from ...run import Run
 from ...tensions import tension_methods
 from ...view.notebook import picture_tag
@@ -25,8 +26,6 @@ from .pictures import DesignPicture, SlicePicture
 from .report import as_html, report, warnings_html
 from .session import DesignSession
 
-_START = "caroca"
-_WIDE = {"width": "auto"}
 FILE, FLIGHT = "world file", "simulate"
 HALL = "an empty hall"
 
@@ -41,7 +40,6 @@ class RobotDesigner(Shown):
 
     def __init__(self, world: World, brief: Brief | None = None) -> None:
         self.session = DesignSession(world, brief)
-        self.picture = b""
         self.player: Any = None
         self._drawn = lru_cache(DesignPicture)
         self._slices = SlicePicture()
@@ -53,24 +51,26 @@ class RobotDesigner(Shown):
         """The last good world, to be saved, run or drawn."""
         return self.session.world
 
-    def do(self, verb: Callable[..., bool], *entries: Any, said: str = "", **named: Any) -> bool:
+    def do(self, verb: Callable[..., object], *entries: Any, said: str = "", **named: Any) -> bool:
         """A verb of the session, and all that follows from it on the page; or the mistake, beside the fields.
 
         said : when it worked
 
         >>> import cdprlab as cl
         >>> designer = robot_designer(cl.load_world("caroca"))
-        >>> designer.do(designer.session.add_cable), designer.do(designer.session.undo)
+        >>> designer.do(designer.session.add, "cables"), designer.do(designer.session.undo)
         (True, True)
         """
-        worked = verb(*entries, **named)
-        if worked:
-            self._say(said)
-            self.refresh()
+        mistake = ""
+        try:
+            verb(*entries, **named)
+        except CdprError as error:
+            mistake = f"{error}\nThe robot is the one before this edit."
         else:
-            self._say(f"{self.session.mistake}\nThe robot is the one before this edit.", "alert")
-        _show_only([] if worked else [self.take_back], [self.take_back])
-        return worked
+            self.refresh()
+        self._say(mistake or said, "alert" if mistake else "status")
+        _show(self.take_back, bool(mistake))
+        return not mistake
 
     def simulate(self, **chosen: Any) -> Run | None:
         """The default task in the engine, played below; returns the Run, or None with the reason on the page.
@@ -80,7 +80,7 @@ class RobotDesigner(Shown):
         self._say("Simulating …")
         if self.player is not None:
             self.player.close()
-            self.player, self.below.children = None, ()
+        self.player, self.below.children = None, ()
         self.do(self.session.simulate, said="Simulated; played below.", **chosen)
         run = self.session.flown
         if run is not None:
@@ -89,8 +89,7 @@ class RobotDesigner(Shown):
                           "tensions within the limits exert what the controller asks for. "
                           "Played below.", "alert")
             self.player = run_player(run)
-            table = "\n".join(f"{name:<32} {value}" for name, value in run.table().items())
-            self.below.children = (ipywidgets.HTML(as_html(table)), self.player.widget)
+            self.below.children = (self.player.widget,)
         return run
 
     def close(self) -> None:
@@ -106,8 +105,10 @@ class RobotDesigner(Shown):
         self._show_group()
         self._draw()
         self.slice.value = self._slices.html(world, found.slice)
-        numbers, verdict = report(world, found), session.verdict
-        judged = [] if verdict is None else [f"The brief is {'' if verdict.met else 'not '}met:", str(verdict), ""]
+        numbers, judged = report(world, found), list[str]()
+        if session.brief is not None:
+            verdict = session.brief.judge(world)
+            judged = [f"The brief is {'' if verdict.met else 'not '}met:", str(verdict), ""]
         self.text = "\n".join([*judged, *found.warnings, numbers])
         self.brief.value = as_html("\n".join(judged)) if judged else ""
         if world.name in self.names.options:
@@ -116,24 +117,24 @@ class RobotDesigner(Shown):
         self.head.value = (f"{style()}<b>{html.escape(world.title or world.name)}</b> "
                            f"({html.escape(world.name)}){mark}")
         self.warnings.value, self.numbers.value = warnings_html(found), as_html(numbers)
-        for button, word, label in ((self.undo_button, "Undo", session.history.undo_label),
-                                    (self.redo_button, "Redo", session.history.redo_label)):
+        for button, word, label in zip((self.undo_button, self.redo_button), ("Undo", "Redo"), session.history.labels):
             button.description, button.disabled = f"{word}: {label}" if label else word, not label
-        _show_only([self.planes, self.eye] if world.robot.dimension == 3 else [],
-                   [self.planes, self.eye])
+        for control in (self.planes, self.eye):
+            _show(control, world.robot.dimension == 3)
 
     def _say(self, words: str, role: str = "status") -> None:
         self.message.value = f'<div role="{role}">{html.escape(words)}</div>' if words else ""
 
-    def _draw(self) -> None:
+    def _draw(self, *_: Any) -> None:
         world, cable = self.world, self.session.place.cable
         self.picture = self._drawn(world.robot.dimension).png(world, self.eye.value, cable)
         self.alt_text = f"{world.title or world.name}: the robot at its start, cable {cable + 1} marked."
         self.image.value = picture_tag(self.picture, self.alt_text)
 
-    def _show_group(self) -> None:
+    def _show_group(self, *_: Any) -> None:
         group, world, place = self.groups.value, self.world, self.session.place
-        _show_only([self._parts.get(group, self._parts["form"])], self._parts.values())
+        for name, part in self._parts.items():
+            _show(part, name == group or (name == "form" and group in GROUPS))
         if group in GROUPS:
             self.form.show(rows(world, group, place), world)
             self._show_tools(group)
@@ -153,148 +154,106 @@ class RobotDesigner(Shown):
             self.cables.value, self.bases.value = place
         finally:
             self._quiet = False
-        moves = group == "task" and self.world.tasks["default"].kind != "hold"
-        _show_only([] if moves else [self._tools.get(group)], self._tools.values())
-        _show_only([self.mirror] if group == "cables" and not robot.bases else [], [self.mirror])
+        moves = self.world.tasks["default"].kind != "hold"
+        for name, tool in self._tools.items():
+            _show(tool, name == group and not (name == "task" and moves))
+        _show(self.mirror, group == "cables" and not robot.bases)
 
     # --- widgets ----------------------------------------------------------------------------------------------
     def _make_widgets(self) -> None:
-        self._quiet = False
+        session, self._quiet = self.session, False
         (self.head, self.image, self.slice, self.warnings, self.numbers, self.message, self.download,
          self.brief) = (ipywidgets.HTML() for _ in range(8))
-        self.groups = ipywidgets.ToggleButtons(options=[*GROUPS, FILE, FLIGHT],
-                                               style={"button_width": "92px"}, layout=_WIDE)
-        self.groups.observe(lambda _: self._show_group(), names="value")
-        self.form = Form(lambda *what: self.do(self.session.type, *what))
-        self.mirror = ipywidgets.Dropdown(
-            options=[("nothing", ""), *((f"mirror images at {' and '.join(axes)}", axes)
-                                        for axes in ("x", "y", "xy"))],
-            description="edits also", layout=_WIDE, style={"description_width": "5em"})
-        self.mirror.observe(lambda change: setattr(self.session, "mirrored", change["new"]),
-                            names="value")
-        self.take_back = self._button("Take the entry back", "auto", self.do, lambda: True)
-        self.take_back.layout.display = "none"
-        self._tools = self._make_tools()
-        self.planes = ipywidgets.Dropdown(options=PLANES, description="Slice",
-                                          layout={"width": "12em"},
-                                          style={"description_width": "3.5em"})
-        self.planes.observe(self._look, names="value")
-        self.eye = ipywidgets.FloatSlider(
-            value=25.0, min=-180, max=180, step=5, description="seen from [deg]",
-            readout_format=".0f", style={"description_width": "9.5em"}, layout=_WIDE)
+        self.groups = ipywidgets.ToggleButtons(options=[*GROUPS, FILE, FLIGHT], style={"button_width": "92px"})
+        _on_value(self.groups, self._show_group)
+        self.form = Form(lambda *what: self.do(session.type, *what))
+        images = [(f"mirror images at {' and '.join(axes)}", axes) for axes in ("x", "y", "xy")]
+        self.mirror = _menu([("nothing", ""), *images], "edits also",
+                            lambda axes: setattr(session, "mirrored", axes))
+        self.take_back = _button("Take the entry back", lambda: self.do(lambda: None))
+        _show(self.take_back, False)
+        self.cables = _menu([], "edit", lambda cable: self._turn(cable=cable))
+        self.bases = _menu([], "edit", lambda base: self._turn(base=base))
+        self._tools = {kind: boxed([menu, self._verb(word, session.add, kind),
+                                    self._verb("Remove", session.remove, kind)], "tools")
+                       for kind, menu, word in (("cables", self.cables, "Copy"), ("bases", self.bases, "Add"))}
+        self._tools |= {"start": self._verb("Frame around the exit points", session.frame_exits),
+                        "task": self._verb("Make it a motion", session.make_motion)}
+        self.planes = _menu(PLANES, "Slice", self._look)
+        self.eye = ipywidgets.FloatSlider(value=25.0, min=-180, max=180, step=5, description="seen from [deg]",
+                                          readout_format=".0f")
         self.eye.add_class("view-only")  # it changes the picture, no number
-        self.eye.observe(lambda _: self._draw(), names="value")
+        _on_value(self.eye, self._draw)
         cables, bases, start, task = self._tools.values()
-        form = ipywidgets.VBox([cables, bases, self.mirror, self.form.box, start, task])
+        form = boxed([cables, bases, self.mirror, self.form.box, start, task], "rows")
         self._parts = {"form": form, FILE: self._file_part(), FLIGHT: self._flight_part()}
         # Words and wishes first, then what they make: the order of the Tab key.
         fields = boxed([self.groups, self.message, self.take_back, *self._parts.values(),
                         self.warnings, self.brief], "fields")
-        worth = boxed([boxed([self.planes, self.slice], "slice"), boxed([self.numbers], "worth")],
-                      "columns")
+        worth = boxed([boxed([self.planes, self.slice], "slice"), boxed([self.numbers], "worth")], "columns")
         picture = boxed([self.image, self.eye, worth], "design")
         self.below = boxed([])
         self.page = boxed([self.head, self._toolbar(), boxed([fields, picture], "columns")])
         self.widget = ipywidgets.VBox([self.page, self.below])
 
-    def _button(self, word: str, width: str, work: Callable[..., Any], *entries: Any) -> Any:
-        """A button that does something."""
-        button = ipywidgets.Button(description=word, layout={"width": width})
-        button.on_click(lambda _: work(*entries))
-        return button
+    def _verb(self, word: str, verb: Callable[..., object], *entries: Any) -> Any:
+        """A button that does what the session can."""
+        return _button(word, lambda: self.do(verb, *entries))
 
     def _toolbar(self) -> Any:
         session = self.session
-        self.undo_button = self._button("Undo", "auto", self.do, session.undo)
-        self.redo_button = self._button("Redo", "auto", self.do, session.redo)
-        names = self.names = ipywidgets.Dropdown(
-            options=[HALL, *world_names()], description="World", layout={"width": "210px"},
-            style={"description_width": "3.5em"})
-        opens = self._button("Open", "56px", lambda: self.do(session.load, names.value))
-        new = self._button("New", "52px", lambda: self.do(session.new,
-                                                          names.value.replace(HALL, "")))
+        self.undo_button, self.redo_button = self._verb("Undo", session.undo), self._verb("Redo", session.redo)
+        opens = _button("Open", lambda: self.do(session.load, names.value))
+        names = self.names = _menu([HALL, *world_names()], "World",
+                                   lambda name: setattr(opens, "disabled", name == HALL))
+        new = _button("New", lambda: self.do(session.new, names.value.replace(HALL, "")))
         new.tooltip = "a robot of your own: an empty hall, or a copy of this world"
-        names.observe(lambda change: setattr(opens, "disabled", change["new"] == HALL), names="value")
-        return ipywidgets.HBox([names, opens, new, self.undo_button, self.redo_button],
-                               layout={"flex_flow": "row wrap"})
-
-    def _make_tools(self) -> dict[str, Any]:
-        """Group → what stands beside its fields."""
-        session = self.session
-        self.cables, self.bases = (ipywidgets.Dropdown(description="edit",
-                                                       layout={"width": "auto", "flex": "1 1 auto"},
-                                                       style={"description_width": "2em"})
-                                   for _ in range(2))
-        self.cables.observe(lambda change: self._turn(cable=change["new"]), names="value")
-        self.bases.observe(lambda change: self._turn(base=change["new"]), names="value")
-
-        def beside(choice: Any, word: str, add: Any, remove: Any) -> Any:
-            buttons = [self._button(word, "60px", self.do, add),
-                       self._button("Remove", "76px", self.do, remove)]
-            return ipywidgets.HBox([choice, *buttons], layout=_WIDE)
-
-        return {"cables": beside(self.cables, "Copy", session.add_cable, session.remove_cable),
-                "bases": beside(self.bases, "Add", session.add_base, session.remove_base),
-                "start": self._button("Frame around the exit points", "auto", self.do,
-                                      session.frame_exits),
-                "task": self._button("Make it a motion", "auto", self.do, session.make_motion)}
+        return boxed([names, opens, new, self.undo_button, self.redo_button], "tools")
 
     def _file_part(self) -> Any:
         session = self.session
-        self.file_text = ipywidgets.Textarea(layout=_WIDE | {"height": "250px"})
-        path = ipywidgets.Text(value="my_robot.yaml", description="file", layout=_WIDE,
-                               style={"description_width": "3em"},
+        self.file_text = ipywidgets.Textarea()
+        path = ipywidgets.Text(value="my_robot.yaml", description="file",
                                tooltip="in the folder of the notebook, or a whole path")
-        upload = ipywidgets.FileUpload(accept=".yaml,.yml", multiple=False,
-                                       description="Upload",
-                                       layout={"width": "120px"})
-        upload.observe(lambda _: self._uploaded(upload), names="value")
-        self.apply = self._button("Apply this text", "auto",
-                                  lambda: self.do(session.read, self.file_text.value))
-        save = self._button("Save as", "84px", lambda: self.do(
+        upload = ipywidgets.FileUpload(accept=".yaml,.yml", description="Upload")
+        _on_value(upload, lambda files: self._uploaded(upload, *files))
+        self.apply = _button("Apply this text", lambda: self.do(session.read, self.file_text.value))
+        save = _button("Save as", lambda: self.do(
             session.save, path.value, said=f"Saved as {FilePath(path.value).expanduser().absolute()}."))
-        load = self._button("Open", "60px", lambda: self.do(session.load, path.value.strip()))
-        return ipywidgets.VBox([self.file_text, self.apply, path,
-                                ipywidgets.HBox([save, load, upload]), self.download])
+        load = _button("Open", lambda: self.do(session.load, path.value.strip()))
+        return boxed([self.file_text, self.apply, path, boxed([save, load, upload], "tools"), self.download], "rows")
 
     def _flight_part(self) -> Any:
-        wide = {"layout": _WIDE, "style": {"description_width": "9.5em"}}
-        method = ipywidgets.Dropdown(options=[(name.replace("_", " "), name)
-                                              for name in tension_methods()],
-                                     value="quadratic_program",
-                                     description="tensions by", **wide)
-        gains = {name: ipywidgets.BoundedFloatText(value=value, min=0.0, max=1e6, step=10.0, description=label, **wide)
+        method = ipywidgets.Dropdown(options=[(name.replace("_", " "), name) for name in tension_methods()],
+                                     value="quadratic_program", description="tensions by")
+        gains = {name: ipywidgets.BoundedFloatText(value=value, max=1e6, step=10.0, description=label)
                  for name, value, label in (("kp", 100.0, "K_p [1/s²]"), ("kd", 100.0, "K_d [1/s]"),
                                             ("ki", 0.0, "K_i [1/s³]"))}
         words = ipywidgets.HTML("Computed torque flies the default task of the group “task”.")
-        go = self._button("Simulate", "auto",
-                          lambda: self.simulate(method=method.value,
-                                                **{name: gain.value for name, gain in gains.items()}))
-        return ipywidgets.VBox([words, method, *gains.values(), go])
+        go = _button("Simulate", lambda: self.simulate(
+            method=method.value, **{name: gain.value for name, gain in gains.items()}))
+        return boxed([words, method, *gains.values(), go], "flight")
 
     # --- moves ------------------------------------------------------------------------------------------------
     def _turn(self, **where: Any) -> None:
         """Another cable or base in the fields; nothing is edited."""
-        if self._quiet or None in where.values():
-            return
-        self.session.turn_to(self.session.place._replace(**where))
-        self._show_group()
-        self._draw()
+        if not self._quiet:
+            self.session.turn_to(self.session.place._replace(**where))
+            self._show_group()
+            self._draw()
 
-    def _look(self, change: Any) -> None:
-        self.session.look_at(change["new"])
+    def _look(self, plane: str) -> None:
+        self.session.look_at(plane)
         self.refresh()
 
-    def _uploaded(self, upload: Any) -> None:
-        if upload.value:
-            file = upload.value[0]
-            self.do(self.session.read, bytes(file["content"]).decode("utf-8", "replace"),
-                    file["name"])
+    def _uploaded(self, upload: Any, *files: Any) -> None:
+        for file in files:
+            self.do(self.session.read, bytes(file["content"]).decode("utf-8", "replace"), file["name"])
             upload.value = ()  # the same file may be uploaded again
 
 
 @checked
-def robot_designer(world: World | str = _START, brief: Brief | None = None) -> RobotDesigner:
+def robot_designer(world: World | str = "caroca", brief: Brief | None = None) -> RobotDesigner:
     """Edit a robot's world file field by field; picture, workspace slice, stiffness and warnings follow at once.
 
     world : World, or the name or path of one
@@ -308,12 +267,29 @@ def robot_designer(world: World | str = _START, brief: Brief | None = None) -> R
     True
     >>> designer.do(designer.session.undo)
     True
-    >>> designer.session.history.redo_label
-    'cable 1: exit_point[2]'
+    >>> designer.session.history.labels
+    ('', 'cable 1: exit_point[2]')
     """
     return RobotDesigner(load_world(world) if isinstance(world, str) else world, brief)
 
 
-def _show_only(shown: list[Any], among: Any) -> None:
-    for part in among:
-        part.layout.display = None if part in shown else "none"
+def _menu(options: Any, name: str, chosen: Callable[[Any], object]) -> Any:
+    """A menu that tells what is chosen."""
+    menu = ipywidgets.Dropdown(options=options, description=name)
+    _on_value(menu, chosen)
+    return menu
+
+
+def _button(word: str, work: Callable[[], object]) -> Any:
+    """A button that does something."""
+    button = ipywidgets.Button(description=word)
+    button.on_click(lambda _: work())
+    return button
+
+
+def _on_value(widget: Any, work: Callable[[Any], object]) -> None:
+    widget.observe(lambda change: work(change["new"]), names="value")
+
+
+def _show(part: Any, visible: bool) -> None:
+    part.layout.display = None if visible else "none"

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
@@ -40,9 +39,10 @@ class DesignPicture:
 
     def _draw(self) -> None:
         world: Any = self._shown
-        self.drawing = RobotDrawing(self._axes, world.robot, world.scene, _poses(world))
-        self._mark = LineCollection([], colors=ORANGE, linewidths=8, alpha=0.45, zorder=4.5)
-        self._axes.add_collection(self._mark, autolim=False)
+        ends = [world.pose, world.tasks["default"].end]   # both must fit into the picture
+        poses = Pose([end.position for end in ends], matrix=[end.rotation for end in ends])
+        self.drawing = RobotDrawing(self._axes, world.robot, world.scene, poses)
+        self._mark = movable(self._axes, color=ORANGE, linewidth=8, alpha=0.45, zorder=4.5, solid_capstyle="butt")
 
     def png(self, world: World, azimuth: float, cable: int) -> bytes:
         """The picture with a cable marked, from 0; of robots in space as seen from an azimuth [deg]."""
@@ -55,17 +55,9 @@ class DesignPicture:
                 drawing.turn(azimuth)
                 drawing.move(drawing.pose)
             exit_point = drawing.robot.exit_points[cable]
-            ends = np.stack([exit_point,
-                             exit_point - cable_vectors(drawing.robot, drawing.pose)[cable]])
-            self._mark.set_segments([drawing.view.flat(ends)])
+            ends = exit_point, exit_point - cable_vectors(drawing.robot, drawing.pose)[cable]
+            self._mark.set_data(*drawing.view.flat(np.stack(ends)).T)
             return self._picture.png()
-
-
-def _poses(world: World) -> Pose:
-    """The start, which is drawn, and the end of the task: both must fit into the picture."""
-    poses = [world.pose, world.tasks["default"].end]
-    return Pose.of(np.stack([pose.position for pose in poses]),
-                   np.stack([pose.rotation for pose in poses]))
 
 
 _SLICE_SIZE = (2.5, 1.85)
@@ -97,13 +89,13 @@ class SlicePicture:
         """A world's slice with title and legend."""
         (across, x), (up, y) = found.grid.axes.items()
         half = found.grid.step / 2
-        self._cells.set_data(found.grid.field(found.held.astype(int) + (found.held & found.clear)).T)
+        self._cells.set_data(found.grid.field(found.held.astype(int) + found.clear).T)
         window = (x[0] - half[0], x[-1] + half[0], y[0] - half[1], y[-1] + half[1])
         if (across, up, window) != self._window:   # moved axes are drawn anew, all else is not
             self._window = across, up, window
             self._cells.set_extent(window)
             self._axes.set(xlabel=f"{across} [m]", ylabel=f"{up} [m]")
-        tangled = np.argwhere(found.grid.field(found.held & ~found.clear))
+        tangled = np.argwhere(found.grid.field(found.held ^ found.clear))
         self._tangled.set_data(x[tangled[:, 0]], y[tangled[:, 1]])
         place = dict(zip("xyz", world.pose.position))
         self._start.set_data([place.pop(across)], [place.pop(up)])

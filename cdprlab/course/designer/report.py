@@ -28,13 +28,12 @@ def report(world: World, found: Assessment) -> str:
     lines = [f"m = {m}, n = {n}, r = m − n = {m - n}{rank}"]
     lengths = cable_lengths(robot, world.pose)
     tensions = held.tensions if held is not None and held.feasible else np.full(m, np.nan)
-    table = [[str(i + 1), fixed(lengths[i], 2), "–" if np.isnan(tau) else fixed(tau, 1),
-              f"{robot.tension_min[i]:g} to {robot.tension_max[i]:g}"]
-             for i, tau in enumerate(tensions)]
+    table = [[f"{i + 1}", f"{lengths[i]:.2f}", "–" if np.isnan(tau) else fixed(tau, 1),
+              f"{robot.tension_min[i]:g} to {robot.tension_max[i]:g}"] for i, tau in enumerate(tensions)]
     lines += ["At the start, least-squares tensions:",
               text_table(["cable", "l [m]", "τ [N]", "limits [N]"], table, gap=1)]
     lines += [*_stiffness(world, found), in_words(found.slice),
-              f"Held and clear: {found.slice.area:.3g} m²."]
+              f"Held and clear: {found.slice.clear.sum() * found.slice.grid.cell:.3g} m²."]
     if held is not None and held.feasible and not found.slice.held.any():
         step = 1e3 * found.slice.grid.step.max()
         lines += ["The start is held, yet no middle of a cell: what is held around it is",
@@ -61,8 +60,7 @@ def in_words(found: Slice) -> str:
     >>> in_words(workspace_slice(cl.load_world("planar_rigid")))
     'Of the plane x–y 75 % are held within the limits.'
     """
-    held, clear = (100 * float(flags.mean())
-                   for flags in (found.held, found.held & found.clear))
+    held, clear = 100 * found.held.mean(), 100 * found.clear.mean()
     tangled = f", {clear:.0f} % without interference" if clear < held else ""
     return f"Of the plane {found.plane} {held:.0f} % are held within the limits{tangled}."
 
