@@ -1,7 +1,6 @@
 """A design beside its brief: the robot with the box of positions it must serve, and its margins over that box."""
 
 from itertools import product
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -41,25 +40,20 @@ def plot_design(brief: Brief, world: World, title: str = "") -> Figure:
         figure = plt.figure(figsize=(9.6, 4.2), layout="constrained")
         grid = figure.add_gridspec(3, 2, width_ratios=(1.5, 1))
         draw_design(figure.add_subplot(grid[:, 0]), brief, world)
-        heights = np.linspace(brief.upper[2], brief.lower[2], 3)
-        for row, height in enumerate(heights):
+        for row, height in enumerate(np.linspace(brief.upper[2], brief.lower[2], 3)):
             axes = figure.add_subplot(grid[row, 1])
-            _draw_margins(axes, brief, world, float(height))
-            axes.set(ylabel="y [m]", xlabel="x [m]" if row == 2 else "",
-                     title=f"margin [N] at z = {height:g} m")
-        held = verdict.margin >= 0
+            _draw_margins(axes, brief, world, height)
+            axes.set(ylabel="y [m]", xlabel="x [m]" if row == 2 else "", title=f"margin [N] at z = {height:g} m")
         figure.suptitle(f"{title or world.title or world.name}: {world.robot.n_cables} cables, smallest margin "
-                        f"{verdict.margin:.0f} N{'' if held else ' (limits broken)'}")
+                        f"{verdict.margin:.0f} N{'' if verdict.margin >= 0 else ' (limits broken)'}")
     return figure
 
 
 def draw_design(axes: Axes, brief: Brief, world: World) -> None:
     """The robot at its start, the box of positions dashed."""
     drawing = RobotDrawing(axes, world.robot, world.scene, world.pose)
-    middle = Pose((brief.lower + brief.upper) / 2)
-    box = box_corners(brief.upper - brief.lower, middle)
-    axes.add_collection(LineCollection(list(drawing.view.flat(box[box_edges(3)])), colors=INK,
-                                       linewidths=1.2,
+    box = box_corners(brief.upper - brief.lower, Pose((brief.lower + brief.upper) / 2))
+    axes.add_collection(LineCollection(list(drawing.view.flat(box[box_edges(3)])), colors=INK, linewidths=1.2,
                                        linestyles=[(0, (4, 3))], zorder=7), autolim=False)
     for artist in axes.get_children():
         artist.set_animated(False)  # a still picture
@@ -67,20 +61,17 @@ def draw_design(axes: Axes, brief: Brief, world: World) -> None:
 
 def _draw_margins(axes: Axes, brief: Brief, world: World, height: float) -> None:
     """A field a place: the smallest margin there over pushes and three headings."""
-    x, y = np.linspace(brief.lower[0], brief.upper[0], _ACROSS), np.linspace(brief.lower[1],
-                                                                             brief.upper[1], 3)
-    places = np.array([[a, b, height, turn]
-                       for a, b, turn in product(x, y, brief.yaw * np.array([-1.0, 0.0, 1.0]))])
-    poses = Pose(places[:, :3], rpy=np.pad(places[:, 3:], ((0, 0), (2, 0))))
-    margins = brief.margins(world.robot, poses).min(axis=0).reshape(len(x), len(y), -1).min(axis=-1)
-    shown: Any = np.clip(np.nan_to_num(margins, neginf=-_LIMIT), -_LIMIT, _LIMIT)
-    axes.pcolormesh(x, y, shown.T, cmap="PuOr", vmin=-_LIMIT, vmax=_LIMIT, shading="nearest",
+    (left, front, _), (right, back, _) = brief.lower, brief.upper
+    x, y = np.linspace(left, right, _ACROSS), np.linspace(front, back, 3)
+    places = np.array([*product(x, y, [height], brief.yaw * np.array([-1.0, 0.0, 1.0]))])
+    poses = Pose(places[:, :3], rpy=places[:, 3:] * [0.0, 0.0, 1.0])
+    margins = brief.margins(world.robot, poses).min(axis=0).reshape(_ACROSS, 3, 3).min(axis=-1)
+    axes.pcolormesh(x, y, margins.clip(-_LIMIT, _LIMIT).T, cmap="PuOr", vmin=-_LIMIT, vmax=_LIMIT, shading="nearest",
                     edgecolors="white")
     for (i, j), margin in np.ndenumerate(margins):
         number = f"{margin:.0f}".replace("-", "−") if np.isfinite(margin) else "none"
-        look = {"fontweight": "bold", "bbox": {"facecolor": WARNING, "edgecolor": INK, "pad": 1.5}} if margin < 0 \
+        look = {"weight": "bold", "bbox": {"facecolor": WARNING, "edgecolor": INK, "pad": 1.5}} if margin < 0 \
             else {"bbox": HALO}
-        axes.text(float(x[i]), float(y[j]), number, ha="center", va="center", fontsize=9,
-                  color=INK, **look)
+        axes.text(float(x[i]), float(y[j]), number, ha="center", va="center", fontsize=9, color=INK, **look)
     axes.set(xticks=x[::2], yticks=y)
     axes.grid(visible=False)

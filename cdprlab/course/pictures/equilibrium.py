@@ -1,9 +1,10 @@
 """Forces on a point load: the robot, its force polygon, the tensions as bars, and where the load goes if let go."""
 
+from typing import Any
+
 import matplotlib.figure
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator, MultipleLocator
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, checked
@@ -12,7 +13,7 @@ from ...view.plots import Figure
 from ...view.style import GREY, INK, ORANGE, SKY, LineStyle, cable_style
 from ..props.experiments import Motion
 from ..props.point_load import MASS, Equilibrium, decimal, equilibrium
-from .panels import arrow, draw_bars, draw_exit_points, drawn, label, round_up, show_square
+from .panels import PLAN, arrow, bar_panel, draw_bars, draw_exit_points, drawn, label, round_up, show_square
 
 SLACK = "#A50F15"
 """A cable that would have to push; always dashed and said in words as well."""
@@ -57,17 +58,11 @@ def panels(figure: matplotlib.figure.Figure, stacked: bool = False) -> list[Axes
 
     stacked : the last two above each other, which leaves room beside the figure
     """
-    if stacked:
-        grid = figure.add_gridspec(2, 2, width_ratios=[1.3, 1.0], height_ratios=[1.35, 1.0])
-        axes = [figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1]),
-                figure.add_subplot(grid[1, 1])]
-    else:
-        axes = list(figure.subplots(1, 3, gridspec_kw={"width_ratios": [1.25, 1.15, 0.8]}))
-    # Few numbers are easier to read, and most of the time to draw.
-    for axis in (axes[1].xaxis, axes[1].yaxis, axes[2].yaxis):
-        axis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
-    axes[2].xaxis.set_major_locator(MultipleLocator(1))
-    axes[2].grid(axis="x", visible=False)
+    layout: Any = [[0, 1], [0, 2]] if stacked else [[0, 1, 2]]
+    widths, heights = ([1.3, 1.0], [1.35, 1.0]) if stacked else ([1.25, 1.15, 0.8], None)
+    axes = [*figure.subplot_mosaic(layout, width_ratios=widths, height_ratios=heights).values()]
+    for panel in axes[1:]:   # few numbers are easier to read, and most of the time to draw
+        panel.locator_params(nbins=4, steps=[1, 2, 5, 10])
     return axes
 
 
@@ -78,8 +73,7 @@ def draw_panels(axes: list[Axes], robot: Robot, position: ArrayLike, push: Array
 
     motion : of the load since it was let go; without one it is held
     """
-    force = np.asarray(push, dtype=float)
-    place = np.asarray(position, dtype=float)
+    force, place = np.asarray(push, float), np.asarray(position, float)
     _draw_robot(axes[0], robot, place, force, state, motion)
     if motion is not None:
         _draw_motion(axes[0], place, state, motion)
@@ -95,18 +89,15 @@ def _draw_robot(panel: Axes, robot: Robot, position: Array, push: Array, state: 
         panel.plot(*np.transpose([exit_point, load]), **_look(i, state)._asdict(),
                    linewidth=1.6 if state.slack[i] else 2.4)
         if state.slack[i]:
-            x, y = (exit_point - load) / np.linalg.norm(exit_point - load)
-            label(panel, "slack!", (exit_point + load) / 2, (abs(y), x if y < 0 else -x),
-                  color=SLACK, zorder=5)
+            x, y = exit_point - load
+            label(panel, "slack!", (exit_point + load) / 2, (abs(y), x if y < 0 else -x), color=SLACK, zorder=5)
     draw_exit_points(panel, robot.exit_points)
     for force, name, color in _loads(push, state) if motion is None else []:
         tip = position + _ARROW * force
         arrow(panel, position, tip, color=color)
-        label(panel, name, tip, force / np.linalg.norm(force), color=color)
-    panel.plot(*load, marker="o", markersize=12 if motion is None else 9, color=INK)
-    panel.set(xlim=(-2.9, 2.9), ylim=(-1.3, 4.4), aspect="equal", xlabel="x [m]",
-              ylabel="y [m]")
-    panel.set_title("Robot" if motion is None else "Robot, let go", y=1.02)
+        label(panel, name, tip, force, color=color)
+    panel.plot(*load, "o", markersize=12 if motion is None else 9, color=INK)
+    panel.set(**PLAN, xlim=(-2.9, 2.9), ylim=(-1.3, 4.4), title="Robot" if motion is None else "Robot, let go")
 
 
 def _draw_motion(panel: Axes, position: Array, state: Equilibrium, motion: Motion) -> None:
@@ -114,62 +105,49 @@ def _draw_motion(panel: Axes, position: Array, state: Equilibrium, motion: Motio
     size = float(np.linalg.norm(state.left_over))
     if size > _NOTHING * (1 + np.abs(state.w_e).max()):
         # What ropes, which only pull, leave of the forces: the way the load will go.
-        tip = position + min(_ARROW * size, _LONGEST) * state.left_over / size
-        arrow(panel, position, tip, color=SLACK, linestyle=(0, (1, 1)))
+        arrow(panel, position, position + min(_ARROW, _LONGEST / size) * state.left_over, color=SLACK,
+              linestyle=(0, (1, 1)))
         label(panel, f"→ left over {decimal(size)} N", _KEY + [-0.2, 0.45], (1, 0), color=SLACK)
     panel.plot(*motion.positions.T, color=INK, linewidth=1.0)
     every = max(round(_GHOSTS / (motion.time[1] - motion.time[0])), 1)
-    panel.plot(*motion.positions[:-1:every].T, marker="o", markersize=9, linestyle="none",
-               markerfacecolor="none",
-               markeredgecolor=GREY)
+    panel.plot(*motion.positions[:-1:every].T, "o", markersize=9, markerfacecolor="none", markeredgecolor=GREY)
     expected = position + state.left_over / MASS * motion.time[-1] ** 2 / 2
-    for place in (expected, _KEY):
-        panel.plot(*place, marker="D", markersize=6, linestyle="none", color=SKY,
-                   markeredgecolor=INK, zorder=5)
+    panel.plot(*np.transpose([expected, _KEY]), "D", markersize=6, color=SKY, markeredgecolor=INK, zorder=5)
     label(panel, f"p + ½ a t², t = {motion.time[-1]:.2f} s", _KEY, (1, 0), color=INK)
 
 
 def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
     """Head to tail, by direction from straight down counter-clockwise: a polygon that never crosses itself."""
+    cables = [(force, f"cable {i + 1}", *_look(i, state)) for i, force in enumerate((state.W * state.tensions).T)]
     arrows = [(force, name, color, "solid") for force, name, color in _loads(push, state)]
-    for i, force in enumerate((state.W * state.tensions).T):
-        if np.linalg.norm(force) > _NOTHING:
-            color, dashes = _look(i, state)
-            arrows.append((force, f"cable {i + 1}", color, dashes))
+    arrows += [cable for cable in cables if np.linalg.norm(cable[0]) > _NOTHING]
     arrows.sort(key=lambda arrow: (np.arctan2(arrow[0][0], -arrow[0][1]) + 1e-9) % (2 * np.pi))
     corners = np.cumsum([np.zeros(2)] + [arrow[0] for arrow in arrows], axis=0)
     for start, end, (force, name, color, dashes) in zip(corners, corners[1:], arrows):
         arrow(panel, start, end, color=color, linestyle=dashes)
         label(panel, name, (start + end) / 2, _outwards(force), color=color)
     if not state.closed:
-        panel.plot(*np.transpose([corners[-1], corners[0]]), color=SLACK, linestyle=(0, (1, 2)))
-        label(panel, "open!", (corners[0] + corners[-1]) / 2,
-              _outwards(corners[0] - corners[-1]), color=SLACK)
+        panel.plot(*corners[[-1, 0]].T, color=SLACK, linestyle=(0, (1, 2)))
+        label(panel, "open!", corners[[0, -1]].mean(axis=0), _outwards(corners[0] - corners[-1]), color=SLACK)
     low, high = corners.min(axis=0), corners.max(axis=0)
     show_square(panel, (low + high) / 2, 0.85 * max((high - low).max(), 1.0))
-    panel.set(xlabel="f_x [N]", ylabel="f_y [N]")
     closed = "slack!" if state.slack.any() else "closed"
-    panel.set_title(f"Force polygon: {closed if state.closed else 'OPEN'}", y=1.02)
+    panel.set(xlabel="f_x [N]", ylabel="f_y [N]", title=f"Force polygon: {closed if state.closed else 'OPEN'}")
 
 
 def _draw_bars(panel: Axes, state: Equilibrium) -> None:
-    m = state.tensions.size
-    top = max(np.abs(state.tensions).max(), 1.0)
-    words = [decimal(tension) + ("\nslack!" if slack else "")
-             for tension, slack in zip(state.tensions, state.slack)]
-    draw_bars(panel, state.tensions, [_look(i, state) for i in range(m)], words, hollow=state.slack,
-              upright=True, fontsize=11 if m < 4 else 9)
-    panel.axhline(0, color=INK, linewidth=1)
-    low, high = min(0.0, state.tensions.min()), max(0.3 * top, state.tensions.max())
-    room = high - low  # for two lines of text below a bar, for one above
-    low, high = -round_up((0.4 if state.slack.any() else 0.1) * room - low), round_up(high + 0.2 * room)
-    panel.set(xlim=(0.4, m + 0.6), ylim=(low, high), xlabel="cable", ylabel="tension [N]")
-    panel.set_title("Tensions", y=1.02)
+    tau, slack = state.tensions, state.slack
+    words = [f"{decimal(tension)} slack!" if limp else decimal(tension) for tension, limp in zip(tau, slack)]
+    draw_bars(panel, tau, [_look(i, state) for i in range(tau.size)], words, tau.clip(min=0.0), slack)
+    panel.axvline(0, color=INK, linewidth=1)
+    low, high = min(0.0, tau.min()), max(tau.max(), 1.0)
+    bar_panel(panel, tau.size, round_up(high + (1.0 if slack.any() else 0.4) * (high - low)), low)
+    panel.set_title("Tensions")
 
 
 def _outwards(side: Array) -> Array:
-    """Unit vector away from a polygon that runs counter-clockwise along this side."""
-    return np.array([side[1], -side[0]]) / np.linalg.norm(side)
+    """The way out of a polygon that runs counter-clockwise along this side."""
+    return np.array([side[1], -side[0]])
 
 
 def _look(i: int, state: Equilibrium) -> LineStyle:

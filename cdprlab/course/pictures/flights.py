@@ -1,18 +1,15 @@
 """Flights drawn: what one is beside a formula or a plan, and what several distributions make of the same task."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 import numpy as np
-from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array, checked
 from ...errors import InvalidInput, quoted
 from ...run import Run
-from ...view.plots import Figure
+from ...view.plots import Figure, draw_cables
 from ...view.screen import check_like
 from ...view.style import CABLE_DASHES, GREY, INK, cable_style, house_style
 from .panels import drawn
@@ -32,48 +29,38 @@ def plot_tension_runs(runs: Sequence[Run]) -> Figure:
                        for run in runs):
         raise InvalidInput("plot_tension_runs takes runs of one duration with commanded tensions, got "
                            + (", ".join(f"{run.method} {run.time.size} steps" for run in runs) or "none"))
+    names = [run.method.replace("_", " ") for run in runs]
+    m, every = runs[0].commanded_tensions.shape[1], max(1, runs[0].time.size // _MARKERS)
     with drawn(3.6 * max(len(runs), 2), 6.6) as figure:
         parts: Any = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
-        panels = np.atleast_1d(parts[0].subplots(1, len(runs), sharex=True, sharey=True))
-        m = runs[0].commanded_tensions.shape[1]
-        styles = [cable_style(i)._asdict() for i in range(m)]
-        every = max(1, runs[0].time.size // _MARKERS)
-        for panel, run in zip(panels, runs):
-            for i, style in enumerate(styles):
-                panel.plot(run.time, run.commanded_tensions[:, i], linewidth=1.4, **style)
-                panel.plot(run.time, run.measured_tensions[:, i], color=style["color"],
-                           linestyle="none", marker="o",
-                           markersize=4, markeredgecolor="white", markeredgewidth=0.4,
-                           markevery=(every * i // 8, every))
-            panel.set(title=run.method.replace("_", " "), xlabel="time [s]")
+        (panels,) = parts[0].subplots(1, len(runs), sharex=True, sharey=True, squeeze=False)
+        for panel, run, name in zip(panels, runs, names):
+            draw_cables(panel, run.time, run.commanded_tensions, linewidth=1.4)
+            for i, measured in enumerate(run.measured_tensions.T):
+                panel.plot(run.time, measured, "o", color=cable_style(i).color, markersize=4, markeredgecolor="white",
+                           markeredgewidth=0.4, markevery=(every * i // 8, every))
+            panel.set(title=name, xlabel="time [s]")
         panels[0].set_ylabel("tension [N]")
-        handles: list[Any] = [Line2D([], [], label=str(i + 1), **style)
-                              for i, style in enumerate(styles)]
-        dot = Line2D([], [], color=INK, marker="o", markersize=4, linestyle="none",
-                     label="measured")
-        parts[0].legend(handles=[*handles, dot], loc="outside lower center", ncols=m + 1,
-                        title="cable", fontsize=9,
-                        title_fontsize=9, columnspacing=1.2)
+        (dot,) = panels[0].plot([], [], "o", color=INK, markersize=4)
+        parts[0].legend([*panels[0].lines[:m], dot], [*map(str, range(1, m + 1)), "measured"],
+                        loc="outside lower center", ncols=m + 1, title="cable", fontsize=9, title_fontsize=9,
+                        columnspacing=1.2)
         left, right = parts[1].subplots(1, 2)
-        for k, run in enumerate(runs):
+        for k, (run, name) in enumerate(zip(runs, names)):
             # The last run is drawn thinnest: lines on each other stay visible.
-            look = {"color": cable_style(k).color,
-                    "linestyle": CABLE_DASHES[k % len(CABLE_DASHES)],
-                    "linewidth": 1.4 * (len(runs) - k), "label": run.method.replace("_", " ")}
+            look = {"color": cable_style(k).color, "linestyle": CABLE_DASHES[k % len(CABLE_DASHES)],
+                    "linewidth": 1.4 * (len(runs) - k), "label": name}
             residual = np.abs(run.measured_tensions - run.commanded_tensions).max(axis=1)
             left.plot(run.time, 1e3 * residual, **look)
             right.plot(run.time, 1e3 * run.position_errors, **look)
-        left.set(xlabel="time [s]", ylabel="residual [mN]",
-                 title="Largest |measured − commanded|")
-        right.set(xlabel="time [s]", ylabel="off the path [mm]",
-                  title="Platform: distance from the reference")
+        left.set(xlabel="time [s]", ylabel="residual [mN]", title="Largest |measured − commanded|")
+        right.set(xlabel="time [s]", ylabel="off the path [mm]", title="Platform: distance from the reference")
         right.legend()
-        left.set_ylim(bottom=0.0)
-        right.set_ylim(bottom=0.0)
-        figure.alt_text = "; ".join(f"{run.method.replace('_', ' ')}: tensions {run.commanded_tensions.min():.0f} to "
+        for panel in (left, right):
+            panel.set_ylim(bottom=0.0)
+        figure.alt_text = "; ".join(f"{name}: tensions {run.commanded_tensions.min():.0f} to "
                                     f"{run.commanded_tensions.max():.0f} N, platform at most "
-                                    f"{1e3 * run.position_errors.max():.2g} mm off"
-                                    for run in runs)
+                                    f"{1e3 * run.position_errors.max():.2g} mm off" for run, name in zip(runs, names))
     return figure
 
 
@@ -92,18 +79,15 @@ def plot_flight(run: Any, planned: Sequence[Sequence[bool]], taut: Sequence[Sequ
     with drawn(8.0, 4.4) as figure:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, 1.0))
         above.plot(time, off, color=INK)
-        above.set(ylabel="off the plan [mm]",
-                  title=f"{run.world.name}: distance from the planned motion")
-        above.set_ylim(0, max(1.15 * off.max(), 1e-3))
-        for i in range(did.shape[1]):
-            below.fill_between(time, i + 0.62, i + 1.38, plan[:, i], step="post",
-                               facecolor="none", edgecolor=GREY,
+        above.set(ylabel="off the plan [mm]", title=f"{run.world.name}: distance from the planned motion",
+                  ylim=(0, max(1.15 * off.max(), 1e-3)))
+        m = did.shape[1]
+        for i in range(m):
+            below.fill_between(time, i + 0.62, i + 1.38, plan[:, i], step="post", facecolor="none", edgecolor=GREY,
                                linestyle="--")
-            below.fill_between(time, i + 0.78, i + 1.22, did[:, i], step="post",
-                               color=cable_style(i).color,
+            below.fill_between(time, i + 0.78, i + 1.22, did[:, i], step="post", color=cable_style(i).color,
                                linewidth=0)
-        below.set(xlabel="time [s]", ylabel="cable", yticks=range(1, did.shape[1] + 1),
-                  ylim=(did.shape[1] + 0.5, 0.5))
+        below.set(xlabel="time [s]", ylabel="cable", yticks=range(1, m + 1), ylim=(m + 0.5, 0.5))
         below.set_title("Taut: filled bars; allowed by the plan: dashed frames", fontsize=11)
         below.grid(visible=False, axis="y")
         wrong = 100 * (did & ~plan).any(axis=1).mean()
@@ -142,8 +126,7 @@ def plot_comparison(x: Annotated[Array, "(N,)"], pairs: Mapping[str, tuple[Array
             color, dashes = cable_style(index).color, CABLE_DASHES[index % len(CABLE_DASHES)]
             above.plot(x, first, color=color, linewidth=6, alpha=0.3, solid_capstyle="butt",
                        label=f"{label}, {names[0]}")
-            above.plot(x, second, color=INK, linewidth=1.2, linestyle=dashes,
-                       label=f"{label}, {names[1]}")
+            above.plot(x, second, color=INK, linewidth=1.2, linestyle=dashes, label=f"{label}, {names[1]}")
             below.plot(x, second - first, color=color, linestyle=dashes, label=label)
         above.set(ylabel=ylabel, title=title)
         above.legend()

@@ -9,11 +9,14 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...mechanics.cables import anchor_offsets
+from ...mechanics.dynamics import pose_error
 from ...robot import Robot
-from ...robot.pose import Pose, rotation_vector
-from ...view.plots import Figure
+from ...robot.pose import Pose
+from ...view.outlines import platform_corners
+from ...view.plots import Figure, draw_cables
 from ...view.style import AXIS_COLORS, BLUE, GREY, INK, ORANGE, VERMILION, cable_style
-from .panels import draw_exit_points, drawn
+from ..props.point_load import decimal
+from .panels import PLAN, draw_exit_points, drawn
 
 ELLIPSE_95 = np.sqrt(5.991464547107979)
 """Of two normal variables 95 % lie within this many standard deviations: the root of χ²'s 95 % point, 2 freedoms."""
@@ -23,20 +26,16 @@ _POSE_ERRORS = ("δx [mm]", "δy [mm]", "δz [mm]", "about x [mrad]", "about y [
 
 
 def outline(robot: Robot, pose: Pose) -> Array:
-    """Corners of a planar platform's box, the first repeated.
+    """(5, 2) corners of a planar platform's box, the first repeated [m].
 
-    robot : planar
-    pose : single or batched
-    Returns (…, 5, 2) [m].
+    robot : planar; pose : single
 
     >>> import cdprlab as cl
     >>> from cdprlab.course.props.pose_search import six_cables
     >>> outline(six_cables(), cl.Pose([0, 1])).shape
     (5, 2)
     """
-    signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]])
-    corners = robot.platform.center + signs * robot.platform.size / 2
-    return np.asarray(pose.position[..., None, :] + corners @ np.swapaxes(pose.rotation, -1, -2))
+    return platform_corners(robot, pose)[[0, 2, 3, 1, 0]]
 
 
 def draw_robot(panel: Axes, robot: Robot, pose: Pose, color: str = INK, cables: bool = True,
@@ -44,11 +43,10 @@ def draw_robot(panel: Axes, robot: Robot, pose: Pose, color: str = INK, cables: 
     """A planar robot: exit points with their numbers, cables, the platform with its center marked."""
     if cables:
         anchors = pose.position + anchor_offsets(robot, pose)
-        for i, (exit_point, anchor) in enumerate(zip(robot.exit_points, anchors)):
-            panel.plot(*np.transpose([exit_point, anchor]), linewidth=1.6,
-                       **cable_style(i)._asdict())
+        for i, ends in enumerate(np.stack([robot.exit_points, anchors], axis=-1)):
+            panel.plot(*ends, linewidth=1.6, **cable_style(i)._asdict())
     panel.plot(*outline(robot, pose).T, color=color, linestyle=linestyle, linewidth=2.0)
-    panel.plot(*pose.position, marker="o", markersize=5, color=color)
+    panel.plot(*pose.position, "o", markersize=5, color=color)
     draw_exit_points(panel, robot.exit_points)
 
 
@@ -59,30 +57,24 @@ def convergence(robot: Robot, poses: Sequence[Pose], truth: Pose) -> Figure:
     poses : guess first, then each iterate
     truth : where it should end
     """
-    errors = [float(np.linalg.norm([*(pose.position - truth.position),
-                                    *rotation_vector(truth.rotation.T @ pose.rotation)]))
-              for pose in poses]
+    errors = [np.linalg.norm(pose_error(pose, truth)) for pose in poses]
     with drawn(10.5, 4.3) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.3, 1.0))
-        left.fill(*outline(robot, truth).T, color=GREY, alpha=0.35, linewidth=0,
-                  label="true pose")
+        left.fill(*outline(robot, truth).T, color=GREY, alpha=0.35, linewidth=0, label="true pose")
         draw_robot(left, robot, truth, color="none")
         for k, pose in enumerate(poses[:4]):
-            left.plot(*outline(robot, pose).T, color=VERMILION, linewidth=1.2 + 0.3 * k,
-                      linestyle=(0, (4, 2)),
-                      label="guess and iterates" if k == 0 else f"_{k}")
+            corners = outline(robot, pose)
+            left.plot(*corners.T, color=VERMILION, linewidth=1.2 + 0.3 * k, linestyle=(0, (4, 2)),
+                      label="" if k else "guess and iterates")
             if k < 2:
-                left.annotate(str(k), outline(robot, pose)[2], (7, 6),
-                              textcoords="offset points", color=VERMILION)
-        left.set(aspect="equal", xlabel="x [m]", ylabel="y [m]",
-                 title="From the guess to the pose")
+                left.annotate(str(k), corners[2], (7, 6), textcoords="offset points", color=VERMILION)
+        left.set(**PLAN, title="From the guess to the pose")
         left.margins(0.09)
         left.legend(loc="lower center", ncols=2)
-        right.semilogy(range(len(errors)), np.maximum(errors, 1e-17), marker="o", color=INK)
+        right.semilogy(np.maximum(errors, 1e-17), "o-", color=INK)
         right.axhspan(1e-17, 1e-15, color=GREY, alpha=0.2, linewidth=0)
         right.annotate("rounding", (0, 1.3e-16), color=GREY, va="center")
-        right.set(xlabel="iteration", ylabel="error ‖(δx, δy, δφ)‖ [m, rad]",
-                  title="The error squares itself",
+        right.set(xlabel="iteration", ylabel="error ‖(δx, δy, δφ)‖ [m, rad]", title="The error squares itself",
                   ylim=(1e-17, 3), xticks=range(len(errors)))
         figure.alt_text = ("Platform outlines from the guess to the true pose, and the error per iteration: "
                            + ", ".join(f"{error:.1g}" for error in errors) + ".")
@@ -96,13 +88,12 @@ def assembly_modes(robot: Robot, poses: Sequence[Pose], titles: Sequence[str]) -
     poses, titles : one a panel
     """
     with drawn(4.2 * len(poses), 3.9) as figure:
-        panels = np.ravel(figure.subplots(1, len(poses), sharey=True))
+        (panels,) = figure.subplots(1, len(poses), sharey=True, squeeze=False)
         for panel, pose, title in zip(panels, poses, titles):
             draw_robot(panel, robot, pose)
             # A mark on the top edge tells upside down from upright.
-            top = np.mean(outline(robot, pose)[2:4], axis=0)
-            panel.plot(*top, marker="^", markersize=8, color=VERMILION)
-            panel.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
+            panel.plot(*outline(robot, pose)[2:4].mean(axis=0), "^", markersize=8, color=VERMILION)
+            panel.set(**PLAN)
             panel.set_title(title, fontsize=11)
         figure.alt_text = "Platform poses: " + "; ".join(titles)
     return figure
@@ -114,28 +105,23 @@ def cloud(errors: ArrayLike, covariance: ArrayLike) -> Figure:
     errors : (count, 3) δx, δy [m], δφ [rad]
     covariance : (3, 3) predicted, in the same order
     """
-    sample, C = 1e3 * np.asarray(errors, dtype=float), 1e6 * np.asarray(covariance, dtype=float)
+    sample, C = 1e3 * np.asarray(errors), 1e6 * np.asarray(covariance)
     turn = np.linspace(0, 2 * np.pi, 200)
-    ellipse = ELLIPSE_95 * np.linalg.cholesky(C[:2, :2]) @ np.array([np.cos(turn),
-                                                                     np.sin(turn)])
-    inside = np.einsum("ki,ij,kj->k", sample[:, :2], np.linalg.inv(C[:2, :2]), sample[:, :2]) <= ELLIPSE_95**2
+    root = np.linalg.cholesky(C[:2, :2])
+    ellipse = ELLIPSE_95 * root @ [np.cos(turn), np.sin(turn)]
+    inside = np.linalg.norm(np.linalg.solve(root, sample[:, :2].T), axis=0) <= ELLIPSE_95
     with drawn(10.0, 4.2) as figure:
         left, right = figure.subplots(1, 2)
-        left.plot(*sample[:, :2].T, linestyle="none", marker=".", markersize=4, color=BLUE,
-                  alpha=0.6,
-                  label="recovered")
+        left.plot(*sample[:, :2].T, ".", markersize=4, color=BLUE, alpha=0.6, label="recovered")
         left.plot(*ellipse, color=VERMILION, label="predicted, 95 %")
         left.set(aspect="equal", xlabel="δx [mm]", ylabel="δy [mm]",
                  title=f"{100 * inside.mean():.0f} % inside the ellipse")
         left.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-        sigma = float(np.sqrt(C[2, 2]))
-        right.hist(sample[:, 2], bins=25, density=True, color=BLUE, alpha=0.6,
-                   label="recovered")
+        sigma = np.sqrt(C[2, 2])
+        right.hist(sample[:, 2], bins=25, density=True, color=BLUE, alpha=0.6, label="recovered")
         x = np.linspace(-4 * sigma, 4 * sigma, 200)
-        right.plot(x, np.exp(-(x / sigma)**2 / 2) / (sigma * np.sqrt(2 * np.pi)),
-                   color=VERMILION, label="predicted")
-        right.set(xlabel="δφ [mrad]", ylabel="density [1/mrad]", title="Angle",
-                  xlim=(-4 * sigma, 5 * sigma))
+        right.plot(x, np.exp(-(x / sigma)**2 / 2) / (sigma * np.sqrt(2 * np.pi)), color=VERMILION, label="predicted")
+        right.set(xlabel="δφ [mrad]", ylabel="density [1/mrad]", title="Angle", xlim=(-4 * sigma, 5 * sigma))
         right.legend(loc="upper right")
         figure.alt_text = (f"Scatter of {len(sample)} position errors; {100 * inside.mean():.0f} % lie inside "
                            "the predicted ellipse; a histogram of angle errors beside it.")
@@ -148,15 +134,13 @@ def residual_bars(all_cables: ArrayLike, left_out: ArrayLike) -> Figure:
     all_cables : (m,) residual of each cable [m]
     left_out : (m,) size of the residuals without that cable [m]
     """
-    together, without = 1e3 * np.asarray(all_cables, dtype=float), 1e3 * np.asarray(left_out,
-                                                                                    dtype=float)
-    cables = np.arange(1, len(together) + 1)
+    together, without = 1e3 * np.asarray(all_cables), 1e3 * np.asarray(left_out)
+    cables = range(1, len(together) + 1)
     with drawn(10.0, 3.6) as figure:
         left, right = figure.subplots(1, 2)
         for panel, values in ((left, together), (right, without)):
-            bars = panel.bar(cables, values, width=0.6,
-                             color=[cable_style(i).color for i in range(len(cables))])
-            panel.bar_label(bars, [f"{value + 0.0:.1f}".replace("-", "−") for value in values], padding=2)
+            bars = panel.bar(cables, values, width=0.6, color=[cable_style(i - 1).color for i in cables])
+            panel.bar_label(bars, [decimal(value) for value in values], padding=2)
             panel.axhline(0, color=INK, linewidth=0.8)
             panel.grid(axis="x", visible=False)
             panel.margins(y=0.2)
@@ -177,27 +161,20 @@ def flight(time: ArrayLike, errors: ArrayLike, sigmas: ArrayLike, residuals: Arr
     residuals : (k, m) of the lengths [m]
     sigma : standard deviation of a length [m]
     """
-    t, left_over = np.asarray(time, dtype=float), 1e3 * np.asarray(residuals, dtype=float)
+    t, left_over = np.asarray(time), 1e3 * np.asarray(residuals)
+    off, band = 1e3 * np.asarray(errors), 2e3 * np.asarray(sigmas)
     with drawn(10.5, 7.4) as figure:
-        panels = figure.subplot_mosaic([["0", "1", "2"], ["3", "4", "5"], ["r", "r", "r"]])
-        off, band = 1e3 * np.asarray(errors, dtype=float), 2e3 * np.asarray(sigmas, dtype=float)
-        for i, name in enumerate(_POSE_ERRORS):
-            panel = panels[str(i)]
+        *panels, below = figure.subplot_mosaic([[0, 1, 2], [3, 4, 5], [6, 6, 6]]).values()
+        for i, (panel, name) in enumerate(zip(panels, _POSE_ERRORS)):
             panel.fill_between(t, -band[:, i], band[:, i], color=ORANGE, alpha=0.3, linewidth=0)
-            panel.plot(t, off[:, i], color=AXIS_COLORS[i % 3], linewidth=1.0, marker=".",
-                       markersize=4)
+            panel.plot(t, off[:, i], ".-", color=AXIS_COLORS[i % 3], linewidth=1.0, markersize=4)
             panel.set(ylabel=name, xlabel="time [s]" if i > 2 else "")
-        panels["0"].set_title("Error; shaded: predicted ±2σ", fontsize=11)
-        panel = panels["r"]
-        for i in range(left_over.shape[1]):
-            panel.plot(t, left_over[:, i], linewidth=1.0, marker=".", markersize=3,
-                       label=str(i + 1),
-                       **cable_style(i)._asdict())
-        panel.axhspan(-2e3 * sigma, 2e3 * sigma, color=GREY, alpha=0.15, linewidth=0)
-        panel.set(xlabel="time [s]", ylabel="residual [mm]",
+        panels[0].set_title("Error; shaded: predicted ±2σ", fontsize=11)
+        draw_cables(below, t, left_over, linewidth=1.0, marker=".", markersize=3)
+        below.axhspan(-2e3 * sigma, 2e3 * sigma, color=GREY, alpha=0.15, linewidth=0)
+        below.set(xlabel="time [s]", ylabel="residual [mm]",
                   title="Residuals measured − fitted length; gray: ±2σ of one length")
-        panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="cable",
-                     labelspacing=0.2)
+        below.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.2)
         share = (np.abs(off) <= band).mean()
         figure.alt_text = (f"Six pose errors over {t[-1]:.2g} s, {100 * share:.0f} % of them inside their ±2σ band; "
                            f"length residuals of at most {np.abs(left_over).max():.2g} mm.")

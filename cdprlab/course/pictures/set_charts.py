@@ -32,8 +32,6 @@ def axis_names(motion_pattern: str, quantity: Quantity) -> tuple[str, ...]:
     >>> axis_names("1R2T", "twist")
     ('v_x', 'v_y', 'ω')
     """
-    if quantity not in _LETTERS:
-        raise InvalidInput(f"no axes for {quoted(quantity)}: quantities are twist and wrench")
     pattern, (along, about) = patterns(motion_pattern), _LETTERS[quantity]
     if pattern.dimension == 2:  # all turns are about the same axis
         return tuple(about if row == "rz" else f"{along}_{row}" for row in pattern.rows)
@@ -76,20 +74,20 @@ def draw_capability(axes: Axes, bars: Mapping[str, ArrayLike], names: Sequence[s
     if not bars or not len(group) or not 0 <= min(group) <= max(group) < len(names):
         raise InvalidInput(f"group must be indices of names, 0 to {len(names) - 1}, and bars one at least; "
                            f"got {quoted(group)} and {quoted(bars)}")
-    width = 0.8 / len(bars)
+    chosen, width = list(group), 0.8 / len(bars)
     for k, (label, values) in enumerate(bars.items()):
-        told = np.ravel(values).tolist()
-        known = as_array([0.0 if value != value else value for value in told], label,   # nan: none
-                         (len(names),), limit=np.inf)
-        heights = np.where(np.equal(told, told), np.nan_to_num(known), np.nan)[list(group)]
-        places = np.arange(len(group)) + (k - (len(bars) - 1) / 2) * width
-        drawn = axes.bar(places, np.nan_to_num(heights), 0.92 * width, label=label,
+        told = np.ravel(values)
+        none = np.not_equal(told, told)   # nan
+        known = as_array(np.where(none, 0.0, told), label, (len(names),), limit=np.inf)
+        heights = np.nan_to_num(known)[chosen]
+        places = np.arange(len(chosen)) + (k - (len(bars) - 1) / 2) * width
+        drawn = axes.bar(places, heights, 0.92 * width, label=label,
                          color=to_rgba(COLORS[k % 4], 0.75), edgecolor=INK, linewidth=0.6,
                          hatch=HATCHES[k % 4])
-        axes.bar_label(drawn, ["none" if np.isnan(h) else f"{h:.3g}" for h in heights],
+        axes.bar_label(drawn, ["none" if lost else f"{h:.3g}" for lost, h in zip(none[chosen], heights)],
                        padding=2, fontsize=8)
-    axes.set_xticks(range(len(group)), [_math(names[i]) for i in group])
-    axes.set_ylabel(f"[{_UNITS[names[group[0]][0]]}]")
+    axes.set_xticks(range(len(chosen)), [_math(names[i]) for i in chosen])
+    axes.set_ylabel(f"[{_UNITS[names[chosen[0]][0]]}]")
     axes.grid(axis="x", visible=False)
     axes.margins(y=0.12)
 

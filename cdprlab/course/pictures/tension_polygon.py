@@ -38,7 +38,7 @@ class TensionSet(NamedTuple):
 
     def coordinates(self, tensions: ArrayLike) -> Array:
         """(…, r) λ of tensions (…, m) [N]."""
-        return np.asarray((np.asarray(tensions, float) - self.least) @ self.directions)
+        return (np.asarray(tensions, float) - self.least) @ self.directions
 
     def tensions(self, coordinates: ArrayLike) -> Array:
         """(…, m) tensions at λ (…, r) [N]."""
@@ -73,18 +73,16 @@ def tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, tension_ma
            [ 70., 100.]])
     """
     balanced = distribute_tensions(W, w_e, tension_min, tension_max, "pseudo_inverse")
-    least, matrix = np.asarray(balanced.tensions), np.asarray(W, float)
-    low, high = (np.broadcast_to(np.asarray(limit, float), least.shape)
-                 for limit in (tension_min, tension_max))
-    N = _directions(null_space(matrix))
-    corners = np.zeros((0, N.shape[1]))
-    reached = np.abs(balanced.residual).max() <= MET * (1 + np.abs(np.asarray(w_e, float)).max())
-    if N.shape[1] in (1, 2) and reached:
+    least = balanced.tensions
+    low, high, _ = np.broadcast_arrays(tension_min, tension_max, least)
+    N = _directions(null_space(np.asarray(W, float)))
+    r = N.shape[1]
+    corners = np.zeros((0, r))
+    reached = np.abs(balanced.residual).max() <= MET * (1 + np.abs(w_e).max())
+    if r in (1, 2) and reached:
         rows, sides = np.concatenate([N, -N]), np.concatenate([high - least, least - low])
-        corners = np.asarray(Polytope.from_rows(rows, sides).vertices).reshape(-1, N.shape[1])
-    if N.shape[1] == 1:
-        corners = np.sort(corners, axis=0)
-    return TensionSet(least, N, low, high, corners)
+        corners = Polytope.from_rows(rows, sides).vertices.reshape(-1, r)
+    return TensionSet(least, N, low, high, np.sort(corners, axis=0) if r == 1 else corners)
 
 
 def _directions(basis: Array) -> Array:
@@ -94,10 +92,10 @@ def _directions(basis: Array) -> Array:
         return basis
     first = total / np.linalg.norm(total)
     if basis.shape[1] == 1:
-        return np.asarray(basis * first)
+        return basis * first
     N = basis @ np.array([[first[0], -first[1]], [first[1], first[0]]])
     # Whichever way across: the one that a fixed, arbitrary set of tensions leans to.
-    return np.asarray(N * [1.0, 1.0 if N[:, 1] @ np.cos(np.arange(N.shape[0])) >= 0 else -1.0])
+    return N * [1.0, np.copysign(1.0, N[:, 1] @ np.cos(np.arange(len(N))))]
 
 
 def set_in_words(free: TensionSet) -> str:
