@@ -1,7 +1,5 @@
 """Random numbers of checks: the same at home for everybody, each student's own when graded."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 

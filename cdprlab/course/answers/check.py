@@ -1,7 +1,5 @@
 """Checks of exercises: the author's sentence first, numbers below, the traceback folded away."""
 
-from __future__ import annotations
-
 import contextlib
 import copy
 import sys
@@ -92,8 +90,7 @@ def refuses(error: type[Exception], function: Callable[..., Any], *arguments: An
 
 def _printed(value: Any) -> str:
     if isinstance(value, np.ndarray | list | tuple):
-        array = np.asarray(value, object)
-        if array.dtype == object and not all(isinstance(part, int | float | np.number) for part in array.flat):
+        if not all(isinstance(part, int | float | np.number) for part in np.asarray(value, object).flat):
             return str(value)
         return np.array2string(np.asarray(value, float), precision=5, suppress_small=True, separator=", ",
                                prefix=" " * 9, threshold=60)

@@ -1,7 +1,5 @@
 """Results to go on with when an exercise stays open: recorded answers, never the function that found them."""
 
-from __future__ import annotations
-
 import dataclasses
 import gzip
 import json
@@ -50,13 +48,13 @@ class Recorded:
     """Stands in for a student's function: it knows the calls of the lesson's own cells, and no others.
 
     name : the function's
-    calls : for each call the fingerprint of its arguments (4,), and what it returned
+    calls : for each call the fingerprint of its arguments (4,), and what it returned, as `encode` writes it
     """
 
     def __init__(self, name: str, calls: Sequence[tuple[Any, Any]]):
         self.__name__ = name
         self._fingerprints = np.array([fingerprint for fingerprint, _ in calls]).reshape(-1, 4)
-        self._results = [result for _, result in calls]
+        self._results = [decode(result) for _, result in calls]
 
     def __call__(self, *arguments: Any) -> Any:
         wanted = fingerprint(arguments)
@@ -87,14 +85,14 @@ def fallback(exercise: str) -> Any:
         raise CdprError(f"no fallback {quoted(exercise)}; there are {shortened(', '.join(found or known))}")
     if found[0] in LIBRARY:
         return LIBRARY[found[0]]
-    functions = _read(RECORDED / f"{found[0]}.gz")
-    return functions[0] if len(functions) == 1 else tuple(functions)
+    table = json.loads(gzip.decompress((RECORDED / f"{found[0]}.gz").read_bytes()))
+    functions = tuple(Recorded(*calls) for calls in table.items())
+    return functions[0] if len(functions) == 1 else functions
 
 
 def fingerprint(arguments: Any) -> np.ndarray:
     """(4,) numbers that tell calls apart and hardly move where arguments differ by rounding."""
-    numbers = np.fromiter(_numbers(arguments), float)
-    numbers = np.nan_to_num(numbers, nan=1.5e3, posinf=2.5e3, neginf=-2.5e3)
+    numbers = np.nan_to_num(np.fromiter(_numbers(arguments), float), nan=1.5e3, posinf=2.5e3, neginf=-2.5e3)
     weights = np.random.default_rng(0).normal(size=(len(numbers), 4)) / np.sqrt(max(1, len(numbers)))
     return numbers @ weights
 
@@ -122,8 +120,3 @@ def _numbers(thing: Any) -> Iterator[float]:
     else:
         text = thing if isinstance(thing, str) else type(thing).__name__
         yield zlib.crc32(text.encode()) / 2**32
-
-
-def _read(path: Path) -> list[Callable[..., Any]]:
-    table = json.loads(gzip.decompress(path.read_bytes()))
-    return [Recorded(name, [(seen, decode(result)) for seen, result in rows]) for name, rows in table.items()]

@@ -1,7 +1,5 @@
 """Answers as plain data: JSON, and arrays in it as `.npy`; who reads makes every object anew, by a table of kinds."""
 
-from __future__ import annotations
-
 import base64
 import io
 from collections.abc import Callable, Sequence
@@ -34,11 +32,9 @@ def encode(value: Any, key_of: Callable[[Any], int] | None = None, given: Sequen
     for plain in (bool, int, float, str):
         if isinstance(value, plain) and not isinstance(value, np.generic):
             return plain(value)
-    if isinstance(value, dict):
-        return {"dict": [inner(pair) for pair in value.items()]}
     for collection in _COLLECTIONS:
         if isinstance(value, collection):
-            return {collection.__name__: [inner(part) for part in value]}
+            return {collection.__name__: [*map(inner, value.items() if collection is dict else value)]}
     if isinstance(value, Pose):
         return {"Pose": [_npy(value.position), _npy(value.rotation)]}
     if isinstance(value, World):

@@ -1,7 +1,5 @@
 """Grading a folder: every file becomes a result, each result a file, and what was graded stays graded."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os
@@ -29,9 +27,6 @@ from .jail import PACKAGE, find_jail
 from .judge import Outcome
 from .submission import Submission, read_cells
 
-CELL, NOTEBOOK = 60, 300
-"""The longest that a cell, a check, and a whole notebook may take [s]."""
-
 
 @dataclass(frozen=True)
 class Result:
@@ -41,7 +36,7 @@ class Result:
     points : what its checks earned, less the penalty
     note : what else there is to say
     late : whether the platform says so
-    edition, key : of the lesson's version; of all that the outcomes depend on
+    key : of all that the outcomes depend on, the lesson's version among it
     """
 
     student: str
@@ -52,7 +47,6 @@ class Result:
     note: str = ""
     handed_in: str = ""
     late: bool = False
-    edition: str = ""
     key: str = ""
     outcomes: Sequence[Outcome] = ()
 
@@ -66,7 +60,7 @@ class Grader:
     seconds : the longest a cell or a check may take; a notebook five times that
     """
 
-    def __init__(self, source: Path, out: Path, trust: bool = False, seconds: float = CELL) -> None:
+    def __init__(self, source: Path, out: Path, trust: bool = False, seconds: float = 60.0) -> None:
         self.lessons, self.out, self.seconds = load_lessons(source), out, seconds
         self.jail, python = find_jail(trust, [source, out])
         self.command = [*python, "-m", f"{__package__}.worker"]
@@ -125,14 +119,15 @@ class Grader:
                 note = f"{lesson.name}: its own solution fails {outcome.check}: {outcome.message[:200]}"
                 return self.keep(replace(blank, note=note))
         parts = [submission.student, lesson.edition, self.secret, _EDITION, hashlib.sha256(data).hexdigest()]
-        return self.judged(replace(blank, lesson=lesson.name, status=status, note=note, edition=lesson.edition,
-                                   key=hashlib.sha256("\0".join(parts).encode()).hexdigest()), lesson, cells)
+        key = hashlib.sha256("\0".join(parts).encode()).hexdigest()
+        return self.judged(replace(blank, lesson=lesson.name, status=status, note=note, key=key), lesson, cells)
 
     def judged(self, blank: Result, lesson: Lesson, cells: Sequence[Cell]) -> Result:
         """A result with the outcomes of a lesson's checks on a student's cells, found now or before."""
-        kept = self.kept(blank)
-        if kept is not None:
-            return kept
+        with suppress(OSError, ValueError):
+            kept = TypeAdapter(Result).validate_json(self.place(blank).read_bytes())
+            if kept.key == blank.key:
+                return kept
         outcomes = self.run(lesson, cells, blank.student)
         troubles = {outcome.status for outcome in outcomes} - {"graded"}
         status = min(troubles) if troubles and blank.status == "graded" else blank.status
@@ -150,7 +145,7 @@ class Grader:
                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, cwd=folder,
                                        env=environment, start_new_session=True)
             try:
-                process.communicate(case, self.seconds * NOTEBOOK / CELL)
+                process.communicate(case, 5 * self.seconds)
             except subprocess.TimeoutExpired:
                 ended = "timed out"
             finally:
@@ -163,7 +158,7 @@ class Grader:
 
     def prove(self, lesson: Lesson) -> Result:
         """The result of the lesson's own solutions: unless they earn full marks here, nobody can be graded."""
-        blank = Result(".solution", lesson.name, "graded", edition=lesson.edition, key=lesson.edition + _EDITION)
+        blank = Result(".solution", lesson.name, "graded", key=lesson.edition + _EDITION)
         with self.proving:
             return self.judged(blank, lesson, lesson.cells)
 
@@ -177,14 +172,6 @@ class Grader:
     def place(self, result: Result) -> Path:
         """The file of a result."""
         return self.out / "results" / result.student / f"{result.lesson or 'unknown'}.json"
-
-    def kept(self, blank: Result) -> Result | None:
-        """The result of before, if all it depends on is as it was."""
-        try:
-            result = TypeAdapter(Result).validate_json(self.place(blank).read_bytes())
-        except (OSError, ValueError):
-            return None
-        return result if result.key == blank.key else None
 
     def keep(self, result: Result) -> Result:
         """Write a result, whole or not at all."""

@@ -3,8 +3,6 @@
 An instructor keeps lessons with solutions and hidden checks as `DIR/NAME/NAME.ipynb`, older versions beside.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re
@@ -57,13 +55,10 @@ class Cell:
         return "".join(_HIDDEN.findall(self.source))
 
     @property
-    def hidden_lines(self) -> range:
+    def hidden_lines(self) -> set[int]:
         """Lines of a check, counted from 1, that students do not get."""
-        found = _HIDDEN.search(self.source)
-        if found is None:
-            return range(0)
-        first, behind = (self.source.count("\n", 0, place) + 1 for place in found.span())
-        return range(first, behind)
+        return {line for found in _HIDDEN.finditer(self.source)
+                for line in range(*(self.source.count("\n", 0, place) + 1 for place in found.span()))}
 
     @property
     def version(self) -> str:

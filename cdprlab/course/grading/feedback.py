@@ -1,7 +1,5 @@
 """What comes back: a table of grades, a page for each student, a page about the class."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections import Counter

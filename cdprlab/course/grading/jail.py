@@ -1,7 +1,5 @@
 """Where student code runs: no network, nobody else's processes, nothing to read but Python and the package."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -4,8 +4,6 @@
 student's runs in this process: it sees what `wire` makes anew, and it alone says what a check earned.
 """
 
-from __future__ import annotations
-
 import ast
 import json
 import os
@@ -16,14 +14,14 @@ import time
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from .cells import Cell
 from .slices import Statement, needed, statements
 from .split import Lost, WorkerProcess, at_most
-from .wire import words_of
+from .wire import silence, words_of
 
 MEMORY = 4 * 2**30
 """Of this process [bytes]."""
@@ -112,13 +110,13 @@ class Judge:
         names = set[str]().union(*(part.binds for part in statements(cell.source)))
         for name in names:
             self.namespace.pop(name, None)
-        places = [i for i, own in enumerate(self.student) if own.grade_id == cell.grade_id]
         # Of copies the last that somebody wrote into.
-        written = [i for i in places if "raise NotImplementedError" not in self.student[i].source]
-        if not places:
+        copies = [("raise NotImplementedError" not in own.source, i) for i, own in enumerate(self.student)
+                  if own.grade_id == cell.grade_id]
+        if not copies:
             self.trouble = LookupError("the answer's cell is missing")
             return
-        place = (written or places)[-1]
+        _, place = max(copies)
         answer = self.student[place].source
         try:
             with at_most(self.seconds):
@@ -161,9 +159,10 @@ class Judge:
         if error and told and not isinstance(error, Lost) and _line(error) not in cell.hidden_lines:
             self.worker.stop()   # what the message says must not come from what hidden checks asked
             error = self.failure(index) or AssertionError("your answer is not the same each time")
-        common: dict[str, Any] = {"seconds": round(time.monotonic() - begun, 3), "split": cell.split}
+        outcome = Outcome(cell.grade_id, cell.points, cell.points, seconds=round(time.monotonic() - begun, 3),
+                          split=cell.split)
         if error is None:
-            return Outcome(cell.grade_id, cell.points, cell.points, **common)
+            return outcome
         line, message = _line(error), words_of(error)
         hidden = line in cell.hidden_lines
         hint = _literal_text(cell.source, line) if hidden else message
@@ -172,7 +171,8 @@ class Judge:
             hint = type(error).__name__ if told and isinstance(error, Exception) else message
         self.go_on(index, line)
         status = getattr(error, "status", "out of memory" if isinstance(error, MemoryError) else "graded")
-        return Outcome(cell.grade_id, 0.0, cell.points, status, message, hint, cell.hidden if hidden else "", **common)
+        return replace(outcome, points=0.0, status=status, message=message, hint=hint,
+                       hidden=cell.hidden if hidden else "")
 
     def failure(self, index: int) -> BaseException | None:
         """Why a check fails, if it does."""
@@ -227,9 +227,7 @@ def main() -> None:
     """One case in, outcomes out."""
     case = pickle.load(sys.stdin.buffer)
     record = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    nowhere = os.open(os.devnull, os.O_RDWR)
-    for stream in (0, 1, 2):   # what checks print is for students
-        os.dup2(nowhere, stream)
+    silence()   # what checks print is for students
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     judge = Judge(*case)
     package = str(Path(__file__).parents[2])

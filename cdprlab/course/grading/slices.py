@@ -4,8 +4,6 @@ Figures, explorers and printed lines bind nothing that a check reads, so they ar
 in place counts where the statement assigns to a part of it or calls a method of it.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 import symtable

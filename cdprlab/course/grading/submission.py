@@ -1,7 +1,5 @@
 """What students handed in: files in a folder or in a learning platform's zip, read as they are, never unpacked."""
 
-from __future__ import annotations
-
 import json
 import re
 import unicodedata
@@ -12,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import partial
-from pathlib import Path, PurePosixPath
+from pathlib import Path, PurePath, PurePosixPath
 from typing import Any
 
 from ...errors import InvalidInput
@@ -81,9 +79,11 @@ def read_submissions(folder: Path) -> list[Submission]:
         raise InvalidInput(f"there is no {folder}")
     newest: dict[tuple[str, str, str], Submission] = {}
     numbers: dict[str, set[str]] = {}
-    for found in sorted(_all(folder), key=lambda one: one.when):
-        newest[found.student, found.number, found.name] = found
-        numbers.setdefault(found.student, set()).add(found.number)
+    for place, when, read in sorted(_files(folder), key=lambda file: file[1]):
+        if place.suffix == ".ipynb" and not any(part.startswith((".", "/", "__MACOSX")) for part in place.parts):
+            found = _submission(place.with_suffix("").as_posix().replace("\n", " "), when, read)
+            newest[found.student, found.number, found.name] = found
+            numbers.setdefault(found.student, set()).add(found.number)
     if not newest:
         raise InvalidInput(f"no notebooks in {folder}: it must hold STUDENT.ipynb, STUDENT/LESSON.ipynb, or the "
                            "zip that Canvas or Moodle gives")
@@ -91,41 +91,32 @@ def read_submissions(folder: Path) -> list[Submission]:
             if len(numbers[found.student]) > 1 else found for found in newest.values()]
 
 
-def _all(folder: Path) -> Iterator[Submission]:
-    """A zip further down is a student's own, and nobody says what is in it."""
+def _files(folder: Path) -> Iterator[tuple[PurePath, datetime, Callable[[], Any]]]:
+    """All files, those in zips too: place, time, and what opens it.
+
+    A zip further down is a student's own, and nobody says what is in it.
+    """
     for path in [folder] if folder.is_file() else sorted(folder.rglob("*")):
-        parts = path.relative_to(folder).parts or (path.name,)
         if path.is_symlink() or not path.is_file():
             continue
-        if len(parts) == 1 and path.suffix == ".zip":
-            yield from _zipped(path)
-        elif path.suffix == ".ipynb" and not _hidden(parts):
-            yield _submission(parts, datetime.fromtimestamp(path.stat().st_mtime), partial(path.open, "rb"))
+        when = datetime.fromtimestamp(path.stat().st_mtime)
+        place: PurePath = path.relative_to(folder) if path != folder else PurePath(path.name)
+        if len(place.parts) == 1 and path.suffix == ".zip":
+            try:
+                archive = zipfile.ZipFile(path)   # open as long as somebody may read from it
+            except (zipfile.BadZipFile, NotImplementedError, OSError, ValueError):
+                place = place.with_suffix(".zip.ipynb")   # for its status
+            else:
+                for entry in archive.infolist()[:MOST]:
+                    with suppress(ValueError):   # there is no month 0
+                        when = datetime(*entry.date_time)
+                    yield PurePosixPath(entry.filename), when, partial(archive.open, entry)
+                continue
+        yield place, when, partial(path.open, "rb")
 
 
-def _zipped(path: Path) -> Iterator[Submission]:
-    """What is in a zip; where it is none, the file itself, for its status."""
-    when = datetime.fromtimestamp(path.stat().st_mtime)
-    try:
-        archive = zipfile.ZipFile(path)   # open as long as somebody may read from it
-    except (zipfile.BadZipFile, NotImplementedError, OSError, ValueError):
-        yield _submission((path.name,), when, partial(path.open, "rb"))
-        return
-    for entry in archive.infolist()[:MOST]:
-        parts = PurePosixPath(entry.filename).parts
-        if entry.filename.endswith(".ipynb") and not _hidden(parts):
-            with suppress(ValueError):   # there is no month 0
-                when = datetime(*entry.date_time)
-            yield _submission(parts, when, partial(archive.open, entry))
-
-
-def _hidden(parts: tuple[str, ...]) -> bool:
-    return any(part.startswith((".", "/", "__MACOSX")) for part in parts)
-
-
-def _submission(parts: tuple[str, ...], when: datetime, read: Callable[[], Any]) -> Submission:
+def _submission(whole: str, when: datetime, read: Callable[[], Any]) -> Submission:
     """Who and what, from the names of a file and the folders it is in."""
-    whole = "/".join(parts).removesuffix(".ipynb").replace("\n", " ")
     said = next(filter(None, (pattern.fullmatch(whole) for pattern in (_MOODLE, _CANVAS, _PLAIN)))).groupdict("")
     student, number = tidy(said["student"]), said["number"]
     if student != said["student"] and not number:   # "ada" and "=ada" are two

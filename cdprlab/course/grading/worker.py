@@ -3,8 +3,6 @@
 ``python -m cdprlab.course.grading.worker`` talks over its standard streams, in a jail.
 """
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import io
@@ -24,7 +22,7 @@ import numpy as np
 from ... import course
 from ..answers import fallback
 from ..answers.plain import encode
-from .wire import LARGEST, Callback, Peer, encode_error
+from .wire import LARGEST, Callback, Peer, encode_error, silence
 
 NOBODY = 65534
 LIMITS = {
@@ -148,17 +146,14 @@ def _no_fallback(exercise: str) -> Any:
 def main() -> None:
     """Shut the doors behind oneself, then serve."""
     inward, outward = os.dup(0), os.dup(1)
-    nowhere = os.open(os.devnull, os.O_RDWR)
-    for stream in (0, 1, 2):   # what student code prints goes nowhere
-        os.dup2(nowhere, stream)
+    silence()
     if os.environ.get("CDPRLAB_JAIL") and os.getuid() == 0:
         os.setgroups([])
         os.setgid(NOBODY)
         os.setuid(NOBODY)
     for limit, most in LIMITS.items():
-        hard = resource.getrlimit(limit)[1]
-        most = most if hard == resource.RLIM_INFINITY else min(most, hard)
-        resource.setrlimit(limit, (most, most))
+        with suppress(ValueError):   # less was allowed already
+            resource.setrlimit(limit, (most, most))
     fallback.LIBRARY.clear()
     fallback.fallback = course.fallback = _no_fallback
     worker = Worker(inward, outward)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array, as_number
+from ...arrays import Array, Flags, as_array, as_number
 from ...errors import InvalidInput, NoConvergence, quoted
 from ...mechanics.cables import cable_lengths
 from ...mechanics.rest import equilibrium
@@ -60,13 +60,12 @@ def let_go(robot: Robot, pose: Pose, tensions: ArrayLike, push: ArrayLike | None
     """
     if robot.dimension != 2:
         raise InvalidInput(f"this experiment is for planar robots, got {quoted(robot)}")
-    wrench = np.zeros(robot.n_dof) if push is None else as_array(push, "push",
-                                                                 (robot.n_dof,), "N, N m")
     pulls = np.maximum(as_array(tensions, "tensions", (robot.n_cables,), "N"), 0.0)
     steps = round(as_number(duration, "duration", "s") / dt)
     alone = World("alone", "", "", robot, pose, Scene(None, _DEEP, ()), {}, None)
     with open_simulator(alone, cables="tension", dt=dt) as engine:
-        engine.push(wrench)
+        if push is not None:
+            engine.push(as_array(push, "push", (robot.n_dof,), "N, N m"))
         places, acceleration = [engine.position], np.zeros(robot.n_dof)
         for k in range(steps):
             engine.step(pulls)
@@ -87,9 +86,9 @@ class Settled(NamedTuple):
     spare: Array
 
     @property
-    def slack(self) -> Array:
+    def slack(self) -> Flags:
         """(m,) True where a rope hangs through."""
-        return np.asarray(self.spare > _LOOSE)
+        return self.spare > _LOOSE
 
 
 def hang(robot: Robot, lengths: Array, start: Pose) -> Settled | None:

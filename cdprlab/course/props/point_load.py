@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_array, as_number, checked
+from ...arrays import Array, Flags, as_array, as_number, checked
 from ...errors import InvalidInput, quoted
 from ...mechanics.optimization import largest_last
 from ...mechanics.statics import gravity_wrench, wrench_matrix
@@ -16,11 +16,8 @@ from ...robot.pose import Pose
 from ...tensions import distribute_tensions
 from ..text_table import fixed
 
-EXIT_POINTS = {
-    2: ((-2.0, 3.0), (2.0, 3.0)),
-    3: ((-2.0, 3.0), (2.0, 3.0), (0.0, 0.0)),
-    4: ((-2.0, 3.0), (2.0, 3.0), (2.0, 0.0), (-2.0, 0.0)),
-}
+_ABOVE = (-2.0, 3.0), (2.0, 3.0)
+EXIT_POINTS = {2: _ABOVE, 3: (*_ABOVE, (0.0, 0.0)), 4: (*_ABOVE, (2.0, 0.0), (-2.0, 0.0))}
 """Number of cables → exit points of the vertical plane's robots [m]."""
 
 MASS = 10.0
@@ -51,14 +48,14 @@ class Equilibrium(NamedTuple):
         return bool(np.linalg.norm(self.residual) <= _CLOSED * (1 + np.linalg.norm(self.w_e)))
 
     @property
-    def slack(self) -> Array:
+    def slack(self) -> Flags:
         """(m,) True where a cable would have to push; rounding aside."""
-        return np.asarray(self.tensions < -_CLOSED * (1 + np.abs(self.tensions).max()))
+        return self.tensions < -_CLOSED * (1 + np.abs(self.tensions).max())
 
     @property
     def left_over(self) -> Array:
         """(2,) W max(τ, 0) + w_e, the force that real cables leave, which only pull [N]."""
-        return np.asarray(self.W @ np.where(self.slack, 0.0, self.tensions) + self.w_e)
+        return self.W @ np.where(self.slack, 0.0, self.tensions) + self.w_e
 
     def held(self, tensions: ArrayLike) -> Equilibrium:
         """The same load with somebody's own (m,) tensions [N]."""
@@ -91,8 +88,7 @@ def point_load(n_cables: int) -> Robot:
     if n_cables not in EXIT_POINTS:
         raise InvalidInput(f"the point load hangs on 2, 3 or 4 cables, got {quoted(n_cables)}")
     here = np.zeros(2)
-    cables = tuple(Cable(np.array(exit_point), here, 0.0, 1e4)
-                   for exit_point in EXIT_POINTS[n_cables])
+    cables = tuple(Cable(np.array(exit_point), here, 0.0, 1e4) for exit_point in EXIT_POINTS[n_cables])
     load = Platform(MASS, np.array(0.1), here, np.array([0.2, 0.2]), here)
     return Robot(MOTION_PATTERNS["2T"], load, cables)
 
@@ -140,7 +136,7 @@ def circle_crossings(centers: ArrayLike, lengths: ArrayLike) -> Array:
     square = l1**2 - s**2
     h = np.sqrt(np.where(square < 0, np.nan, square))
     # The lower of the two first.
-    beside = np.array([along[1], -along[0]]) * (1.0 if along[0] >= 0 else -1.0)
+    beside = np.array([along[1], -along[0]]) * np.copysign(1.0, along[0])
     middle, aside = first + s[..., None] * along, h[..., None] * beside
     return np.stack([middle + aside, middle - aside], axis=-2)
 
@@ -177,8 +173,8 @@ def null_vector(W: Array) -> Array:
                      [-kernel, np.zeros((m, 1))]])
     h = kernel @ largest_last(rows, np.concatenate([np.zeros(m), np.ones(2 * m)]))[1]
     if np.abs(h).max() < 1e-9:  # no h ≥ 0 but zero: any direction will do
-        h = kernel[:, 0] * (1.0 if kernel[:, 0].sum() >= 0 else -1.0)
-    return np.asarray(h / np.abs(h).max())
+        h = kernel[:, 0] * np.copysign(1.0, kernel[:, 0].sum())
+    return h / np.abs(h).max()
 
 
 def decimal(value: float) -> str:

@@ -44,11 +44,10 @@ def submatrix_twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
     j, b, cable, base = checked_speeds(J, B, speed_max, base_speed_max)
     m, n = j.shape
     rows, limits = [], []
-    for k in combinations(range(m), n):
-        square, chosen = j[list(k)], list(k)
-        if not np.isfinite(cable[chosen]).all() or np.linalg.cond(square) > 1e10:
+    for k in map(list, combinations(range(m), n)):
+        if not np.isfinite(cable[k]).all() or np.linalg.cond(j[k]) > 1e10:
             continue
-        generators = np.linalg.solve(square, np.concatenate([np.diag(cable[chosen]), b[chosen] * base], axis=1))
+        generators = np.linalg.solve(j[k], np.concatenate([np.diag(cable[k]), b[k] * base], axis=1))
         normals, offsets = hyperplane_shifting(generators)
         rows.append(normals)
         limits.append(offsets)
