@@ -46,14 +46,11 @@ def _direction_range(vectors: Array, radius: float) -> tuple[Array, Array]:
 
     d_x / |d| grows with d_x and shrinks in size with |d_y| and |d_z|.
     """
-    near = np.maximum(np.abs(vectors) - radius, 0.0)
-    far = np.abs(vectors) + radius
+    low, high = vectors - radius, vectors + radius
+    near, far = (sizes.sum(axis=-1, keepdims=True) - sizes
+                 for sizes in np.square([np.maximum(np.abs(vectors) - radius, 0.0), np.abs(vectors) + radius]))
 
-    def end(values: Array, sizes: Array) -> Array:
-        squares = sizes**2
-        others = squares.sum(axis=-1, keepdims=True) - squares
+    def end(values: Array, others: Array) -> Array:
         return values / np.sqrt(np.maximum(values**2 + others, np.finfo(float).tiny))
 
-    low, high = vectors - radius, vectors + radius
-    return (np.where(low > 0, end(low, far), end(low, near)),
-            np.where(high < 0, end(high, far), end(high, near)))
+    return end(low, np.where(low > 0, far, near)), end(high, np.where(high < 0, far, near))

@@ -73,18 +73,17 @@ def taut_configurations(robot: Robot, position: ArrayLike, tolerance: HalfWidth 
     True
     """
     M, exits = as_position(position), robot.exit_points
-    return tuple(chosen for chosen in few_cables(robot)
-                 if _holds(exits[chosen.indices], M, tolerance))
+    return tuple(chosen for chosen in few_cables(robot) if _holds(exits[chosen.indices], M, tolerance))
 
 
 def _holds(exits: Array, M: Array, tolerance: float) -> bool:
     """Whether these exit points' cables all pull and balance a weight at M."""
-    up = exits - M
+    up, upward = exits - M, np.array([0.0, 0.0, 1.0])
     # Tensions over lengths: a combination of the cable vectors that is one unit of height.
-    shares = np.linalg.lstsq(up.T, np.array([0.0, 0.0, 1.0]), rcond=None)[0]
-    rise = float(up[:, 2].max())
-    off = np.abs(shares @ up - [0, 0, 1]).max() * abs(rise)
+    shares = np.linalg.lstsq(up.T, upward)[0]
+    rise = up[:, 2].max()
+    off = np.abs(shares @ up - upward).max() * abs(rise)
     # A share of the height: below tolerance/span the cable would be slack but for the
     # tolerance.
-    needed = tolerance / max(float(np.ptp(exits[:, :2], axis=0).max()), rise, tolerance)
-    return rise > 0 and bool(off <= tolerance and (shares * rise > needed).all())
+    needed = tolerance / max(np.ptp(exits[:, :2], axis=0).max(), rise, tolerance)
+    return bool(rise > 0 and off <= tolerance and (shares * rise > needed).all())

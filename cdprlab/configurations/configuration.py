@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import combinations
 from typing import Annotated
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, Indices, as_array, checked
 from ..errors import InvalidInput
 from ..robot import Robot
+from ..robot.pose import cross
 
 HalfWidth = Annotated[float, "[m] ≥ 0"]
 """Of a box around what is uncertain."""
@@ -38,8 +39,6 @@ class Configuration(tuple[int, ...]):
     def __repr__(self) -> str:
         return "A" + (",".join if max(self, default=0) > 9 else "".join)(map(str, self))
 
-    __str__ = __repr__
-
 
 def as_position(position: ArrayLike) -> Array:
     """(3,) from coordinates or a Pose [m]."""
@@ -47,7 +46,12 @@ def as_position(position: ArrayLike) -> Array:
 
 
 def triplets(robot: Robot) -> tuple[Configuration, ...]:
-    """Every choice of three cables.
+    """Every choice of three cables; raises as `few_cables`."""
+    return tuple(chosen for chosen in few_cables(robot) if len(chosen) == 3)
+
+
+def few_cables(robot: Robot) -> tuple[Configuration, ...]:
+    """Every choice of one, two or three cables, fewer first.
 
     Raises InvalidInput unless the robot is a point mass in space (3T) on at least three cables
     that leave their exit points straight.
@@ -60,22 +64,11 @@ def triplets(robot: Robot) -> tuple[Configuration, ...]:
                            "cables leave over pulleys, from points that move with the load")
     if robot.n_cables < 3:
         raise InvalidInput(f"a fully constrained point needs three cables, this robot has {robot.n_cables}")
-    return tuple(_choices(robot, 3))
-
-
-def few_cables(robot: Robot) -> tuple[Configuration, ...]:
-    """Every choice of one, two or three cables, fewer first; raises as `triplets`."""
-    triplets(robot)
-    return tuple(chosen for size in (1, 2, 3) for chosen in _choices(robot, size))
-
-
-def _choices(robot: Robot, size: int) -> Iterator[Configuration]:
-    return (Configuration(chosen)
-            for chosen in combinations(range(1, robot.n_cables + 1), size))
+    return tuple(Configuration(chosen) for size in (1, 2, 3)
+                 for chosen in combinations(range(1, robot.n_cables + 1), size))
 
 
 def counterclockwise(exits: Array) -> Array:
     """(3, 3) exit points of a triplet, in counter-clockwise order seen from above."""
     a, b, c = exits[:, :2]
-    left = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0
-    return exits if left else exits[::-1]
+    return exits if cross(b - a, c - a)[0] > 0 else exits[::-1]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
-from itertools import product
+from itertools import product, starmap
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,8 +14,8 @@ from .region import Region, region
 from .sequence import UNSAFE_CHANGE, ConfigurationSequence, location_score, plan_configurations
 
 _SHARES = np.linspace(0.05, 0.95, 19)
-_OFFSETS = np.arange(1, 41) * 0.05  # m, to either side
-_STEP, _FARTHEST = 0.02, 1.0  # m
+_OFFSETS = np.outer(np.arange(1, 41) * 0.05, [1, -1]).ravel()  # m, to either side
+_AROUND = np.arange(0, 1.0, 0.02)  # m
 
 
 def plan_detour(robot: Robot, start: ArrayLike, goal: ArrayLike, *,
@@ -51,19 +51,15 @@ def plan_detour(robot: Robot, start: ArrayLike, goal: ArrayLike, *,
     first, last = _safe_start(regions, S), _safe_start(regions, G)
     if first is None or last is None:
         return None
-    core = _between(lambda a, b: [sequence for sequence in plan(a, b) if sequence.safe], first,
-                    last, regions)
+    core = _between(lambda a, b: [sequence for sequence in plan(a, b) if sequence.safe], first, last, regions)
     return core and _with_ends(core, S, G, robot)
 
 
 def _safe_start(regions: list[Region], position: Array) -> Array | None:
     """The nearest position at the same height that is certainly inside a triplet."""
-    if _certain(regions, position):
-        return position
-    turns = np.linspace(0, 2 * np.pi, 73)[:-1]
+    turns = np.linspace(0, 2 * np.pi, 72, endpoint=False)
     circle = np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
-    near = (position + radius * way for radius in np.arange(_STEP, _FARTHEST, _STEP)
-            for way in circle)
+    near = (position + radius * way for radius in _AROUND for way in circle)
     return next((place for place in near if _certain(regions, place)), None)
 
 
@@ -75,23 +71,22 @@ def _between(safe: Callable[[Array, Array], list[ConfigurationSequence]], S: Arr
              regions: list[Region]) -> ConfigurationSequence | None:
     if direct := safe(S, G):
         return direct[0]
-    side = np.array([-(G - S)[1], (G - S)[0], 0.0])
-    side = side / np.linalg.norm(side) if side.any() else np.array([1.0, 0.0, 0.0])
-    points = [S + share * (G - S) + sign * offset * side
-              for share, offset, sign in product(_SHARES, _OFFSETS, (1, -1))]
+    way = G - S
+    side = np.array([-way[1], way[0], 0.0]) if way[:2].any() else np.array([1.0, 0.0, 0.0])
+    side /= np.linalg.norm(side)
+    points = [S + share * way + offset * side for share, offset in product(_SHARES, _OFFSETS)]
     points = [V for V in points if _certain(regions, V)]
     for V in sorted(points, key=lambda V: float(np.linalg.norm(V - S) + np.linalg.norm(G - V))):
-        if legs := [(a, b) for a in safe(S, V) for b in safe(V, G)]:
-            return min((_joined(a, b) for a, b in legs), key=lambda sequence: sequence.score)
+        if legs := list(product(safe(S, V), safe(V, G))):
+            return min(starmap(_joined, legs), key=lambda sequence: sequence.score)
     return None
 
 
 def _joined(a: ConfigurationSequence, b: ConfigurationSequence) -> ConfigurationSequence:
     """One sequence of two legs; where both are in the same configuration, the waypoint is one step."""
     same = a.steps[-1][1] == b.steps[0][1]
-    steps, places = a.steps + b.steps[same:], a.location_scores + b.location_scores[same:]
-    changes = a.transition_scores + (() if same else (0,)) + b.transition_scores
-    return ConfigurationSequence(steps, places, changes, a.safe and b.safe)
+    return ConfigurationSequence(a.steps + b.steps[same:], a.location_scores + b.location_scores[same:],
+                                 a.transition_scores + (0,) * (not same) + b.transition_scores, a.safe and b.safe)
 
 
 def _with_ends(core: ConfigurationSequence, S: Array, G: Array, robot: Robot) -> ConfigurationSequence:

@@ -84,12 +84,10 @@ def hanging_position(robot: Robot, lengths: ArrayLike) -> tuple[Array, Configura
     """
     candidates, exits = few_cables(robot), robot.exit_points
     rho = as_array(lengths, "lengths", (robot.n_cables,), "m")
-    found = []
-    for chosen in candidates:
-        M = _lowest(exits[chosen.indices], rho[chosen.indices])
-        # 1e-9 m: a rope that is taut as well is not too short.
-        if M is not None and (np.linalg.norm(exits - M, axis=1) <= rho + 1e-9).all():
-            found.append((M, chosen))
+    lowest = [(_lowest(exits[chosen.indices], rho[chosen.indices]), chosen) for chosen in candidates]
+    # 1e-9 m: a rope that is taut as well is not too short.
+    found = [(M, chosen) for M, chosen in lowest
+             if M is not None and (np.linalg.norm(exits - M, axis=1) <= rho + 1e-9).all()]
     if not found:
         raise InvalidInput(f"no point is within reach of all ropes of lengths {quoted(rho.tolist())} m")
     # The first, of fewest ropes, where several hold the same point: the others are just not
@@ -100,7 +98,8 @@ def hanging_position(robot: Robot, lengths: ArrayLike) -> tuple[Array, Configura
 # --- positions from lengths, with their error ---------------------------------------------------------------
 def _possible(exits: Array, rho: Array, chosen: Indices, error: float, exit_uncertainty: float) -> bool:
     """Whether taut cables ``chosen`` can carry the load alone, given all lengths ± error."""
-    place = _below(exits[chosen], rho[chosen], error)
+    below = _below_three if len(chosen) == 3 else _below
+    place = below(exits[chosen], rho[chosen], error)
     if place is None:
         return False
     M, radius = place
@@ -111,12 +110,9 @@ def _possible(exits: Array, rho: Array, chosen: Indices, error: float, exit_unce
 
 
 def _below(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:
-    """Where one, two or three taut cables hold a load, and how far off that may be; None where they cannot."""
-    if len(rho) == 3:
-        return _below_three(exits, rho, error)
-    shifts = [np.zeros(len(rho)), *product((1.0, -1.0), repeat=len(rho))]
-    found = [_lowest(exits, rho + error * np.array(signs)) for signs in shifts]
-    points = np.array([M for M in found if M is not None]).reshape(-1, 3)
+    """Where one or two taut cables hold a load, and how far off that may be; None where they cannot."""
+    shifts = [(0.0,) * len(rho), *product((error, -error), repeat=len(rho))]
+    points = np.array([M for shift in shifts if (M := _lowest(exits, rho + shift)) is not None]).reshape(-1, 3)
     # Between the exits, or as good as: a cable beyond would have to push.
     across = (exits[-1] - exits[0])[:2]
     along = (points - exits[0])[:, :2] @ across
@@ -129,10 +125,9 @@ def _below(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None
 
 def _below_three(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:
     """The lower point at these lengths, and a bound for its error (a fixed point of sensitivity times length error)."""
-    M = _lowest(exits, rho, nearest=True)
+    M, radius = _lowest(exits, rho, nearest=True), 0.0
     if M is None:
         return None
-    radius = 0.0
     for _ in range(50):
         grown = float(position_sensitivity(exits, M, radius)) * error
         if not grown < 1.0:

@@ -87,14 +87,10 @@ _ON_EDGE = 1e-9
 def _cut(corners: Array, n: Array, c: float) -> Array:
     """What n · x ≥ c leaves of a convex polygon."""
     value = corners @ n - c
-    after, value_after = np.roll(corners, -1, axis=0), np.roll(value, -1)
-    kept: list[Array] = []
-    for a, b, f, g in zip(corners, after, value, value_after):
-        if f >= 0:
-            kept.append(a)
-        if f * g < 0:
-            kept.append(a + f / (f - g) * (b - a))
-    return np.array(kept).reshape(-1, 2)
+    ahead = np.roll(value, -1)
+    with np.errstate(divide="ignore", invalid="ignore"):   # of edges that do not cross the line
+        crossings = corners + (value / (value - ahead))[:, None] * (np.roll(corners, -1, axis=0) - corners)
+    return np.stack([corners, crossings], axis=1)[np.column_stack([value >= 0, value * ahead < 0])]
 
 
 @checked

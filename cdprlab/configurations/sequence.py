@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from heapq import heapify, heappop, heappush
-from itertools import groupby, pairwise
+from heapq import heappop, heappush
+from itertools import groupby, pairwise, permutations
 from typing import Annotated, Literal
 
 import numpy as np
@@ -30,8 +31,8 @@ _MOST = 200
 Step = tuple[Array, Configuration]
 
 _Chain = tuple[Configuration, ...]
-_Places = list[tuple[float, float, bool]]
-"""First and last share of the way at which each change may be, and whether it is safe there."""
+_Windows = dict[Configuration, tuple[float, float]]
+"""Configuration → first and last share of the way where it holds."""
 
 
 @lasting
@@ -87,16 +88,16 @@ class _Way:
     method: str
 
     @cached_property
-    def nominal(self) -> dict[Configuration, tuple[float, float]]:
-        """Configuration → the share of the way where it holds, if nothing is uncertain."""
+    def nominal(self) -> _Windows:
+        """Where each configuration holds, if nothing is uncertain."""
         return self._windows(0.0, 0.0, _EDGE)
 
     @cached_property
-    def certain(self) -> dict[Configuration, tuple[float, float]]:
-        """Configuration → the share of the way where it certainly holds."""
+    def certain(self) -> _Windows:
+        """Where each configuration certainly holds."""
         return self._windows(self.exit_uncertainty, self.position_uncertainty, 0.0)
 
-    def _windows(self, exits: float, position: float, slack: float) -> dict[Configuration, tuple[float, float]]:
+    def _windows(self, exits: float, position: float, slack: float) -> _Windows:
         windows = {chosen: region(self.robot.exit_points[chosen.indices], exits, position)
                    .window(self.start, self.end, slack) for chosen in triplets(self.robot)}
         return {chosen: window for chosen, window in windows.items() if window is not None}
@@ -105,49 +106,51 @@ class _Way:
         share = np.asarray(share)[..., None]
         return (1 - share) * self.start + share * self.end  # exact at both ends
 
-    def grade(self, chosen: Configuration, shares: Array) -> Array:
-        """Of a configuration at shares (…) of the way, larger is better: min d / max d, or minus its sensitivity."""
-        exits, places = self.robot.exit_points[chosen.indices], self.at(shares)
+    def grade(self, chosen: Configuration, places: Array) -> Array:
+        """Of a configuration at places (…, 3), larger is better: min d / max d, or minus its sensitivity."""
+        exits = self.robot.exit_points[chosen.indices]
         if self.method == "accuracy":
-            return -position_sensitivity(exits, places, self.position_uncertainty,
-                                         self.exit_uncertainty)
+            return -position_sensitivity(exits, places, self.position_uncertainty, self.exit_uncertainty)
         return _plan_ratio(exits, places)
 
-    def ends(self, windows: dict[Configuration, tuple[float, float]], end: int) -> set[Configuration]:
+    def ends(self, windows: _Windows, end: int) -> set[Configuration]:
         """Configurations whose window holds S (0) or G (1)."""
         return {chosen for chosen, window in windows.items() if window[end] == end}
 
-    def overlap(self, old: Configuration, new: Configuration) -> tuple[float, float, bool] | None:
-        """Where old may become new: the certain window if there is one, else the nominal overlap; and which it is."""
-        # A certain window is more than a point: on a shared edge, known exactly, only two
-        # cables hold.
-        for windows, least in ((self.certain, _EDGE), (self.nominal, -_EDGE)):
-            if old in windows and new in windows:
-                first = max(windows[old][0], windows[new][0])
-                last = min(windows[old][1], windows[new][1])
-                if last - first >= least:
-                    return min(first, last), last, windows is self.certain
-        return None
-
     @cached_property
     def changes(self) -> dict[Configuration, dict[Configuration, tuple[float, float, bool]]]:
-        """Configuration → those it may change to, with the `overlap` of each."""
-        return {old: {new: found for new in self.nominal
-                      if new != old and (found := self.overlap(old, new)) is not None}
-                for old in self.nominal}
+        """Configuration → those it may become, and where: in the certain window if there is one, which is safe, else in
+        the nominal overlap."""
+        found: dict[Configuration, dict[Configuration, tuple[float, float, bool]]] = {old: {} for old in self.nominal}
+        # A certain window is more than a point: on a shared edge, known exactly, only two
+        # cables hold.
+        for windows, least in ((self.nominal, -_EDGE), (self.certain, _EDGE)):
+            for old, new in permutations(windows, 2):
+                first, last = max(windows[old][0], windows[new][0]), min(windows[old][1], windows[new][1])
+                if last - first >= least:
+                    found[old][new] = min(first, last), last, windows is self.certain
+        return found
 
-    def shared_edge(self, old: Configuration, new: Configuration) -> float | None:
-        """Where the way crosses, in plan, the edge between the exits of the two cables both configurations have."""
-        common = sorted(set(old) & set(new))
-        if len(common) != 2:
-            return None
-        a, b = self.robot.exit_points[np.array(common) - 1, :2]
-        d, edge = (self.end - self.start)[:2], b - a
-        turn = d[0] * edge[1] - d[1] * edge[0]
-        if abs(turn) < _EDGE:
-            return None
-        share, along = np.linalg.solve(np.stack([d, -edge], axis=1), a - self.start[:2])
-        return float(share) if 0 <= share <= 1 and 0 <= along <= 1 else None
+    def onward(self, old: Configuration, share: float, latest: dict[Configuration, float]
+               ) -> Iterator[tuple[Configuration, float, float, bool]]:
+        """From a share of the way on what a configuration may become that must be left by its latest: which, between
+        which shares, and whether safely."""
+        for new, (first, last, safe) in self.changes[old].items():
+            first, last = max(share, first), min(last, latest.get(new, -1.0))
+            if first <= last + _EDGE:
+                yield new, first, last, safe
+
+    def shared_edge(self, old: Configuration, new: Configuration) -> float:
+        """Where the way crosses, in plan, the edge between the exits of the two cables both have; NaN where not."""
+        common = np.intersect1d(old, new) - 1
+        if len(common) == 2:
+            a, b = self.robot.exit_points[common, :2]
+            ways = np.column_stack([(self.end - self.start)[:2], a - b])
+            if abs(np.linalg.det(ways)) >= _EDGE:
+                share, along = np.linalg.solve(ways, a - self.start[:2])
+                if 0 <= share <= 1 and 0 <= along <= 1:
+                    return float(share)
+        return np.nan
 
 
 @checked
@@ -186,45 +189,39 @@ def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike,
             raise InvalidInput(f"no three cables hold a load at the {name} {place}: it must lie below the exit points "
                                "and, seen from above, between them")
     chains = _fewest_changes(way)
-    found = [_sequence(way, chain, places) for chain, places in chains
-             if method == "stability" or all(safe for *_, safe in places)]
+    found = [_sequence(way, chain) for chain in chains]
+    if method == "accuracy":
+        found = [sequence for sequence in found if not any(sequence.transition_scores)]
     if not found:
         logging.getLogger(__name__).warning(
             "no sequence: %s has no change where both configurations are certainly inside, which method 'accuracy' "
-            "asks for", ", ".join("→".join(map(str, chain)) for chain, _ in chains))
-    return sorted(found, key=lambda sequence: (not sequence.safe if method == "accuracy" else 0,
-                                               sequence.score))
+            "asks for", ", ".join("→".join(map(str, chain)) for chain in chains))
+    return sorted(found, key=lambda sequence: (method == "accuracy" and not sequence.safe, sequence.score))
 
 
-def _fewest_changes(way: _Way) -> list[tuple[_Chain, _Places]]:
+def _fewest_changes(way: _Way) -> list[_Chain]:
     """Chains of configurations from S to G of the smallest length; certain ends first, else nominal ones.
 
     All of them, or the `_MOST` with the fewest unsafe changes, and the log says so.
     """
-    for ends in (way.certain, way.nominal):
-        layers = _latest(way, way.ends(ends, 0), way.ends(ends, 1))
-        if layers:
-            break
-    else:
-        return []
+    layers: list[dict[Configuration, float]] = [{}]
+    for ends in (way.nominal, way.certain):
+        layers = _latest(way, way.ends(ends, 0), way.ends(ends, 1)) or layers
     found: list[_Chain] = []
     # Fewest unsafe changes first, and of these the longest: nothing is begun that need not be.
-    waiting: list[tuple[int, int, _Chain, float]] = [(0, 0, (first,), 0.0) for first in layers[0]]
-    heapify(waiting)
+    waiting: list[tuple[int, int, _Chain, float]] = [(0, 0, (first,), 0.0) for first in sorted(layers[0])]
     while waiting and len(found) <= _MOST:
         unsafe, _, chain, share = heappop(waiting)
         if len(chain) == len(layers):
             found.append(chain)
             continue
-        for new, (first, last, safe) in way.changes[chain[-1]].items():
-            at = max(share, first)
-            if at <= min(last, layers[len(chain)].get(new, -1.0)) + _EDGE:
-                heappush(waiting, (unsafe + (not safe), -len(chain), (*chain, new), at))
+        for new, first, _, safe in way.onward(chain[-1], share, layers[len(chain)]):
+            heappush(waiting, (unsafe + (not safe), -len(chain), (*chain, new), first))
     if len(found) > _MOST:
         logging.getLogger(__name__).warning(
             "more than %d sequences have %d changes: ranked are that many, those with the fewest unsafe changes",
             _MOST, len(layers) - 1)
-    return [(chain, _places(way, chain)) for chain in sorted(found[:_MOST])]
+    return sorted(found[:_MOST])
 
 
 def _latest(way: _Way, starts: set[Configuration], goals: set[Configuration]) -> list[dict[Configuration, float]]:
@@ -235,43 +232,29 @@ def _latest(way: _Way, starts: set[Configuration], goals: set[Configuration]) ->
     """
     layers, best = [dict.fromkeys(goals, 1.0)], dict.fromkeys(goals, 1.0)
     while layers[0] and not starts & layers[0].keys():
-        before: dict[Configuration, float] = {}
-        for old, changes in way.changes.items():
-            shares = [min(last, layers[0][new]) for new, (first, last, _) in changes.items()
-                      if new in layers[0] and first <= min(last, layers[0][new]) + _EDGE]
-            # Sooner in the way and with more changes is of no use.
-            if max(shares, default=-1.0) > best.get(old, -1.0):
-                before[old] = best[old] = max(shares)
-        layers.insert(0, before)
+        before = {old: max((last for _, _, last, _ in way.onward(old, 0.0, layers[0])), default=-1.0)
+                  for old in way.nominal}
+        # Sooner in the way and with more changes is of no use.
+        layers.insert(0, {old: share for old, share in before.items() if share > best.get(old, -1.0)})
+        best |= layers[0]
     layers[0] = {chosen: share for chosen, share in layers[0].items() if chosen in starts}
     return layers if layers[0] else []
 
 
-def _places(way: _Way, chain: _Chain) -> _Places:
-    """For each change of a chain where it may be, so that the changes come in order."""
-    overlaps = [way.changes[old][new] for old, new in pairwise(chain)]
-    places: _Places = []
-    earliest = 0.0
-    for k, (first, _, safe) in enumerate(overlaps):
-        earliest = max(earliest, first)
-        latest = min(last for _, last, _ in overlaps[k:])
-        places.append((min(earliest, latest), latest, safe))
-    return places
-
-
-def _sequence(way: _Way, chain: _Chain, places: _Places) -> ConfigurationSequence:
-    share, points = 0.0, [(0.0, chain[0])]
-    for (first, last, safe), old, new in zip(places, chain, chain[1:]):
-        share = _switch(way, old, new, max(first, share), last, safe)
-        points += [(share, old), (share, new)]
-    points.append((1.0, chain[-1]))
-    grades = [float(way.grade(c, np.array(share))) for share, c in points]
-    scores = [-grade if way.method == "accuracy" else _from_ratio(grade) for grade in grades]
-    changes = tuple(0 if safe else UNSAFE_CHANGE for *_, safe in places)
+def _sequence(way: _Way, chain: _Chain) -> ConfigurationSequence:
+    """The sequence of a chain: each change where it is best, early enough for those after it."""
+    overlaps = np.array([way.changes[old][new] for old, new in pairwise(chain)]).reshape(-1, 3)
+    latest = np.minimum.accumulate(overlaps[::-1, 1])[::-1]
+    share, steps = 0.0, [(way.start, chain[0])]
+    for (old, new), (first, _, safe), last in zip(pairwise(chain), overlaps, latest):
+        share = _switch(way, old, new, min(max(first, share), last), last, safe)
+        steps += [(way.at(share), old), (way.at(share), new)]
+    steps.append((way.end, chain[-1]))
+    scores = tuple(float(-way.grade(chosen, place)) if way.method == "accuracy" else
+                   location_score(way.robot.exit_points[chosen.indices], place) for place, chosen in steps)
+    changes = tuple(0 if safe else UNSAFE_CHANGE for safe in overlaps[:, 2])
     certain = chain[0] in way.ends(way.certain, 0) and chain[-1] in way.ends(way.certain, 1)
-    return ConfigurationSequence(tuple((way.at(share), c) for share, c in points),
-                                 tuple(scores), changes,
-                                 certain and not any(changes), way.method)
+    return ConfigurationSequence(tuple(steps), scores, changes, certain and not any(changes), way.method)
 
 
 def location_score(exits: Array, position: Array) -> int:
@@ -282,24 +265,21 @@ def location_score(exits: Array, position: Array) -> int:
     >>> location_score(np.array([[0, 0, 3], [4, 0, 3], [0, 4, 3.0]]), np.array([1, 1, 0.0]))
     2
     """
-    return _from_ratio(float(_plan_ratio(exits, position)))
-
-
-def _from_ratio(ratio: float) -> int:
     # A ratio that is a fifth but for rounding is a fifth; below an exit point the score is 5 by
     # the formula, 4 by the range the paper gives.
-    return min(4, int(np.floor(5 * (1 - ratio) + 1e-9)))
+    return min(4, int(5 * (1 - _plan_ratio(exits, position)) + 1e-9))
 
 
 def _switch(way: _Way, old: Configuration, new: Configuration, first: float, last: float, safe: bool) -> float:
     """Where on the way to change, as a share of it."""
     if not safe:
         edge = way.shared_edge(old, new)
-        return edge if edge is not None and first - _EDGE <= edge <= last + _EDGE else (first + last) / 2
+        return edge if first - _EDGE <= edge <= last + _EDGE else (first + last) / 2
     low, high = first, last
     for _ in range(_ZOOMS):  # both grades are smooth: a grid, then finer ones around its best point
         shares = np.linspace(low, high, _GRID)
-        best = float(shares[np.minimum(way.grade(old, shares), way.grade(new, shares)).argmax()])
+        grades = [way.grade(chosen, way.at(shares)) for chosen in (old, new)]
+        best = float(shares[np.minimum(*grades).argmax()])
         width = (high - low) / (_GRID - 1)
         low, high = max(first, best - width), min(last, best + width)
     return best

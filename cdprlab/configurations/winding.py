@@ -81,7 +81,7 @@ def winding_plan(robot: Robot, sequence: ConfigurationSequence,
         count = int(np.ceil(duration / STEP))
         # Rest to rest: a rope that is a little off becomes taut, or slack, while the winch is
         # slow, and jerks nothing.
-        rows.append(at + rest_to_rest(np.arange(1, count + 1)[:, None] / max(count, 1)) * way)
+        rows.append(at + rest_to_rest(np.arange(1, count + 1)[:, None] / count) * way)
         flags.append(np.tile(taut, (count, 1)))
         at = end
     positions, loose = np.split(np.concatenate(rows), [3], axis=1)
@@ -92,13 +92,10 @@ def winding_plan(robot: Robot, sequence: ConfigurationSequence,
 
 def _legs(m: int, sequence: ConfigurationSequence, slack: float) -> Iterator[tuple[Array, Flags]]:
     """Where each leg ends, position and slack of each cable in a row, and which cables the plan lets be taut on it."""
-    place, chosen = sequence.steps[0]
-    held = np.isin(np.arange(m), chosen.indices)
-    # Until the slack is out, chance decides which cables carry.
-    yield np.append(place, np.where(held, 0.0, slack)), np.ones(m, dtype=bool)
-    for place, chosen in sequence.steps[1:]:
+    held = np.ones(m, dtype=bool)   # until the slack is out, chance decides which cables carry
+    for place, chosen in sequence.steps:
         new = np.isin(np.arange(m), chosen.indices)
         both = held | new
-        yield np.append(place, np.where(both, 0.0, slack)), both
-        yield np.append(place, np.where(new, 0.0, slack)), both
+        for taut in (both, new):
+            yield np.append(place, np.where(taut, 0.0, slack)), both
         held = new

@@ -61,6 +61,11 @@ def anchor_offsets(robot: Robot, pose: Pose) -> Array:
     return robot.anchor_points @ np.swapaxes(pose.rotation, -1, -2)
 
 
+def exits_from_anchors(robot: Robot, pose: Pose) -> Array:
+    """A − B in world axes, (…, m, d) [m]; robot, pose : single or batched."""
+    return robot.exit_points - (pose.position[..., None, :] + anchor_offsets(robot, pose))
+
+
 @checked
 def cable_vectors(robot: Robot, pose: Pose) -> Array:
     """From anchor point to exit point: A_i − (p + R b_i), on a pulley to the tangent point: T_i − (p + R b_i).
@@ -74,7 +79,7 @@ def cable_vectors(robot: Robot, pose: Pose) -> Array:
     >>> cable_vectors(cl.load_world("caroca").robot, cl.Pose([0, 0, 1]))[0]
     array([-4.1, -1.7,  2.7])
     """
-    vectors = robot.exit_points - (pose.position[..., None, :] + anchor_offsets(robot, pose))
+    vectors = exits_from_anchors(robot, pose)
     if robot.pulleys.size:
         return cable_directions(robot, pose) * straight_lengths(-vectors, robot.pulleys)[..., None]
     return vectors
@@ -172,11 +177,10 @@ def why_no_direction(robot: Robot, pose: Pose) -> str:
     named = f"cable {cable + 1} has no {{}} at {where}: its anchor point is "
     if not robot.pulleys.size or not robot.pulleys[cable, 0]:
         return named.format("length") + "on its exit point, so it has no direction"
-    radius, axis = robot.pulleys[cable, 0], robot.pulleys[cable, 1:]
-    place, rotation = pose.position[tuple(index)], pose.rotation[tuple(index)]
-    away = place + rotation @ robot.anchor_points[cable] - robot.exit_points[cable]
+    radius, *axis = robot.pulleys[cable]
+    away = -exits_from_anchors(robot, pose)[*index, cable]
     along = away @ axis
-    across = float(np.linalg.norm(away - along * axis))
+    across = np.linalg.norm(away - along * axis)
     if across <= ON_AXIS:
         reason = "on the line that it comes along, so its pulley does not know which way to swivel"
     elif along**2 + across * (across - 2 * radius) <= 0:

@@ -9,11 +9,11 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Indices, as_array, checked, frozen, lasting
+from ..arrays import Array, as_array, checked, frozen, lasting
 from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from ..robot.pose import Pose
-from .cables import anchor_offsets, cable_lengths, cables_at, check_dimension
+from .cables import cable_lengths, cables_at, check_dimension, exits_from_anchors
 from .optimization import least_squares
 from .statics import gravity_wrench, wrench_matrix
 
@@ -23,6 +23,7 @@ TOLD = 0.010
 NOTHING = 1e3
 """[m] the standard deviation of a direction that the poses say nothing about."""
 
+_CABLE = ("exit_points", "anchor_points", "length_offsets", "pulley_radius")
 _PLATFORM = ("mass", "center_of_mass")
 
 Problem = Callable[[Array], tuple[Array, Array]]
@@ -94,10 +95,10 @@ def calibrate(robot: Robot, poses: Pose, lengths: ArrayLike,
         kinds += _PLATFORM
     table = _table(robot)
     places, names = _chosen(robot, kinds)
-    geometric = places < table.size
-    if pulls is None and not geometric.all():
+    own = [k for k in places if k < table.size]
+    sought = [k - table.size for k in places[len(own):]]
+    if pulls is None and sought:
         raise InvalidInput("mass and center_of_mass follow from tensions at rest: give tensions, (N, m) [N]")
-    sought, own = places[~geometric] - table.size, places[geometric]
 
     def too_long(x: Array) -> tuple[Array, Array]:
         table.flat[own] = x
@@ -108,18 +109,17 @@ def calibrate(robot: Robot, poses: Pose, lengths: ArrayLike,
     x, covariance, told = _fit(too_long, table.flat[own], length_noise, names)
     left, found = -too_long(x)[0], _rebuilt(robot, table)
     if pulls is not None:
-        body = np.concatenate([[1.0], robot.platform.center_of_mass])   # 1 % of the mass counts as 10 mm
+        body = np.append(1.0, robot.platform.center_of_mass)   # 1 % of the mass counts as 10 mm
         heavy = _too_heavy(found, poses, pulls, body, sought)
         # First as if every newton told; what is then left says how large their noise is.
-        unbalanced = heavy(_fit(heavy, body[sought], 0.0)[0])[0]
-        freedom = np.linalg.matrix_rank(wrench_matrix(found, poses)).sum() - sought.size
-        pull_noise = float(np.linalg.norm(unbalanced)) / np.sqrt(max(freedom, 1))
+        unbalanced = heavy(_fit(heavy, body[sought], 0.0, names)[0])[0]
+        freedom = np.linalg.matrix_rank(wrench_matrix(found, poses)).sum() - len(sought)
+        pull_noise = np.linalg.norm(unbalanced) / np.sqrt(max(freedom, 1))
         y, more, untold = _fit(heavy, body[sought], pull_noise, names[x.size:])
         body[sought] = y
-        found = replace(found, platform=replace(robot.platform, mass=robot.mass * body[0],
-                                                center_of_mass=body[1:]))
-        scale = np.where(sought == 0, robot.mass, 1.0)
-        x = np.concatenate([x, scale * y])
+        found = replace(found, platform=replace(robot.platform, mass=robot.mass * body[0], center_of_mass=body[1:]))
+        scale = np.append(robot.mass, np.ones(robot.dimension))[sought]
+        x = np.append(x, scale * y)
         covariance = block_diag(covariance, more * np.outer(scale, scale))
         told += untold
     return Calibration(found, found.length_offsets, dict(zip(names, x.tolist())), frozen(covariance),
@@ -136,12 +136,12 @@ def length_slopes(robot: Robot, poses: Pose) -> Array:
     >>> length_slopes(cl.load_world("caroca").robot, cl.Pose([[0, 0, 1]])).shape
     (1, 8, 64)
     """
-    u, lengths = cables_at(robot, poses)[:2]
+    u, lengths, _ = cables_at(robot, poses)
     exits = (u[:, :, None] @ robot.exit_rotations)[:, :, 0]
-    along = (u * (robot.exit_points - poses.position[:, None] - anchor_offsets(robot, poses))).sum(axis=-1)
-    radii = np.array([cable.pulley.radius if cable.pulley else np.inf for cable in robot.cables])
-    own = np.concatenate([exits, -u @ poses.rotation, np.ones((*lengths.shape, 1)),
-                          ((lengths - along) / radii)[..., None]], axis=-1)
+    along = (u * exits_from_anchors(robot, poses)).sum(axis=-1)
+    radii = [cable.pulley.radius if cable.pulley else np.inf for cable in robot.cables]
+    own = np.concatenate([exits, -u @ poses.rotation, np.stack([np.ones_like(lengths), (lengths - along) / radii],
+                                                               axis=-1)], axis=-1)
     return (own[:, :, None] * np.eye(robot.n_cables)[:, :, None]).reshape(*lengths.shape, -1)
 
 
@@ -154,55 +154,53 @@ def _table(robot: Robot) -> Array:
 def _rebuilt(robot: Robot, table: Array) -> Robot:
     d = robot.dimension
     return replace(robot, cables=tuple(replace(
-        cable, exit_point=row[:d], anchor_point=row[d:2 * d], length_offset=float(row[-2]),
+        cable, exit_point=row[:d], anchor_point=row[d:2 * d], length_offset=row[-2],
         # A step of the search may pass zero.
-        pulley=replace(cable.pulley, radius=max(float(row[-1]), 1e-6)) if cable.pulley else None)
+        pulley=cable.pulley and replace(cable.pulley, radius=max(row[-1], 1e-6)))
                                        for cable, row in zip(robot.cables, table)))
 
 
-def _chosen(robot: Robot, kinds: list[str]) -> tuple[Indices, list[str]]:
+def _chosen(robot: Robot, kinds: list[str]) -> tuple[list[int], list[str]]:
     """Places of the unknowns in the table, and after it in the platform's mass and center; and their names."""
-    axes, turns = "xyz"[:robot.dimension], len(robot.pattern.turn_axes)
-    labels = [*(f"exit_points {{}} {axis}" for axis in axes), *(f"anchor_points {{}} {axis}" for axis in axes),
-              "length_offsets {}", "pulley_radius {}"]
-    names = [label.format(i + 1) for i in range(robot.n_cables) for label in labels]
-    names += ["mass", *(f"center_of_mass {axis}" for axis in axes)]
-    known = dict.fromkeys(name.split()[0] for name in names)
-    if not kinds or len({*kinds}) < len(kinds) or not {*kinds} <= {*known}:
-        raise InvalidInput(f"unknown must be some of {', '.join(known)}, each once, got {quoted(kinds)}")
-    if "anchor_points" in kinds and not turns:
+    if not kinds or len({*kinds}) < len(kinds) or not {*kinds} <= {*_CABLE, *_PLATFORM}:
+        raise InvalidInput(f"unknown must be some of {', '.join(_CABLE + _PLATFORM)}, each once, got {quoted(kinds)}")
+    if "anchor_points" in kinds and not robot.pattern.turns:
         raise InvalidInput(f"in {robot.motion_pattern} all cables meet at P: anchor_points cannot be unknown")
-    fixed = "yz" if turns == 2 else ""   # 2R3T: anchor points stay on the x′ axis
-    wheels = [f"pulley_radius {i + 1}" for i, cable in enumerate(robot.cables) if cable.pulley]
-    if "pulley_radius" in kinds and not wheels:
+    if "pulley_radius" in kinds and not robot.pulleys.size:
         raise InvalidInput("no cable of this robot leaves over a pulley: pulley_radius cannot be unknown")
+    axes, names = "xyz"[:robot.dimension], []
+    for i, cable in enumerate(robot.cables, 1):
+        names += [f"exit_points {i} {axis}" for axis in axes]
+        names += [f"anchor_points {i} {axis}" for axis in axes]
+        if robot.motion_pattern == "2R3T":   # they stay on the x′ axis
+            names[-2:] = "", ""
+        names += [f"length_offsets {i}", f"pulley_radius {i}" if cable.pulley else ""]
+    names += ["mass", *(f"center_of_mass {axis}" for axis in axes)]
     places = [k for kind in sorted(kinds, key=_PLATFORM.__contains__) for k, name in enumerate(names)
-              if name.split()[0] == kind and not (kind == "anchor_points" and name[-1] in fixed)
-              and (kind != "pulley_radius" or name in wheels)]
-    return np.array(places, dtype=int), [names[k] for k in places]
+              if name.split(" ")[0] == kind]
+    return places, [names[k] for k in places]
 
 
-def _too_heavy(robot: Robot, poses: Pose, tensions: Array, body: Array, sought: Indices) -> Problem:
+def _too_heavy(robot: Robot, poses: Pose, tensions: Array, body: Array, sought: list[int]) -> Problem:
     """W⁺ (W τ + w_g) [N], least squares of tensions; ``sought`` of body: mass over that believed, center of mass."""
-    W, d = wrench_matrix(robot, poses), robot.dimension
+    W = wrench_matrix(robot, poses)
     inverse = np.linalg.pinv(W, rcond=1e-9)
     held = (inverse @ W @ tensions[..., None]).ravel()
-    one = [replace(robot.platform, center_of_mass=center) for center in np.eye(d + 1)[:, 1:]]
-    weights = np.stack([gravity_wrench(replace(robot, platform=platform), poses) for platform in one], axis=-1)
-    per = (inverse @ weights).reshape(held.size, -1)
+    centers = np.eye(len(body))[:, 1:]
+    bodies = [replace(robot, platform=replace(robot.platform, center_of_mass=center)) for center in centers]
+    per = (inverse @ np.stack([gravity_wrench(one, poses) for one in bodies], axis=-1)).reshape(held.size, -1)
     per[:, 1:] -= per[:, :1]   # per mass, and per mass times each coordinate
 
     def heavy(y: Array) -> tuple[Array, Array]:
         body[sought] = y
-        mass, *center = body
-        whole = per @ [1.0, *center]
-        return held + mass * whole, np.column_stack([whole, mass * per[:, 1:]])[:, sought]
+        whole = per @ [1.0, *body[1:]]
+        return held + body[0] * whole, np.column_stack([whole, body[0] * per[:, 1:]])[:, sought]
 
     return heavy
 
 
 def _fit(problem: Problem, start: Array, noise: float,
-         names: Sequence[str] = ()) -> tuple[Array, Array, tuple[str, ...]]:
+         names: Sequence[str]) -> tuple[Array, Array, tuple[str, ...]]:
     """Least squares along what is told; returns x (K,), its covariance (K, K), and in words what is not told."""
     ways, deviations = _directions(problem(start)[1], noise)
     along, x = ways[deviations <= TOLD].T, start

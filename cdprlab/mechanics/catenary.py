@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -53,12 +55,11 @@ class SaggingCable:
     def points(self, n: int) -> Array:
         """(…, n, d) from A, the origin, to B, evenly along the unstrained cable [m]."""
         along = np.linspace(0, 1, as_count(n, "points", 2)) * self.length[..., None]
-        level, weight = self.force_at_exit[..., None, :-1], self.weight[..., None]
-        pull = np.linalg.norm(level, axis=-1)
+        weight = self.weight[..., None]
+        pull, heading = _level(self.force_at_exit[..., None, :])
         middle = self.force_at_exit[..., -1, None] + weight * along / 2
-        hung = _hung(pull, middle, along, weight, self.axial_stiffness[..., None])
-        heading = level / np.maximum(pull, _TINY)[..., None]
-        return np.concatenate([heading * hung.across[..., None], hung.up[..., None]], axis=-1)
+        across, up = _hung((pull, middle), along, weight, self.axial_stiffness[..., None]).end
+        return np.concatenate([heading * across[..., None], up[..., None]], axis=-1)
 
 
 @checked
@@ -92,17 +93,15 @@ def sagging_cable(span: Annotated[ArrayLike, "(…, d) [m]"], length: Annotated[
     batch = common_batch(span=chord.shape[:-1], length=L.shape, linear_density=density.shape, axial_stiffness=ea.shape)
     L, density, ea = (np.broadcast_to(number, batch) for number in (L, density, ea))
     chord = np.broadcast_to(chord, (*batch, chord.shape[-1]))
-    level, weight = np.linalg.norm(chord[..., :-1], axis=-1), density * gravity
-    h, v, hung = _hanging(level, chord[..., -1], L, weight, ea)
-    strain = np.max(np.maximum(hung.at_exit, hung.at_anchor) / ea, initial=0.0)
+    (level, heading), weight = _level(chord), density * gravity
+    (h, v), cable = _hanging((level, chord[..., -1]), L, weight, ea)
+    strain = np.max(np.maximum(cable.at_exit, cable.at_anchor) / ea, initial=0.0)
     if not strain <= _MOST_STRAIN:
         raise InvalidInput(f"the cable would be strained by {float(strain):.1%}, more than the 5 % up to which it "
                            "stretches in proportion: make it longer or stiffer")
-    heading = chord[..., :-1] / np.maximum(level, _TINY)[..., None]
-    ends = [np.concatenate([heading * h[..., None], (v + side * weight * L / 2)[..., None]], axis=-1)
-            for side in (-1, 1)]
-    force_at_exit, force_at_anchor = ends[0].astype(float), -ends[1].astype(float)
-    return SaggingCable(*map(frozen, (chord, L, weight, ea, force_at_exit, force_at_anchor)))
+    at_exit, at_anchor = (np.concatenate([heading * h[..., None], upward[..., None]], axis=-1).astype(float)
+                          for upward in (v - weight * L / 2, v + weight * L / 2))
+    return SaggingCable(*map(frozen, (chord, L, weight, ea, at_exit, -at_anchor)))
 
 
 @lasting
@@ -142,26 +141,25 @@ def sagging_lengths(robot: Robot, pose: Pose, tensions: ArrayLike) -> SaggingLen
     if pose.batch_shape:
         raise InvalidInput("sagging_lengths takes one pose, not a batch")
     span, ea = -cable_vectors(robot, pose), elasticity.axial_stiffness
-    level = np.linalg.norm(span[:, :-1], axis=1)
-    heading = span[:, :-1] / np.maximum(level, _TINY)[:, None]
+    level, heading = _level(span)
     arms, external = anchor_offsets(robot, pose), gravity_wrench(robot, pose)
 
     def wrenches(forces: Array) -> Array:
-        """(n, m) of (m, 2) pulls at the anchor points, along the level and upwards."""
-        forces = np.column_stack([heading * forces[:, :1], forces[:, 1:]]).astype(float)
-        return robot.pattern.project(np.hstack([forces, cross(arms, forces)]).T, pose.rotation)
+        """(n, m) of (2, m) pulls at the anchor points, along the level and upwards."""
+        forces = np.vstack([heading.T * forces[0], forces[1]]).astype(float)
+        return robot.pattern.project(np.vstack([forces, cross(arms, forces.T).T]), pose.rotation)
 
-    spans = level, span[:, -1], density * g, ea
+    pulled = partial(_pulled, (level, span[:, -1]), density * g, ea)
     chord = np.linalg.norm(span, axis=1)
     arcs = cable_lengths(robot, pose) - chord   # on the wheels
     shortest = chord / (1 + 1.1 * _MOST_STRAIN)
-    lowest = _lowest(spans, shortest, 4 * chord)
-    least = _pulled(spans, lowest)[1].astype(float)
+    lowest = _lowest(pulled, shortest, 4 * chord)
+    least = pulled(lowest)[1].astype(float)
     lengths = np.clip(chord / (1 + given / ea), shortest, lowest)
     for k in range(_MOST_ROUNDS):
-        force, pull, rate, slope = _pulled(spans, lengths)
+        force, pull, rate, slope = pulled(lengths)
         tried = pull.astype(float)
-        W, slopes = wrenches(-force / pull[:, None]), wrenches(-slope / rate[:, None])
+        W, slopes = wrenches(-force / pull), wrenches(-slope / rate)
         wanted = given + np.linalg.pinv(slopes) @ (slopes @ (tried - given) - W @ tried - external)
         # At the least pull itself the slopes are infinite: come to it step by step.
         pulls = np.maximum(np.clip(wanted, tried / 2, 2 * tried), (1 + 2.0**-k) * least)
@@ -172,7 +170,7 @@ def sagging_lengths(robot: Robot, pose: Pose, tensions: ArrayLike) -> SaggingLen
         longer = lengths + pull / 2 * (1 - (pull / pulls)**2) / rate
         lengths = np.where(longer > lowest, (lengths + lowest) / 2, np.maximum(longer, (lengths + shortest) / 2))
     found = SaggingLengths(frozen((lengths + arcs).astype(float)), frozen(tried))
-    worst = int((wanted / least).argmin())
+    worst = (wanted / least).argmin()
     if moved > 1e-9 * (1 + np.abs(pulls).max()) or wanted[worst] < least[worst]:
         raise InfeasibleTensions(f"near these tensions sagging cables do not hold the pose: cable {worst + 1} would "
                                  f"have to pull with {wanted[worst]:.4g} N at its anchor point, and the least that "
@@ -182,25 +180,31 @@ def sagging_lengths(robot: Robot, pose: Pose, tensions: ArrayLike) -> SaggingLen
     return found
 
 
-def _lowest(spans: tuple[Any, ...], shortest: Any, longest: Any) -> Any:
+def _level(vectors: Array) -> tuple[Array, Array]:
+    """How far (…, d) vectors reach along the level, and (…, d − 1) unit vectors of which way."""
+    level = vectors[..., :-1]
+    size = np.linalg.norm(level, axis=-1)
+    return size, level / np.maximum(size, _TINY)[..., None]
+
+
+def _lowest(pulled: Callable[[Any], Any], shortest: Any, longest: Any) -> Any:
     """(m,) lengths at which the cables pull least."""
     for _ in range(60):
         middle = (shortest + longest) / 2
-        falling = _pulled(spans, middle)[2] < 0
+        falling = pulled(middle)[2] < 0
         shortest, longest = np.where(falling, middle, shortest), np.where(falling, longest, middle)
     return longest
 
 
-def _pulled(spans: tuple[Any, ...], lengths: Any) -> tuple[Any, Any, Any, Any]:
-    """Of cables with these lengths the (m, 2) force (h, v) at B, its size, and how size and force grow with length."""
-    across, up, weight, ea = spans
-    h, v, cable = _hanging(across, up, lengths, weight, ea)
-    low, high = v - weight * lengths / 2, v + weight * lengths / 2
+def _pulled(span: Any, weight: float, ea: float, lengths: Any) -> tuple[Any, Any, Any, Any]:
+    """Of cables with these lengths the (2, m) force (h, v) at B, its size, and how size and force grow with length."""
+    force, cable = _hanging(span, lengths, weight, ea)
+    (h, v), half = force, weight * lengths / 2
     # Where the end goes for a longer cable under the same force in its middle, and the force that takes it back.
-    turn_h, turn_v = cable.force(-h * ((1 / cable.at_exit + 1 / cable.at_anchor) / 2 + 1 / ea),
-                                 -(low / cable.at_exit + high / cable.at_anchor) / 2 - v / ea)
-    force, slope = np.stack([h, high], axis=-1), np.stack([turn_h, turn_v + weight / 2], axis=-1)
-    return force, cable.at_anchor, (force * slope).sum(axis=-1) / cable.at_anchor, slope
+    turn = cable.force((-h * ((1 / cable.at_exit + 1 / cable.at_anchor) / 2 + 1 / ea),
+                        -((v - half) / cable.at_exit + (v + half) / cable.at_anchor) / 2 - v / ea))
+    force, slope = force + np.outer([0, 1], half), turn + [[0.0], [weight / 2]]
+    return force, cable.at_anchor, (force * slope).sum(axis=0) / cable.at_anchor, slope
 
 
 @checked
@@ -236,53 +240,53 @@ def drawn_lengths(robot: Robot, pose: Pose, tensions: ArrayLike) -> Array:
     """
     if not robot.linear_density:
         return np.zeros(robot.n_cables)
-    vectors, pulls = cable_vectors(robot, pose), np.broadcast_to(tensions, robot.n_cables)
+    vectors = cable_vectors(robot, pose)
     weight = robot.linear_density * robot.gravity * np.linalg.norm(vectors[:, :-1], axis=1)
-    chord, shares = np.linalg.norm(vectors, axis=1), weight / np.where(pulls > 0, pulls, np.inf)
+    chord, shares = np.linalg.norm(vectors, axis=1), weight / np.where(np.greater(tensions, 0), tensions, np.inf)
     return np.where(shares > 0, chord * (1 + np.minimum(shares**2 / 24, 1)), 0.0)
 
 
 class _Hung(NamedTuple):
-    """A cable under the force (h, v) in its middle: where it ends, the slopes of that, and its tensions."""
+    """A cable under the force (h, v) in its middle: where it ends (2, …), the slopes of that, and its tensions."""
 
-    across: Any
-    up: Any
+    end: Any
     slopes: tuple[Any, Any, Any]
     at_exit: Any
     at_anchor: Any
 
-    def force(self, across: Any, up: Any) -> tuple[Any, Any]:
-        """The change of (h, v) that moves the end by so much."""
-        level, mixed, upright = self.slopes
+    def force(self, way: Any) -> Any:
+        """The change (2, …) of (h, v) that moves the end by so much."""
+        (across, up), (level, mixed, upright) = way, self.slopes
         v = (up - mixed / level * across) / (upright - mixed / level * mixed)
-        return (across - mixed * v) / level, v
+        return np.stack([(across - mixed * v) / level, v])
 
 
-def _hung(h: Any, v: Any, length: Any, weight: Any, ea: Any) -> _Hung:
+def _hung(force: Any, length: Any, weight: Any, ea: Any) -> _Hung:
     """The catenary from the force in its middle; nothing is the difference of two numbers that are nearly equal."""
+    h, v = force
     low, high = v - weight * length / 2, v + weight * length / 2
-    at_exit, at_anchor = np.maximum(np.hypot(h, low), _TINY), np.maximum(np.hypot(h, high), _TINY)
+    at_exit, at_anchor = (np.maximum(np.hypot(h, end), _TINY) for end in (low, high))
     mean, product = (at_exit + at_anchor) / 2, at_exit * at_anchor
     with np.errstate(all="ignore"):
         # sinh of arcsinh(high / h) − arcsinh(low / h), whose terms differ in sign or are multiplied out.
-        turn = np.where(low * high > 0, 2 * weight * length * v / (high * at_exit + low * at_anchor),
-                        (high * at_exit - low * at_anchor) / h / h)
+        apart = high * at_exit - low * at_anchor
+        turn = np.where(low * high > 0, 2 * weight * length * v / (high * at_exit + low * at_anchor), apart / h / h)
         flat = np.arcsinh(turn) / weight                      # ∫ ds / |T|
-        steep = np.where(h == 0, (high * at_exit - low * at_anchor), turn * h * h) / weight / product   # ∫ h² / |T|³ ds
+        steep = np.where(h == 0, apart, turn * h * h) / weight / product   # ∫ h² / |T|³ ds
         across = np.where(h == 0, 0, h * (length / ea + flat))
-    return _Hung(across, v * length * (1 / ea + 1 / mean),
+    return _Hung(np.stack([across, v * length * (1 / ea + 1 / mean)]),
                  (length / ea + flat - steep, -h * v * length / mean / product, length / ea + steep),
                  at_exit, at_anchor)
 
 
-def _hanging(across: Any, up: Any, length: Any, weight: Any, ea: Any) -> tuple[Any, Any, _Hung]:
+def _hanging(span: Any, length: Any, weight: Any, ea: Any) -> tuple[Any, _Hung]:
     """The force (h, v) in the middle of a cable that spans (across, up), and the cable.
 
     The end's place is the slope of the convex energy ∫ |T| + T² / 2EA ds: Newton's method, its
     steps halved until they help, finds the one force.
     """
     across, up, length, weight, ea = np.broadcast_arrays(
-        *(np.asarray(number, dtype=_PRECISE) for number in (across, up, length, weight, ea)))
+        *(np.asarray(number, dtype=_PRECISE) for number in (*span, length, weight, ea)))
     chord = np.maximum(np.hypot(across, up), _TINY)
     excess = chord / length - 1
     # Taut: T = EA (c / L − 1); sagging: c / L = 1 − (w L cos)² / 24 T². Plumb: exactly.
@@ -291,19 +295,19 @@ def _hanging(across: Any, up: Any, length: Any, weight: Any, ea: Any) -> tuple[A
         tension = ea * np.maximum(excess, 0) + np.minimum(np.cbrt(sag * ea), np.sqrt(sag / np.abs(excess)))
     plumb = np.where(np.abs(up) > length * (1 + weight * length / 2 / ea), np.sign(up) * ea * excess,
                      up / (length / ea + 2 / weight))
-    h, v = tension * across / chord, np.where(across == 0, plumb, tension * up / chord)
-    cable, share, least = _hung(h, v, length, weight, ea), np.ones_like(h), np.finfo(_PRECISE).eps * (chord + length)
+    span = np.stack([across, up])
+    force = np.stack([tension * across / chord, np.where(across == 0, plumb, tension * up / chord)])
+    cable, share, least = _hung(force, length, weight, ea), np.array(1.0), np.finfo(_PRECISE).eps * (chord + length)
     for _ in range(_MOST_STEPS):
-        missing = np.hypot(across - cable.across, up - cable.up)
-        turn_h, turn_v = cable.force(across - cable.across, up - cable.up)
-        tried_h, tried_v = h + share * turn_h, v + share * turn_v
-        tried = _hung(tried_h, tried_v, length, weight, ea)
-        left = np.hypot(across - tried.across, up - tried.up)
+        way = span - cable.end
+        tried_force = force + share * cable.force(way)
+        tried = _hung(tried_force, length, weight, ea)
+        missing, left = np.hypot(*way), np.hypot(*(span - tried.end))
         helped = left < missing
-        h, v = np.where(helped, tried_h, h), np.where(helped, tried_v, v)
-        cable = tried if helped.all() else _hung(h, v, length, weight, ea)
+        force = np.where(helped, tried_force, force)
+        cable = tried if helped.all() else _hung(force, length, weight, ea)
         share = np.where(helped, 1.0, share / 2)
         # Where so little is missing and no step helps, rounding is all that is left.
         if (np.where(helped, left, missing) < np.where(helped, 2, 2**10) * least).all():
             break
-    return h, v, cable
+    return force, cable

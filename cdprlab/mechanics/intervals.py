@@ -51,8 +51,7 @@ class Intervals:
         """Anything where the divisor holds zero."""
         zero = (other.lower <= 0) & (other.upper >= 0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            quotients = [x / y for x in (self.lower, self.upper)
-                         for y in (other.lower, other.upper)]
+            quotients = [x / y for x in (self.lower, self.upper) for y in (other.lower, other.upper)]
         return _outward(np.where(zero, -np.inf, np.minimum.reduce(quotients)),
                         np.where(zero, np.inf, np.maximum.reduce(quotients)))
 
@@ -73,13 +72,11 @@ class Intervals:
         """x², which is never negative."""
         a, b = self.lower * self.lower, self.upper * self.upper
         least = np.where((self.lower <= 0) & (self.upper >= 0), 0.0, np.minimum(a, b))
-        out = _outward(least, np.maximum(a, b))
-        return Intervals(np.maximum(out.lower, 0.0), out.upper)
+        return _outward(least, np.maximum(a, b)) & _NOT_NEGATIVE
 
     def sqrt(self) -> Intervals:
         """Of what is not negative but by rounding."""
-        out = _outward(np.sqrt(np.maximum(self.lower, 0.0)), np.sqrt(self.upper))
-        return Intervals(np.maximum(out.lower, 0.0), out.upper)
+        return _outward(np.sqrt(np.maximum(self.lower, 0.0)), np.sqrt(self.upper)) & _NOT_NEGATIVE
 
     def cos(self) -> Intervals:
         """Peaks at even multiples of π, troughs at odd ones; one that is only nearly inside counts."""
@@ -87,11 +84,11 @@ class Intervals:
         first, last = self.lower / (2 * np.pi), self.upper / (2 * np.pi)
         near = 1e-9 * (1 + np.abs(first) + np.abs(last))
 
-        def holds(turns: float) -> Array:
-            return np.asarray(np.floor(last - turns + near) >= np.ceil(first - turns - near))
+        def holds(turns: float) -> Any:
+            return np.floor(last - turns + near) >= np.ceil(first - turns - near)
 
-        return Intervals(np.where(holds(0.5), -1.0, np.maximum(ends.min(axis=0) - _TURN, -1.0)),
-                         np.where(holds(0.0), 1.0, np.minimum(ends.max(axis=0) + _TURN, 1.0)))
+        return Intervals(np.where(holds(0.5), -1.0, ends.min(axis=0) - _TURN),
+                         np.where(holds(0.0), 1.0, ends.max(axis=0) + _TURN)) & Intervals(-1.0, 1.0)
 
     def sin(self) -> Intervals:
         """cos(x − π/2)."""
@@ -104,8 +101,7 @@ class Intervals:
     def times(self, matrix: Intervals | Array) -> Intervals:
         """(…, a) times (…, a, b): Σ x_i M_ij, (…, b)."""
         M = exact(matrix)
-        return reduce(add, (self[..., i, None] * M[..., i, :]
-                            for i in range(self.lower.shape[-1])))
+        return reduce(add, (self[..., i, None] * M[..., i, :] for i in range(self.lower.shape[-1])))
 
     @property
     def width(self) -> Array:
@@ -118,6 +114,9 @@ class Intervals:
         return np.maximum(np.abs(self.lower), np.abs(self.upper))
 
 
+_NOT_NEGATIVE = Intervals(0.0, np.inf)
+
+
 def exact(value: Intervals | ArrayLike) -> Intervals:
     """Intervals without width."""
     if isinstance(value, Intervals):
@@ -128,9 +127,8 @@ def exact(value: Intervals | ArrayLike) -> Intervals:
 
 def stack(parts: list[Intervals]) -> Intervals:
     """Side by side along a new last axis."""
-    lows, highs = (np.broadcast_arrays(*ends)
-                   for ends in zip(*((part.lower, part.upper) for part in parts)))
-    return Intervals(np.stack(lows, axis=-1), np.stack(highs, axis=-1))
+    return Intervals(*(np.stack(np.broadcast_arrays(*ends), axis=-1)
+                       for ends in zip(*((part.lower, part.upper) for part in parts))))
 
 
 def _outward(lower: Any, upper: Any) -> Intervals:

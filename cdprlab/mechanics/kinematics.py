@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Annotated, Literal, overload
+from typing import Annotated, Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -138,7 +138,7 @@ def nearby_pose(robot: Robot, lengths: Array, last: Pose) -> Pose:
     pose = last
     for _ in range(_NEWTON):
         _, there, W = cables_at(robot, pose)
-        step = np.asarray(np.linalg.lstsq(-W.T, lengths - there)[0], dtype=float)
+        step: Any = np.linalg.lstsq(-W.T, lengths - there)[0]
         pose = moved(robot, pose, step)
         if np.abs(step).max() < _ARRIVED:
             break
@@ -150,19 +150,12 @@ def moved(robot: Robot, start: Pose, x: Array) -> Pose:
     return start.displaced(x @ robot.pattern.basis(start.rotation).T)
 
 
-def moved_slope(robot: Robot, start: Pose, x: Array) -> Array:
-    """∂l/∂x (m, n) of the cable lengths at `moved`: ω = J_l(r) ṙ for the turn r = S_ω x, in the plane ω = ṙ."""
-    return jacobian(robot, moved(robot, start, x)) @ moved_rates(robot, start, x)
-
-
 def moved_rates(robot: Robot, start: Pose, x: Array) -> Array:
-    """∂t/∂ẋ (n, n) of the twist t at `moved`, in the motion pattern's rows there."""
+    """∂t/∂ẋ (n, n) of the twist t at `moved`, in the rows there: ω = J_l(r) ṙ of the turn r = S_ω x, in the plane ṙ."""
     S, d = robot.pattern.basis(start.rotation), robot.dimension
-    rates, rows = np.eye(S.shape[0]), S
+    rates = np.eye(len(S))
     rates[d:, d:] = rotation_vector_jacobian(S[d:] @ x)
-    if robot.motion_pattern == "2R3T":   # no other pattern's rows turn along
-        rows = robot.pattern.basis(moved(robot, start, x).rotation)
-    return rows.T @ rates @ S
+    return robot.pattern.basis(moved(robot, start, x).rotation).T @ rates @ S
 
 
 def _assemblies(robot: Robot, lengths: Array, guess: Pose, tolerance: float) -> list[Pose]:
@@ -180,9 +173,8 @@ def _assemblies(robot: Robot, lengths: Array, guess: Pose, tolerance: float) -> 
         except NoConvergence as error:
             failure = failure or error
             continue
-        near = [np.abs(pose.position - other.position).max() + np.abs(pose.rotation - other.rotation).max()
-                for other in found]
-        if min(near, default=np.inf) > _DISTINCT:
+        if all(np.abs(pose.position - other.position).max() + np.abs(pose.rotation - other.rotation).max() > _DISTINCT
+               for other in found):
             found.append(pose)
     if failure and not found:
         raise failure
@@ -211,7 +203,7 @@ def _fit_pose(robot: Robot, lengths: Array, start: Pose, tolerance: float) -> Po
                             np.full(robot.n_cables, np.nan)) from None
     left = residuals(x)
     if not np.abs(left).max() <= tolerance:
-        worst = int(np.abs(left).argmax())
+        worst = np.abs(left).argmax()
         raise NoConvergence(f"no pose near the guess has these cable lengths: cable {worst + 1} is off by "
                             f"{left[worst]:.3g} m, allowed {tolerance:g} m; check the lengths, start nearer, or "
                             "pass tolerance=inf for the least-squares pose", left)

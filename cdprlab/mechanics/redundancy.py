@@ -71,10 +71,14 @@ def resolve_twist(robot: Robot, pose: Pose, twist: ArrayLike, *, pivot: Pivot = 
     # All speeds are M q̇_b + c: the bases' own, and J t − B_b q̇_b of the cables.
     M = np.concatenate([np.eye(p), -base_jacobian(robot, pose, pivot)])[:, free]
     c = np.concatenate([np.zeros(p), jacobian(robot, pose) @ wanted])
-    scale, speeds = _largest_scale(M, c, limits), c
+    # |M q̇_b + s c| ≤ limits, where there are limits.
+    bound = np.isfinite(limits)
+    rows, sides = np.column_stack([M, c])[bound], limits[bound]
+    scale = largest_last(np.concatenate([rows, -rows]), np.concatenate([sides, sides]))[0] if c.any() else np.inf
+    speeds = c
     if free.any():
         root = 1 / np.where(limits > 0, limits, np.inf)
-        drive = np.linalg.lstsq(root[:, None] * M, -root * c, rcond=None)[0]
+        drive = np.linalg.lstsq(root[:, None] * M, -root * c)[0]
         if (np.abs(M @ drive + c) > limits).any():
             # An infeasible twist gets the speeds of its largest feasible share, the rest left to
             # the cables.
@@ -89,37 +93,25 @@ def resolve_twist(robot: Robot, pose: Pose, twist: ArrayLike, *, pivot: Pivot = 
 
 def _within_limits(M: Array, c: Array, root: Array, limits: Array) -> Array:
     """min ‖D (M q̇ + c)‖² with |M q̇ + c| ≤ limits, by a quadratic program."""
-    weighted, p = root[:, None] * M, M.shape[1]
+    weighted = root[:, None] * M
     hessian = weighted.T @ weighted
     # Where weights leave a choice the program needs a strictly convex cost: the least norm
     # among equals.
-    hessian += 1e-10 * max(float(np.trace(hessian)), 1.0) * np.eye(p)
+    hessian += 1e-10 * max(np.trace(hessian), 1.0) * np.eye(len(hessian))
     bound = np.isfinite(limits) & M.any(axis=1)
     # Cᵀ q̇ ≥ b, relaxed by rounding so that a border case stays feasible.
     rows, rest, most = M[bound], c[bound], limits[bound] * (1 + _TOLERANCE / 10)
-    found = least_quadratic(hessian, -weighted.T @ (root * c),
-                            np.concatenate([rows, -rows]).T.copy(),
+    found = least_quadratic(hessian, -weighted.T @ (root * c), np.concatenate([rows, -rows]).T,
                             np.concatenate([-most - rest, rest - most]))
     assert found is not None, "the largest feasible share of a twist keeps its limits"
     return found
 
 
-def _largest_scale(M: Array, c: Array, limits: Array) -> float:
-    """max s with |M q̇ + s c| ≤ limits, by a linear program."""
-    if not c.any():
-        return float("inf")
-    bound = np.isfinite(limits)
-    rows, sides = np.column_stack([M, c])[bound], limits[bound]
-    return largest_last(np.concatenate([rows, -rows]), np.concatenate([sides, sides]))[0]
-
-
 def _reason(robot: Robot, speeds: Array, limits: Array, scale: float) -> str:
-    worst = int(np.argmax(np.abs(speeds) / np.where(limits > 0, limits, np.inf)))  # held directions do not move
-    p = 3 * len(robot.bases)
-    who, unit = f"cable {worst - p + 1} would run at", "m/s"
-    if worst < p:
-        base, way = divmod(worst, 3)
-        who = f"base {robot.bases[base].name!r} would drive {('θ', 'ρ₁', 'ρ₂')[way]} at"
-        unit = ("rad/s", "m/s", "m/s")[way]
+    ways = [(f"base {base.name!r} would drive {way} at", unit) for base in robot.bases
+            for way, unit in (("θ", "rad/s"), ("ρ₁", "m/s"), ("ρ₂", "m/s"))]
+    ways += [(f"cable {i + 1} would run at", "m/s") for i in range(robot.n_cables)]
+    worst = np.argmax(np.abs(speeds) / np.where(limits > 0, limits, np.inf))  # held directions do not move
+    who, unit = ways[worst]
     return (f"{who} {abs(speeds[worst]):.4g} {unit}, allowed {limits[worst]:.4g}; "
             f"the largest feasible twist is {scale:.4g} times the wanted one")

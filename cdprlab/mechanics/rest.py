@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ from ..errors import InvalidInput, NoConvergence
 from ..robot import Robot
 from ..robot.pose import Pose
 from .cables import cable_lengths, check_dimension
-from .kinematics import moved, moved_rates, moved_slope
+from .kinematics import jacobian, moved, moved_rates
 from .optimization import least_squares
 from .statics import gravity_wrench, wrench_matrix
 
@@ -21,9 +22,6 @@ _TAUT = 1e-6
 
 _STILL = 1e-9
 """Of the weight and of a metre: what may be left of equilibrium and of taut cables' lengths."""
-
-_NO_REST = ("no pose near the guess is at rest on cables of these lengths; check the lengths, or start nearer to "
-            "where the load should hang")
 
 
 @lasting
@@ -66,71 +64,51 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
     if robot.gravity <= 0:
         raise InvalidInput("without gravity nothing hangs: the robot's gravity must be positive [m/s²]")
     weight, n = robot.mass * robot.gravity, robot.n_dof
-    if axial_stiffness is not None:
-        return _stretched(robot, allowed, guess, axial_stiffness)
+    stiffness = 0.0 if axial_stiffness is None else axial_stiffness / weight
+    at = partial(moved, robot, guess)
 
-    def height(x: Array) -> float:
-        return _height(robot, moved(robot, guess, x))
+    # Forces and energies are those of a weight of 1 N.
+    def over(x: Array) -> Array:
+        return cable_lengths(robot, at(x)) - allowed
 
-    def slope(x: Array) -> Array:
-        return -gravity_wrench(robot, moved(robot, guess, x)) @ moved_rates(robot, guess, x) / weight
-
-    def spare(x: Array) -> Array:
-        return allowed - cable_lengths(robot, moved(robot, guess, x))
-
-    kept = {"type": "ineq", "fun": spare, "jac": lambda x: -moved_slope(robot, guess, x)}
-    x = minimize(height, np.zeros(n), jac=slope, constraints=[kept], method="SLSQP",
-                 options={"maxiter": 1000, "ftol": 1e-14}).x
-    # The program says which cables carry; equilibrium and their lengths then say exactly where.
-    taut = spare(x) < _TAUT
-    pulls = np.zeros(robot.n_cables)
-    W, w_g = wrench_matrix(robot, moved(robot, guess, x)), gravity_wrench(robot, moved(robot, guess, x))
-    pulls[taut] = nnls(W[:, taut], -w_g / weight)[0] if taut.any() else 0.0
-    carrying = pulls > _STILL   # one that carries but rounding might end up pushing
-
-    def unrest(z: Array) -> Array:
-        pose = moved(robot, guess, z[:n])
-        missed = wrench_matrix(robot, pose)[:, carrying] @ z[n:] + gravity_wrench(robot, pose) / weight
-        return np.concatenate([missed, (cable_lengths(robot, pose) - allowed)[carrying]])
-
-    z = least_squares(unrest, np.concatenate([x, pulls[carrying]]))
-    pose, tensions = moved(robot, guess, z[:n]), np.zeros(robot.n_cables)
-    tensions[carrying] = weight * z[n:]
-    over = cable_lengths(robot, pose) - allowed
-    if np.abs(unrest(z)).max() > _STILL or over.max() > _TAUT or tensions.min() < 0:
-        raise NoConvergence(_NO_REST, over)
-    return AtRest(pose, frozen(tensions))
-
-
-def _stretched(robot: Robot, lengths: Array, guess: Pose, stiffness: float) -> AtRest:
-    """Where the weight's and the cables' energy is least, and W τ + w_g = 0."""
-    from scipy.optimize import minimize
-
-    weight = robot.mass * robot.gravity
-
-    def pulls(pose: Pose) -> Array:
-        return np.asarray(stiffness * np.maximum(cable_lengths(robot, pose) / lengths - 1, 0.0))
+    def stretched(x: Array) -> Array:
+        return stiffness * np.maximum(over(x) / allowed, 0.0)
 
     def energy(x: Array) -> float:
-        pose = moved(robot, guess, x)
-        return _height(robot, pose) + float((pulls(pose)**2 * lengths).sum()) / (2 * stiffness * weight)
+        center = at(x).position + at(x).rotation @ robot.platform.center_of_mass
+        return float(center[-1] + stretched(x) @ np.maximum(over(x), 0.0) / 2)
 
-    def imbalance(x: Array) -> Array:
-        pose = moved(robot, guess, x)
-        return (wrench_matrix(robot, pose) @ pulls(pose) + gravity_wrench(robot, pose)) / weight
+    def missed(x: Array, pulls: Array) -> Array:
+        return wrench_matrix(robot, at(x)) @ pulls + gravity_wrench(robot, at(x)) / weight
 
     def slope(x: Array) -> Array:
-        return -imbalance(x) @ moved_rates(robot, guess, x)
+        return -missed(x, stretched(x)) @ moved_rates(robot, guess, x)
 
-    # Newton's steps alone may go to and fro where a cable turns slack.
-    low = minimize(energy, np.zeros(robot.n_dof), jac=slope, method="BFGS").x
-    x = least_squares(imbalance, low)
-    if not np.abs(imbalance(x)).max() <= _STILL:
-        raise NoConvergence(_NO_REST, imbalance(x))
-    pose = moved(robot, guess, x)
-    return AtRest(pose, frozen(pulls(pose)))
+    pulls, carrying = np.zeros(robot.n_cables), np.zeros(robot.n_cables, dtype=bool)
+    if stiffness:   # Newton's steps alone may go to and fro where a cable turns slack
+        x = minimize(energy, np.zeros(n), jac=slope, method="BFGS").x
+    else:
+        kept = {"type": "ineq", "fun": lambda x: -over(x),
+                "jac": lambda x: -jacobian(robot, at(x)) @ moved_rates(robot, guess, x)}
+        x = minimize(energy, np.zeros(n), jac=slope, constraints=[kept], method="SLSQP",
+                     options={"maxiter": 1000, "ftol": 1e-14}).x
+        # The program says which cables carry; equilibrium and their lengths then say exactly where.
+        taut = over(x) > -_TAUT
+        if taut.any():
+            pulls[taut] = nnls(wrench_matrix(robot, at(x))[:, taut], -missed(x, pulls))[0]
+        carrying = pulls > _STILL   # one that carries but rounding might end up pushing
 
+    def tensions(z: Array) -> Array:
+        found = stretched(z[:n])
+        found[carrying] += z[n:]
+        return found
 
-def _height(robot: Robot, pose: Pose) -> float:
-    """Of the center of mass [m]."""
-    return float((pose.position + pose.rotation @ robot.platform.center_of_mass)[-1])
+    def unrest(z: Array) -> Array:
+        return np.concatenate([missed(z[:n], tensions(z)), over(z[:n])[carrying]])
+
+    z = least_squares(unrest, np.concatenate([x, pulls[carrying]]))
+    longer = over(z[:n])
+    if not (np.abs(unrest(z)).max() <= _STILL and (stiffness or longer.max() <= _TAUT) and tensions(z).min() >= 0):
+        raise NoConvergence("no pose near the guess is at rest on cables of these lengths; check the lengths, or start "
+                            "nearer to where the load should hang", longer)
+    return AtRest(at(z[:n]), frozen(weight * tensions(z)))

@@ -11,7 +11,15 @@ from ..arrays import Array, as_array, checked, common_batch, frozen, lasting
 from ..errors import InvalidInput
 from ..robot import Base, Robot
 from ..robot.pose import Pose, cross, lever
-from .cables import anchor_offsets, cable_directions, cables_at, check_dimension, straight_lengths, tangent_points
+from .cables import (
+    anchor_offsets,
+    cable_directions,
+    cables_at,
+    check_dimension,
+    exits_from_anchors,
+    straight_lengths,
+    tangent_points,
+)
 
 
 @checked
@@ -42,7 +50,8 @@ def gravity_wrench(robot: Robot, pose: Pose) -> Array:
     array([    0. ,     0. , -1471.5,     0. ,     0. ,     0. ])
     """
     check_dimension(robot, pose)
-    force, arm = _weight(robot.mass * robot.gravity, robot.dimension), pose.rotation @ robot.platform.center_of_mass
+    force = _weight(robot, robot.mass)
+    arm = pose.rotation @ robot.platform.center_of_mass
     wrench = np.concatenate([np.broadcast_to(force, arm.shape), cross(arm, force)], axis=-1)
     return robot.pattern.project(wrench[..., None], pose.rotation)[..., 0]
 
@@ -76,15 +85,19 @@ def stiffness(robot: Robot, pose: Pose, tensions: ArrayLike,
     ea = np.asarray(axial_stiffness)
     if ea.shape not in ((), (robot.n_cables,)):
         raise InvalidInput(f"axial_stiffness must be a number or {robot.n_cables} numbers [N], got shape {ea.shape}")
-    directions, lengths, W = cables_at(robot, pose)
+    u, lengths, W = cables_at(robot, pose)
     elastic = (W * ((ea + tau) / lengths)[..., None, :]) @ np.swapaxes(W, -1, -2)
-    basis = robot.pattern.basis(pose.rotation)
+    d = robot.dimension
     r = anchor_offsets(robot, pose)
-    geometric = _geometric_stiffness(r, directions, tau, _swing(robot, pose.position[..., None, :] + r, directions, tau,
-                                                                lengths))
+    # In full twist coordinates: from τ du = −swing (dp + dφ × r) and dr = dφ × r.
+    moves = np.concatenate([np.broadcast_to(np.eye(d), (*u.shape, d)), lever(r)], axis=-1)
+    geometric = np.swapaxes(moves, -1, -2) @ _swing(robot, pose, u, tau, lengths) @ moves
+    geometric[..., d:, d:] += tau[..., None, None] * _moment_loss(r, u)
+    full = geometric.sum(axis=-3)
     if weight:
-        geometric = geometric + _weight_stiffness(robot, pose)
-    return elastic + np.swapaxes(basis, -1, -2) @ geometric @ basis
+        full[..., d:, d:] += _moment_loss(pose.rotation @ robot.platform.center_of_mass, _weight(robot, robot.mass))
+    basis = robot.pattern.basis(pose.rotation)
+    return elastic + np.swapaxes(basis, -1, -2) @ full @ basis
 
 
 @lasting
@@ -107,7 +120,7 @@ class Footing(NamedTuple):
         other bases' cables [m]
     center : (edges, d): the weight's is center · f [m]
     weight : (d,) f in the world [N]
-    axes : (edges, 3 or 1) of the edges
+    axes : (edges, m, 3 or 1) of the edges, zero for other bases' cables
     """
 
     base: int
@@ -123,8 +136,7 @@ class Footing(NamedTuple):
         """
         levers, pulls = self.levers, (directions @ rotation)[..., None, :, :]
         if shifts is not None:
-            aside = _turned(self.axes[:, None], (shifts @ rotation)[..., None, :, :])
-            levers = levers - aside * (np.abs(levers).max(axis=(0, 2)) > 0)[:, None]   # of its own cables
+            levers = levers - _turned(self.axes, (shifts @ rotation)[..., None, :, :])
         matrix = (levers * pulls).sum(axis=-1)
         offset = self.center @ (self.weight @ rotation)
         return TippingRows(frozen(matrix), frozen(np.broadcast_to(offset, matrix.shape[:-1])))
@@ -134,17 +146,14 @@ def footings(robot: Robot) -> list[Footing]:
     """The footing of each base that has a footprint, in file order."""
     found = []
     for k, base in enumerate(robot.bases):
-        if not base.footprint.shape[0]:
-            continue
-        contacts, axes = _edges(base)
-        # The moment of a force f at p about an edge: axis · ((p − contact) × f) = (axis ×
-        # (p − contact)) · f.
-        levers = np.zeros((len(contacts), robot.n_cables, robot.dimension))
-        for i, carrier in enumerate(robot.base_indices):
-            if carrier == k:   # the cable pulls its exit point with −τ u
-                levers[:, i] = -_turned(axes, robot.cables[i].exit_point - contacts)
-        found.append(Footing(k, levers, _turned(axes, base.center_of_mass - contacts),
-                             _weight(base.mass * robot.gravity, robot.dimension), axes))
+        if base.footprint.size:
+            contacts, axes = _edges(base)
+            # The moment of a force f at p about an edge: axis · ((p − contact) × f) = (axis ×
+            # (p − contact)) · f. The cable pulls its exit point with −τ u.
+            own = axes[:, None] * np.equal(robot.base_indices, k)[:, None]
+            exits = np.array([cable.exit_point for cable in robot.cables])
+            found.append(Footing(k, -_turned(own, exits - contacts[:, None]),
+                                 _turned(axes, base.center_of_mass - contacts), _weight(robot, base.mass), own))
     return found
 
 
@@ -162,11 +171,10 @@ def tipping_rows(robot: Robot, pose: Pose) -> dict[str, TippingRows]:
     >>> tipping_rows(cl.load_world("caroca").robot, cl.Pose([0, 0, 1]))
     {}
     """
-    directions, shifts = cable_directions(robot, pose), None
-    if robot.pulleys.size:
-        shifts = tangent_points(robot, pose) - robot.exit_points
-    return {robot.bases[footing.base].name: footing.rows(directions, robot.bases[footing.base].rotation, shifts)
-            for footing in footings(robot)}
+    directions = cable_directions(robot, pose)
+    shifts = tangent_points(robot, pose) - robot.exit_points if robot.pulleys.size else None
+    bases = ((footing, robot.bases[footing.base]) for footing in footings(robot))
+    return {base.name: footing.rows(directions, base.rotation, shifts) for footing, base in bases}
 
 
 @checked
@@ -193,12 +201,12 @@ def _tensions(robot: Robot, pose: Pose, tensions: ArrayLike) -> Array:
     return tau
 
 
-def _swing(robot: Robot, anchors: Array, u: Array, tau: Array, lengths: Array) -> Array:
+def _swing(robot: Robot, pose: Pose, u: Array, tau: Array, lengths: Array) -> Array:
     """(…, m, d, d) G with τ du = −G db as anchor points (…, m, d) move: v vᵀ and n nᵀ as `stiffness` has them."""
     across = np.eye(robot.dimension) - u[..., :, None] * u[..., None, :]
     if not robot.pulleys.size:
         return across * (tau / lengths)[..., None, None]
-    away, radii, axes = anchors - robot.exit_points, robot.pulleys[:, 0], robot.pulleys[:, 1:]
+    away, radii, axes = -exits_from_anchors(robot, pose), robot.pulleys[:, 0], robot.pulleys[:, 1:]
     straight = straight_lengths(away, robot.pulleys)
     G = across * (tau / straight)[..., None, None]
     if robot.dimension == 3:   # in the plane wheels do not swivel
@@ -209,32 +217,14 @@ def _swing(robot: Robot, anchors: Array, u: Array, tau: Array, lengths: Array) -
     return G
 
 
-def _geometric_stiffness(r: Array, u: Array, tau: Array, swing: Array) -> Array:
-    """Σ τ_i K_i in full twist coordinates: from τ du = −swing (dp + dφ × r) and dr = dφ × r."""
-    d = r.shape[-1]
-    moves = np.concatenate([np.broadcast_to(np.eye(d), swing.shape), lever(r)], axis=-1)
-    full = np.swapaxes(moves, -1, -2) @ swing @ moves
-    full[..., d:, d:] += tau[..., None, None] * _moment_loss(r, u)
-    return full.sum(axis=-3)
-
-
 def _moment_loss(arm: Array, force: Array) -> Array:
     """By how much the moment r × f of a force falls as its arm turns, dr = dφ × r."""
     return np.swapaxes(lever(force), -1, -2) @ lever(arm)
 
 
-def _weight_stiffness(robot: Robot, pose: Pose) -> Array:
-    """−d w_g / dx in full twist coordinates: the weight's arm turns with the platform."""
-    d, n = robot.dimension, 3 * (robot.dimension - 1)
-    full = np.zeros((*pose.batch_shape, n, n))
-    full[..., d:, d:] = _moment_loss(pose.rotation @ robot.platform.center_of_mass,
-                                     _weight(robot.mass * robot.gravity, d))
-    return full
-
-
-def _weight(size: float, d: int) -> Array:
-    """(d,) a force downwards [N]."""
-    return np.asarray(-size * np.eye(d)[-1])
+def _weight(robot: Robot, mass: float) -> Array:
+    """(d,) the force of a mass downwards [N]."""
+    return np.asarray(-mass * robot.gravity * np.eye(robot.dimension)[-1])
 
 
 def _edges(base: Base) -> tuple[Array, Array]:

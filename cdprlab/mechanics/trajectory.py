@@ -59,13 +59,10 @@ class Trajectory:
         frozen(self.coefficients)
 
     def __call__(self, t: ArrayLike) -> Reference:
-        from numpy.polynomial.polynomial import polyder, polyval
-
         times = as_array(t, "t", (), "s", batch=True)
         within = np.clip(times, 0.0, self.duration)
         resting = (within != times)[..., None]
-        values = (polyval(within, polyder(self.coefficients, order)) for order in range(3))
-        x, rate, bend = (np.moveaxis(np.asarray(value, np.float64), 0, -1) for value in values)
+        x, rate, bend = _derivatives(self.coefficients, within)
         rate, bend = np.where(resting, 0.0, rate), np.where(resting, 0.0, bend)
         d = self.start.dimension
         J, J_rate = rotation_vector_jacobian(x[..., d:]), rotation_vector_jacobian_rate(x[..., d:], rate[..., d:])
@@ -104,22 +101,19 @@ def quintic(start: Pose, end: Pose, duration: Annotated[float, "[s] > 0"], *, st
     d = start.dimension
     given = {"start_twist": start_twist, "end_twist": end_twist,
              "start_acceleration": start_acceleration, "end_acceleration": end_acceleration}
-    ends = [np.zeros(3 * (d - 1)) if value is None else as_array(value, name, (3 * (d - 1),))
-            for name, value in given.items()]
+    twist0, twist1, acceleration0, acceleration1 = (
+        np.zeros(3 * (d - 1)) if value is None else as_array(value, name, (3 * (d - 1),))
+        for name, value in given.items())
     turn = rotation_vector(end.rotation @ start.rotation.T)
-    step = np.concatenate([end.position - start.position, turn])
-    rate0, bend0 = _vector_rates(np.zeros_like(turn), ends[0], ends[2], d)
-    rate1, bend1 = _vector_rates(turn, ends[1], ends[3], d)
-    # From 0 to the step with these rates and second derivatives at the ends: three powers are
-    # known, three are not.
-    powers = np.arange(3, 6)
-    at_end = np.stack([duration**powers, powers * duration**(powers - 1),
-                       powers * (powers - 1) * duration**(powers - 2)])
-    missing = np.stack([step - rate0 * duration - bend0 * duration**2 / 2,
-                        rate1 - rate0 - bend0 * duration, bend1 - bend0])
-    known = [np.zeros_like(step), rate0, bend0 / 2]
-    return Trajectory(start, end, duration,
-                      np.concatenate([known, np.linalg.solve(at_end, missing)]))
+    rate0, bend0 = _vector_rates(0 * turn, twist0, acceleration0)
+    rate1, bend1 = _vector_rates(turn, twist1, acceleration1)
+    # Three powers are known from the start, three follow from the end: what each power of one
+    # comes to there, and its rate and second derivative.
+    known = np.stack([0 * rate0, rate0, bend0 / 2])
+    wanted = np.stack([np.concatenate([end.position - start.position, turn]), rate1, bend1])
+    powers = _derivatives(np.eye(6), duration)
+    return Trajectory(start, end, duration, np.concatenate(
+        [known, np.linalg.solve(powers[:, 3:], wanted - powers[:, :3] @ known)]))
 
 
 def rest_to_rest(share: ArrayLike) -> Array:
@@ -147,9 +141,17 @@ def hold(pose: Pose, duration: Annotated[float, "[s] > 0"]) -> Trajectory:
     return quintic(pose, pose, duration)
 
 
-def _vector_rates(vector: Array, twist: Array, acceleration: Array, d: int) -> tuple[Array, Array]:
+def _derivatives(coefficients: Array, t: Any) -> Array:
+    """Σ c_k t^k of (6, n) coefficients at times (…), and its first two derivatives: (3, …, n)."""
+    from numpy.polynomial.polynomial import polyder, polyval
+
+    return np.stack([np.moveaxis(polyval(t, polyder(coefficients, order)), 0, -1) for order in range(3)])
+
+
+def _vector_rates(vector: Array, twist: Array, acceleration: Array) -> tuple[Array, Array]:
     """Rates of [p; r] where r is ``vector``, from ω = J ṙ and ω̇ = J r̈ + J̇ ṙ."""
+    (v, spin), (a, spin_rate) = (np.split(part, [-vector.size]) for part in (twist, acceleration))
     inverse = np.linalg.inv(rotation_vector_jacobian(vector))
-    rate = inverse @ twist[d:]
-    bend = inverse @ (acceleration[d:] - rotation_vector_jacobian_rate(vector, rate) @ rate)
-    return np.concatenate([twist[:d], rate]), np.concatenate([acceleration[:d], bend])
+    rate = inverse @ spin
+    bend = inverse @ (spin_rate - rotation_vector_jacobian_rate(vector, rate) @ rate)
+    return np.concatenate([v, rate]), np.concatenate([a, bend])

@@ -44,13 +44,14 @@ def friction_torque(friction: Friction | Winch, speed: ArrayLike) -> Array:
     """
     slow, sliding, turning = friction_features(speed)
     static = max(friction.static, friction.coulomb)
-    return np.asarray(static * slow + friction.coulomb * sliding + friction.viscous * turning)
+    return static * slow + friction.coulomb * sliding + friction.viscous * turning
 
 
 def friction_features(speed: ArrayLike) -> tuple[Array, Array, Array]:
     """What static, Coulomb and viscous friction are multiplied with: f is linear in them."""
-    q = np.asarray(speed, dtype=float)
-    sign, slow = np.tanh(q / BREAKAWAY), np.exp(-(q / STRIBECK)**2)
+    q = np.asarray(speed)
+    sign = np.tanh(q / BREAKAWAY)
+    slow = np.exp(-(q / STRIBECK)**2)
     return sign * slow, sign * (1 - slow), q
 
 
@@ -59,8 +60,8 @@ def gear_torque(winch: Winch, tensions: ArrayLike, speed: ArrayLike) -> Array:
 
     tensions : (…) [N]; speed : (…) of the motor [rad/s]
     """
-    lost = winch.efficiency**-np.tanh(np.asarray(speed, dtype=float) / BREAKAWAY)
-    return np.asarray(tensions, dtype=float) * lost * (winch.drum_radius / winch.gear_ratio)
+    lost = winch.efficiency**-np.tanh(np.asarray(speed) / BREAKAWAY)
+    return np.asarray(tensions) * lost * (winch.drum_radius / winch.gear_ratio)
 
 
 def motor_speed(winch: Winch, rates: ArrayLike) -> Array:
@@ -68,7 +69,7 @@ def motor_speed(winch: Winch, rates: ArrayLike) -> Array:
 
     rates : (…) of cable length [m/s]
     """
-    return np.asarray(rates, dtype=float) * (-winch.gear_ratio / winch.drum_radius)
+    return np.asarray(rates) * (-winch.gear_ratio / winch.drum_radius)
 
 
 def motor_torque(winch: Winch, tensions: ArrayLike, rates: ArrayLike, accelerations: ArrayLike = 0.0) -> Array:
@@ -82,15 +83,16 @@ def motor_torque(winch: Winch, tensions: ArrayLike, rates: ArrayLike, accelerati
     array([0.514, 0.252])
     """
     speed = motor_speed(winch, rates)
-    return np.asarray(winch.inertia * motor_speed(winch, accelerations) + friction_torque(winch, speed)
-                      + gear_torque(winch, tensions, speed))
+    return (winch.inertia * motor_speed(winch, accelerations) + friction_torque(winch, speed)
+            + gear_torque(winch, tensions, speed))
 
 
 def motor_damping(winch: Winch, tensions: ArrayLike, speed: ArrayLike) -> Array:
     """∂/∂q̇ of friction and gear losses, by central differences [N m s/rad]."""
-    q, step = np.asarray(speed, dtype=float), 1e-4
-    lost = [friction_torque(winch, v) + gear_torque(winch, tensions, v) for v in (q + step, q - step)]
-    return np.asarray(lost[0] - lost[1]) / (2 * step)
+    step = 1e-4
+    after, before = (friction_torque(winch, v) + gear_torque(winch, tensions, v)
+                     for v in (np.add(speed, step), np.subtract(speed, step)))
+    return (after - before) / (2 * step)
 
 
 def cable_tensions(winch: Winch, torques: Array, rates: Array, loose: Array, yielding: Array,

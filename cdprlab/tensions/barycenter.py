@@ -1,8 +1,10 @@
 """The middle of all feasible tensions: the area centroid of their polygon."""
 
+import numpy as np
+
 from ..arrays import Array
 from ..compiled import CENTROID
-from .feasible_polygon import polygon_points, unanswered
+from .feasible_polygon import polygon_points
 from .method import Answers, vectorized
 
 
@@ -13,7 +15,7 @@ def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
     Source: Mikelsons et al. 2008; Lamaury and Gouttefarde 2013.
     """
     tensions, reasons, spare = polygon_points(W, w_e, low, high, CENTROID)
-    for k in unanswered(spare, reasons):
+    for k in np.flatnonzero((spare > 2) & (reasons == "")):
         reasons[k] = f"the barycenter is computed for at most 2 redundant cables; here there are {spare[k]}"
     return tensions, reasons
 

@@ -7,15 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import LARGEST, Array, as_array, common_batch
+from ..arrays import Array, as_array, common_batch
 from ..errors import InvalidInput
 from .judgement import TensionDistribution, checked_distribution
 from .law import flat
 from .methods import method_named, solver_for
 
 
-def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike,
-                        tension_max: ArrayLike,
+def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, tension_max: ArrayLike,
                         method: str = "quadratic_program", **options: Any) -> TensionDistribution:
     """Cable tensions with W τ + w_e = 0 and τ_min ≤ τ ≤ τ_max, one of infinitely many by the method's choice.
 
@@ -34,16 +33,16 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike,
     >>> bool(found.feasible), float(found.tensions.min().round(1))
     (True, 317.6)
     """
-    W = _gate(W, "wrench matrix W", ("n", "m"))
+    W = as_array(W, "wrench matrix W", ("n", "m"), batch=True)
     n, m = W.shape[-2:]
     if not n or not m:
         raise InvalidInput(f"wrench matrix W needs at least one row and one cable, got shape {W.shape}")
-    w_e = _gate(w_e, "external wrench w_e", (n,), "N, N m")
+    w_e = as_array(w_e, "external wrench w_e", (n,), "N, N m", batch=True)
     low, high = _limits(tension_min, "tension_min", m), _limits(tension_max, "tension_max", m)
     if low.min() < 0:
         raise InvalidInput(f"tension_min must not be negative [N] (cables only pull), got {float(low.min()):g}")
     batch: tuple[int, ...] = ()
-    if W.ndim > 2 or max(w_e.ndim, low.ndim, high.ndim) > 1:
+    if max(W.ndim - 1, w_e.ndim, low.ndim, high.ndim) > 1:
         batch = common_batch(W=W.shape[:-2], w_e=w_e.shape[:-1], tension_min=low.shape[:-1],
                              tension_max=high.shape[:-1])
     _check_order(low, high)
@@ -59,24 +58,12 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike,
     return checked_distribution(W, w_e, low, high, tensions, reasons, method)
 
 
-def _gate(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: str = "") -> Array:
-    """`as_array`, without its copy where there is nothing to change: a batch of W is most of what is moved."""
-    if type(value) is np.ndarray and value.dtype == np.float64 and 20 > value.ndim >= max(1, len(shape)):
-        fits = not shape or isinstance(shape[-1], str) or value.shape[-1] == shape[-1]
-        numbers = value.ravel()
-        with np.errstate(over="ignore"):
-            modest = numbers.dot(numbers) <= LARGEST   # else something is not finite, or enormous: looked at closely
-        if fits and modest:
-            return value
-    return as_array(value, name, shape, unit, batch=True)
-
-
 def _limits(value: ArrayLike, name: str, m: int) -> Array:
     """(m,) or (…, m) from a number or an array."""
-    given = _gate(value, name, (), "N")
-    if given.ndim and given.shape[-1] == m:
+    given = as_array(value, name, (), "N", batch=True)
+    if given.shape[-1:] == (m,):
         return given
-    if given.ndim and given.shape[-1] != 1:
+    if given.shape[-1:] not in ((), (1,)):
         raise InvalidInput(f"{name} must be a number or {m} numbers [N], got shape {given.shape}")
     return np.broadcast_to(given, (*given.shape[:-1], m))
 
@@ -84,7 +71,7 @@ def _limits(value: ArrayLike, name: str, m: int) -> Array:
 def _check_order(low: Array, high: Array) -> None:
     crossed = low > high
     if crossed.any():
-        at = tuple(np.argwhere(crossed)[0])
         low, high = np.broadcast_arrays(low, high)
+        at = tuple(np.argwhere(crossed)[0])
         raise InvalidInput(f"tension limits are crossed at cable {at[-1] + 1}: "
                            f"{float(low[at]):g} N > {float(high[at]):g} N")

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, plain
-from ..compiled import EMPTY, FOUND, OUT_OF_RANGE, SPENT
-from .method import INFEASIBLE, UNREACHABLE, Texts, fixed_cables, no_reasons
+from ..compiled import EMPTY, OUT_OF_RANGE, SPENT
+from .method import INFEASIBLE, UNREACHABLE, Answers, Texts, fixed_cables
 
 
 def polygon_points(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[Array, Texts, NDArray[np.int64]]:
@@ -22,14 +22,8 @@ def polygon_points(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> 
     return tensions, _texts(found), spare
 
 
-def unanswered(spare: NDArray[np.int64], reasons: Texts) -> NDArray[np.int64]:
-    """Which of a batch have more than a polygon, and so no answer yet."""
-    return np.flatnonzero((spare > 2) & (reasons == "")) if (spare > 2).any() else spare[:0]
-
-
-def closest_tensions(W: Array, w_e: Array, low: Array, high: Array, share: float,
-                     rounds: int = 0, *,
-                     spent: str = "") -> tuple[Array, Texts]:
+def closest_tensions(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds: int = 0, *,
+                     spent: str = "") -> Answers:
     """τ_0 − W⁺ (w_e + W τ_0), τ_0 = τ_min + share (τ_max − τ_min); cables with equal limits stay at them.
 
     rounds : how often the cable that leaves its limits by most is fixed there and the others
@@ -41,19 +35,16 @@ def closest_tensions(W: Array, w_e: Array, low: Array, high: Array, share: float
     from ..compiled.closest import closest
 
     tensions, found = closest(*map(plain, (W, w_e, low, high)), share, rounds)
-    off = found == OUT_OF_RANGE
-    if off.any():
-        wish, fixed = (np.broadcast_to(part, tensions.shape)[off]
-                       for part in (low + share * (high - low), fixed_cables(low, high)))
-        missed = w_e[off] + (W[off] @ wish[..., None])[..., 0]
-        free = np.where(fixed[:, None, :], 0.0, W[off])
-        tensions[off] = wish - (np.linalg.pinv(free) @ missed[..., None])[..., 0]
+    for k in np.flatnonzero(found == OUT_OF_RANGE):
+        least, most = low[k % len(low)], high[k % len(high)]
+        wish = least + share * (most - least)
+        free = np.where(fixed_cables(least, most), 0.0, W[k])
+        tensions[k] = wish - np.linalg.pinv(free) @ (w_e[k] + W[k] @ wish)
     return tensions, _texts(found, spent)
 
 
 def _texts(found: NDArray[np.int64], spent: str = "") -> Texts:
-    reasons = no_reasons(found.size)
-    if (found != FOUND).any():
-        for code, text in ((EMPTY, INFEASIBLE), (OUT_OF_RANGE, UNREACHABLE), (SPENT, spent)):
-            reasons[found == code] = text
+    reasons = np.full(found.size, "", dtype=object)
+    for code, text in ((EMPTY, INFEASIBLE), (OUT_OF_RANGE, UNREACHABLE), (SPENT, spent)):
+        reasons[found == code] = text
     return reasons

@@ -4,25 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, Flags, data_frame, frozen, lasting
+from ..arrays import Array, data_frame, frozen, lasting
 from ..errors import InfeasibleTensions
 from .law import flat, shortfall, weigh
 from .method import PROOFS, UNREACHABLE, Texts
 from .methods import METHODS
-
-
-@lasting
-class Problem(NamedTuple):
-    """What was asked: W (…, n, m), w_e (…, n), limits (…, m), their batch axes as given."""
-
-    W: Array
-    w_e: Array
-    low: Array
-    high: Array
 
 
 @lasting
@@ -44,7 +34,7 @@ class TensionDistribution:
     residual: Array
     margin: Any
     method: str
-    _problem: Problem | None = field(repr=False)
+    _problem: tuple[Array, ...] = field(repr=False)
     _said: Any = field(repr=False)
 
     @cached_property
@@ -69,11 +59,16 @@ class TensionDistribution:
         """'' when feasible, else why not; an array in a batch. An incomplete method adds what the LP says."""
         texts = np.full(np.shape(self.feasible), "", dtype=object)
         bad = ~np.asarray(self.feasible)
-        if self._problem is not None:
-            proven = np.broadcast_to(self.complete, bad.shape)[bad]
-            texts[bad] = _reasons(self._problem, self.tensions[bad], self.residual[bad], np.asarray(self.margin)[bad],
-                                  self._texts[bad], proven)
-        return texts if texts.ndim else texts[()]
+        said = self._texts[bad]
+        answers = [*zip(self.tensions[bad], self.residual[bad], np.asarray(self.margin)[bad], *self._problem[2:])]
+        for k in np.flatnonzero(said == ""):
+            said[k] = shortfall(*answers[k])
+        asked = np.flatnonzero((said != UNREACHABLE) & ~np.broadcast_to(self.complete, bad.shape)[bad])
+        if asked.size:
+            program = METHODS["linear_program"].solve(*(part[asked] for part in self._problem))[1]
+            said[asked] += np.where(program == "", "; the LP says a distribution exists", "; the LP says none exists")
+        texts[bad] = said
+        return texts[()]
 
     def __repr__(self) -> str:
         said = "feasible" if np.all(self.feasible) else "not feasible"
@@ -93,15 +88,14 @@ class TensionDistribution:
         """Itself if all is feasible; raises InfeasibleTensions, carrying it, if not."""
         if np.all(self.feasible):
             return self
-        bad = np.argwhere(~np.atleast_1d(self.feasible))
-        reason = np.atleast_1d(self.reason)[tuple(bad[0])]
-        share = f"{len(bad)} of {np.size(self.feasible)} wrenches: " if np.ndim(self.feasible) else ""
+        bad = ~np.asarray(self.feasible)
+        reason = np.asarray(self.reason)[bad][0]
+        share = f"{bad.sum()} of {bad.size} wrenches: " if bad.ndim else ""
         raise InfeasibleTensions(f"{share}{reason}; method 'relaxed' gives the least wrench error inside the limits",
                                  self)
 
 
-def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions: Array,
-                         reasons: Any,
+def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions: Array, reasons: Any,
                          method: str) -> TensionDistribution:
     """Judges tensions by the law, whatever their method says: equilibrium residual and limits.
 
@@ -109,27 +103,10 @@ def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions
     str or (…) of str
     """
     tensions, residual, margin, feasible = weigh(W, w_e, low, high, tensions)
-    problem = None if feasible.all() else _selected(Problem(W, w_e, low, high), ~feasible)
+    problem: tuple[Array, ...] = ()
+    if not feasible.all():   # those without tensions, copied: (k, n, m), (k, n), (k, m), (k, m)
+        batch, bad = feasible.shape, ~feasible.ravel()
+        problem = (flat(batch, W, 2)[bad], *(flat(batch, part)[bad] for part in (w_e, low, high)))
     if tensions.ndim == 1:
         feasible, margin = bool(feasible), float(margin)
-    return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method,
-                               problem, reasons)
-
-
-def _selected(problem: Problem, bad: Any) -> Problem:
-    """The wrenches without tensions, copied: (k, n, m), (k, n), (k, m), (k, m)."""
-    W, *rest = problem
-    batch, chosen = np.shape(bad), np.ravel(bad)
-    return Problem(flat(batch, W, 2)[chosen], *(flat(batch, part)[chosen] for part in rest))
-
-
-def _reasons(problem: Problem, tensions: Array, residual: Array, margin: Array, said: Texts, proven: Flags) -> Texts:
-    texts = said.copy()
-    for k in np.flatnonzero(said == ""):
-        texts[k] = shortfall(tensions[k], residual[k], margin[k], problem.low[k], problem.high[k])
-    asked = np.flatnonzero((texts != UNREACHABLE) & ~proven)
-    if asked.size:
-        program = METHODS["linear_program"].solve(*(part[asked] for part in problem))[1]
-        texts[asked] += np.where(program == "", "; the LP says a distribution exists",
-                                 "; the LP says none exists")
-    return texts
+    return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method, problem, reasons)

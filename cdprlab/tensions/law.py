@@ -56,12 +56,6 @@ def flat(batch: tuple[int, ...], part: Array, own: int = 1) -> Array:
     return np.broadcast_to(part, (*batch, *shape)).reshape(-1, *shape)
 
 
-def weigh_one(W: Array, w_e: Array, low: Array, high: Array, tensions: Array) -> tuple[Array, str]:
-    """The same of one wrench in a control loop: its tensions, and '' or why they are no answer."""
-    found = weigh(W, w_e, low, high, tensions)
-    return found.tensions, "" if found.feasible else shortfall(*found[:3], low, high)
-
-
 def tension_scale(w_e: Array, low: Array) -> Array:
     """(m,) 1 + |w_e|∞ + τ_min of one wrench: what tolerances of its tensions are shares of [N]."""
     return np.asarray(1 + np.abs(w_e).max() + low)
@@ -79,12 +73,6 @@ def limits_kept(tensions: Array, w_e: Array, low: Array, high: Array) -> bool:
     """Whether one wrench's tensions keep the limits to the law's tolerance."""
     room = np.minimum(tensions - low, high - tensions)
     return bool((room >= -TOLERANCE * tension_scale(w_e, low)).all())
-
-
-def reachable(W: Array, w_e: Array) -> bool:
-    """Whether some tensions, of any size and sign, balance one wrench."""
-    best = np.linalg.lstsq(W, -w_e, rcond=None)[0]
-    return bool(np.abs(W @ best + w_e).max() <= TOLERANCE * (1 + np.abs(w_e).max()))
 
 
 def shortfall(tensions: Array, residual: Array, margin: float, low: Array, high: Array) -> str:

@@ -3,10 +3,11 @@
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import LOWEST
-from .feasible_polygon import polygon_points, unanswered
-from .law import reachable, tension_scale
+from ..compiled import LOWEST, TOLERANCE
+from .feasible_polygon import polygon_points
+from .law import tension_scale
 from .method import INFEASIBLE, UNREACHABLE, Answers, Solution, sharpened, vectorized
+from .quadratic_program import independent_rows
 
 
 def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
@@ -16,9 +17,8 @@ def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
     Source: Okoli 2016, eq. (6.24); Huangfu and Hall 2018 (HiGHS).
     """
     tensions, reasons, spare = polygon_points(W, w_e, low, high, LOWEST)
-    lows, highs = (np.broadcast_to(limit, tensions.shape) for limit in (low, high))
-    for k in unanswered(spare, reasons):
-        tensions[k], reasons[k] = _highs(W[k], w_e[k], lows[k], highs[k])
+    for k in np.flatnonzero((spare > 2) & (reasons == "")):
+        tensions[k], reasons[k] = _highs(W[k], w_e[k], low[k % len(low)], high[k % len(low)])
     return tensions, reasons
 
 
@@ -30,9 +30,10 @@ def _highs(W: Array, w_e: Array, low: Array, high: Array) -> Solution:
                     method="highs-ds")
     if found.status == 0:   # it leaves 1e-7 of equilibrium, ten times the tolerance
         return sharpened(W, w_e, low, high, found.x * unit), ""
-    if not reachable(W, w_e):
-        return np.full(low.size, np.nan), UNREACHABLE
-    return np.full(low.size, np.nan), INFEASIBLE if found.status == 2 else f"HiGHS gave up: {found.message}"
+    reason = INFEASIBLE if found.status == 2 else f"HiGHS gave up: {found.message}"
+    if independent_rows(W, -w_e)[2] > TOLERANCE * (1 + np.abs(w_e).max()):
+        reason = UNREACHABLE
+    return np.full(low.size, np.nan), reason
 
 
 METHOD = vectorized(solve, complete=True,

@@ -1,6 +1,7 @@
 """What a tension distribution method is: solved for a batch at once, or built for its limits and solved one by one."""
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Flags
 from ..compiled import FIXED
-from .law import limits_kept, tension_scale, weigh_one
+from .law import limits_kept, shortfall, tension_scale, weigh
 
 INFEASIBLE = "no tensions within the limits balance the wrench"
 UNREACHABLE = "the cables cannot exert this wrench at any tension: it lies outside the range of W"
@@ -63,28 +64,20 @@ def vectorized(solve: BatchSolver, *, complete: bool, summary: str) -> Method:
             tensions, reasons = solve(W[None], w_e[None], low, high, **options)
             if reasons[0]:
                 return tensions[0], reasons[0]
-            return weigh_one(W, w_e, tension_min, tension_max, tensions[0])
+            found = weigh(W, w_e, tension_min, tension_max, tensions[0])
+            return found.tensions, "" if found.feasible else shortfall(*found[:3], tension_min, tension_max)
 
         return solve_one
 
     return Method(solve, build, complete, summary)
 
 
-def one_by_one(left: Flags, build: Callable[[Array, Array], Solver], W: Array, w_e: Array,
-               low: Array, high: Array,
+def one_by_one(left: Flags, build: Callable[[Array, Array], Solver], W: Array, w_e: Array, low: Array, high: Array,
                tensions: Array, reasons: Texts) -> None:
     """Answers what is left of a batch, wrench by wrench, by ``(tension_min, tension_max) → Solver``."""
-    solve = None
+    solver = cache(lambda row: build(low[row], high[row]))
     for k in np.flatnonzero(left):
-        if solve is None or len(low) > 1:   # limits of its own, or the first of all
-            row = k if len(low) > 1 else 0
-            solve = build(low[row], high[row])
-        tensions[k], reasons[k] = solve(W[k], w_e[k])
-
-
-def no_reasons(count: int) -> Texts:
-    """(count,) of ''."""
-    return np.full(count, "", dtype=object)
+        tensions[k], reasons[k] = solver(k % len(low))(W[k], w_e[k])   # limits of its own, or those of all
 
 
 def sharpened(W: Array, w_e: Array, low: Array, high: Array, tau: Array) -> Array:
@@ -93,13 +86,13 @@ def sharpened(W: Array, w_e: Array, low: Array, high: Array, tau: Array) -> Arra
     at_low, at_high = tau - low < close, high - tau < close
     held = at_low | at_high
     sharp = np.where(at_low, low, np.where(at_high, high, tau))
-    sharp[~held] = np.linalg.lstsq(W[:, ~held], -w_e - W[:, held] @ sharp[held], rcond=None)[0]
+    sharp[~held] = np.linalg.lstsq(W[:, ~held], -w_e - W[:, held] @ sharp[held])[0]
     clipped = np.clip(tau, low, high)
     better = np.abs(W @ sharp + w_e).max() <= np.abs(W @ clipped + w_e).max()
     return sharp if better and limits_kept(sharp, w_e, low, high) else tau
 
 
-def fixed_cables(low: Array, high: Array) -> NDArray[np.bool_]:
+def fixed_cables(low: Array, high: Array) -> Flags:
     """Which cables have no choice."""
     return high - low <= FIXED * (1 + low)
 
@@ -109,15 +102,15 @@ def around_fixed(build: Callable[[Array, Array], Solver], low: Array, high: Arra
 
     build : ``(tension_min, tension_max) → Solver`` for any number of cables
     """
-    fixed, held = fixed_cables(low, high), (low + high) / 2
+    fixed = fixed_cables(low, high)
     if not fixed.any():
         return build(low, high)
-    free = ~fixed
-    inner = build(low[free], high[free]) if free.any() else None
+    free, held = ~fixed, (low + high) / 2
+    inner = build(low[free], high[free])
 
     def solve(W: Array, w_e: Array) -> Solution:
         tau, reason = held.copy(), ""
-        if inner is not None:
+        if free.any():
             tau[free], reason = inner(W[:, free], w_e + W[:, fixed] @ held[fixed])
         return tau, reason
 

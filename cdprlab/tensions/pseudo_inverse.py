@@ -4,7 +4,7 @@ import numpy as np
 
 from ..arrays import Array
 from .feasible_polygon import closest_tensions
-from .method import Answers, no_reasons, vectorized
+from .method import Answers, vectorized
 
 
 def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
@@ -13,7 +13,7 @@ def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
     Source: Okoli 2016, eq. (6.26).
     """
     nothing = np.zeros((1, W.shape[2]))
-    return closest_tensions(W, w_e, nothing, nothing + 1, 0.0)[0], no_reasons(W.shape[0])
+    return closest_tensions(W, w_e, nothing, nothing + 1, 0.0)[0], np.full(len(W), "", dtype=object)
 
 
 METHOD = vectorized(solve, complete=False,

@@ -1,7 +1,7 @@
 """Least-norm tensions inside the limits: min ‖τ‖² subject to W τ + w_e = 0, τ_min ≤ τ ≤ τ_max."""
 
 from collections.abc import Callable
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 
@@ -11,17 +11,7 @@ from ..errors import InvalidInput, needed_by, quoted
 from ..mechanics.optimization import least_quadratic
 from .feasible_polygon import polygon_points
 from .law import NOT_FINITE, forgiven
-from .method import (
-    INFEASIBLE,
-    UNREACHABLE,
-    Answers,
-    Method,
-    Solution,
-    Solver,
-    around_fixed,
-    one_by_one,
-    sharpened,
-)
+from .method import INFEASIBLE, UNREACHABLE, Answers, Method, Solution, Solver, around_fixed, one_by_one, sharpened
 
 Program = Callable[..., Array | None]
 """What `least_quadratic` is: a program's arguments → its answer, None where nothing keeps the rows."""
@@ -35,6 +25,10 @@ class LeastNorm:
 
         self.n, self.low, self.high, self.least = n, low, high, least
         self.no_limit_active = no_limit_active
+        # ‖τ‖², and C and b of Cᵀ τ ≥ b, equalities first: all but W and w_e is written once.
+        self.identity, nothing = np.eye(low.size), np.zeros((low.size, n))
+        self.C = np.concatenate([nothing, self.identity, -self.identity], axis=1)
+        self.b = np.concatenate([nothing[0], low, -high])
 
     def __call__(self, W: Array, w_e: Array) -> Solution:
         """Tensions and '' or the reason why there are none."""
@@ -45,21 +39,9 @@ class LeastNorm:
 
     def program(self, W: Array, w_e: Array) -> tuple[Array, Array, Array, Array, int, bool]:
         """What `least_quadratic` takes."""
-        C, b = self.constraints
-        C[:, :self.n] = W.T
-        np.negative(w_e, out=b[:self.n])
-        return self.identity, np.zeros(self.low.size), C, b, self.n, True
-
-    @cached_property
-    def identity(self) -> Array:
-        """‖τ‖²."""
-        return np.eye(self.low.size)
-
-    @cached_property
-    def constraints(self) -> tuple[Array, Array]:
-        """C and b of Cᵀ τ ≥ b, equalities first: all but W and w_e is written once."""
-        one, nothing = self.identity, np.zeros((self.low.size, self.n))
-        return np.concatenate([nothing, one, -one], axis=1), np.concatenate([nothing[0], self.low, -self.high])
+        self.C[:, :self.n] = W.T
+        self.b[:self.n] = -w_e
+        return self.identity, np.zeros(self.low.size), self.C, self.b, self.n, True
 
     def by_independent_rows(self, W: Array, w_e: Array) -> Solution:
         """What is left when the program fails: dependent rows of W, a single point, or truly no solution."""
@@ -70,15 +52,12 @@ class LeastNorm:
         if outside > TOLERANCE * (1 + np.abs(w_e).max()):
             return nothing, (f"the cables cannot exert this wrench at any tension: W has rank {len(rows)} of "
                              f"{len(W)}, and {outside:.3g} N or N m lies outside its range")
-        found = self.least(*LeastNorm(len(rows), self.low, self.high).program(rows, -values))
-        if found is None:   # one last tension on the very border is lost to rounding
-            slack = forgiven(w_e, self.low)
+        for slack in (0.0, forgiven(w_e, self.low)):   # one last tension on the very border is lost to rounding
             wider = LeastNorm(len(rows), self.low - slack, self.high + slack)
             found = self.least(*wider.program(rows, -values))
-            if found is None:
-                return nothing, INFEASIBLE
-            found = sharpened(W, w_e, self.low, self.high, found)
-        return found, ""
+            if found is not None:
+                return sharpened(W, w_e, self.low, self.high, found), ""
+        return nothing, INFEASIBLE
 
 
 def independent_rows(W: Array, values: Array) -> tuple[Array, Array, float]:
@@ -87,7 +66,7 @@ def independent_rows(W: Array, values: Array) -> tuple[Array, Array, float]:
     W τ = values  ⇔  rows τ = reduced, if the last number is zero.
     """
     u, s, vt = np.linalg.svd(W, full_matrices=False)
-    rank = int((s > s[0] * max(W.shape) * np.finfo(float).eps).sum()) if s.size and s[0] > 0 else 0
+    rank = int((s > s[0] * max(W.shape) * np.finfo(float).eps).sum())
     inside = u[:, :rank].T @ values
     outside = float(np.abs(values - u[:, :rank] @ inside).max(initial=0.0))
     return vt[:rank], inside / s[:rank], outside

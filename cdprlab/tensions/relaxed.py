@@ -3,22 +3,13 @@
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Flags
 from ..compiled import TOLERANCE
 from ..mechanics.optimization import least_quadratic
 from . import quadratic_program
 from .law import NOT_FINITE, limits_kept, tension_scale
-from .method import (
-    INFEASIBLE,
-    Answers,
-    Method,
-    Solution,
-    Solver,
-    around_fixed,
-    one_by_one,
-)
+from .method import INFEASIBLE, Answers, Method, Solution, Solver, around_fixed, one_by_one
 from .quadratic_program import LeastNorm
 
 # The first program's weight on ‖τ‖², relative to W's: small enough to find the right active
@@ -53,41 +44,39 @@ def _relaxed(n: int, low: Array, high: Array) -> Solver:
             return tau, ""
         if not np.isfinite(w_e).all():
             return np.full(low.size, np.nan), NOT_FINITE
-        tau, movable = _least_error(W, w_e, low, high)
+        tau, movable = _least_error(exact, W, w_e)
         if movable.any():   # of all tensions that give this wrench the least
             columns = W[:, movable]
             least, lost = LeastNorm(n, low[movable], high[movable])(columns, -(columns @ tau[movable]))
             if not lost:   # to rounding
                 tau[movable] = least
-        left = float(np.abs(W @ tau + w_e).max())
-        balanced = left <= TOLERANCE * (1 + float(np.abs(w_e).max()))
-        return tau, "" if balanced else f"{INFEASIBLE}; {left:.3g} N or N m is left"
+        left = np.abs(W @ tau + w_e).max()
+        return tau, "" if left <= TOLERANCE * (1 + np.abs(w_e).max()) else f"{INFEASIBLE}; {left:.3g} N or N m is left"
 
     return solve
 
 
-def _least_error(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _least_error(exact: LeastNorm, W: Array, w_e: Array) -> tuple[Array, Flags]:
     """min ‖W τ + w_e‖ inside the limits, and which cables the error leaves a choice; none if it is the only point.
 
     The program finds the cables at a limit, the free ones are then solved anew without its
     ridge.
     """
-    goal, reach, away = -w_e, float((np.abs(W) @ high).max()), float(np.abs(w_e).max())
+    low, high, goal = exact.low, exact.high, -w_e
+    reach = (np.abs(W) @ high).max()
+    away = np.abs(w_e).max()
     if away > reach:   # no tolerance grows beyond what cables can do; far away only the direction counts
         w_e = w_e * (reach / away)
         goal = goal * min(1.0, 1e5 * reach / away)
-    identity = np.eye(low.size)
     gram = W.T @ W
-    gram += _RIDGE * (np.trace(gram) or 1.0) * identity
-    limits = np.concatenate([identity, -identity], axis=1)
-    found = least_quadratic(gram, W.T @ goal, limits, np.concatenate([low, -high]))
+    gram += _RIDGE * (np.trace(gram) or 1.0) * exact.identity
+    found = least_quadratic(gram, W.T @ goal, exact.C[:, exact.n:], exact.b[exact.n:])
     assert found is not None, "limits are in order"
     at_limit = 1e-6 * tension_scale(w_e, low)   # a thousand times the ridge
     at_low, at_high = found <= low + at_limit, found >= high - at_limit
     free = ~(at_low | at_high)
     tau = np.where(at_low, low, np.where(at_high, high, found))
-    tau[free], _, rank, _ = np.linalg.lstsq(W[:, free], goal - W[:, ~free] @ tau[~free],
-                                            rcond=None)
+    tau[free], _, rank, _ = np.linalg.lstsq(W[:, free], goal - W[:, ~free] @ tau[~free])
     sharp = limits_kept(tau, w_e, low, high)
     tau = np.clip(tau if sharp else found, low, high)
     # A cable that the error pulls against its limit stays there, whatever the others do.
