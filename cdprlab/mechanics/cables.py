@@ -177,7 +177,7 @@ def why_no_direction(robot: Robot, pose: Pose) -> str:
     named = f"cable {cable + 1} has no {{}} at {where}: its anchor point is "
     if not robot.pulleys.size or not robot.pulleys[cable, 0]:
         return named.format("length") + "on its exit point, so it has no direction"
-    radius, *axis = robot.pulleys[cable]
+    radius, axis = robot.pulleys[cable, 0], robot.pulleys[cable, 1:]
     away = -exits_from_anchors(robot, pose)[*index, cable]
     along = away @ axis
     across = np.linalg.norm(away - along * axis)

@@ -81,8 +81,8 @@ class Platform:
     """The moving platform, a rigid body; its frame's origin is the reference point P.
 
     mass : [kg]
-    inertia : about the center of mass, platform axes: what `inertia_matrix` takes, in the plane
-        one number [kg m²]
+    inertia : about the center of mass, platform axes: three principal values, six (xx yy zz xy xz yz)
+        or (3, 3), in the plane one number [kg m²]
     center_of_mass : (d,) in the platform frame [m]
     size : (d,) edges of the box that is drawn and collided [m]
     center : (d,) where that box's center lies in the platform frame [m]
@@ -97,7 +97,7 @@ class Platform:
     def __post_init__(self) -> None:
         _check_size(self.size, "size", self.center_of_mass)
         _check_size(self.center, "center", self.center_of_mass)
-        object.__setattr__(self, "inertia", _checked_inertia(self.inertia, self.size.size))
+        object.__setattr__(self, "inertia", _inertia(self.inertia, self.size.size))
 
 
 @lasting
@@ -120,12 +120,11 @@ class Base:
     heading: Annotated[float, "[rad]"]
     mass: Annotated[float, "[kg] > 0"]
     center_of_mass: Vector
-    footprint: Array
+    footprint: Annotated[Array, "(k, 2) [m]"]
     speed_max: Annotated[Array, "(3,) [rad/s, m/s] ≥ 0"]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "footprint",
-                           _counter_clockwise(self.footprint, self.center_of_mass.size))
+        object.__setattr__(self, "footprint", _counter_clockwise(self.footprint, self.center_of_mass.size))
 
     @property
     def pose(self) -> tuple[float, float, float]:
@@ -232,66 +231,48 @@ def box_inertia(mass: float, size: ArrayLike) -> Array:
     return np.diag(mass / 12 * (squares.sum() - squares))
 
 
-def inertia_matrix(values: ArrayLike) -> Array:
-    """(3, 3) from three principal values, or six: xx yy zz xy xz yz [kg m²]; a matrix stays what it is.
-
-    >>> inertia_matrix([1, 2, 3, 0, 0, 0.5])[1]
-    array([0. , 2. , 0.5])
-    """
-    given = as_array(values, "inertia", (), "kg m²", batch=True, location=("inertia",))
-    if given.shape == (3, 3):
-        return given
-    if given.shape not in ((3,), (6,)):
-        raise InvalidInput("inertia must be 3 numbers (principal) or 6 (xx yy zz xy xz yz) [kg m²], "
-                           f"got {given.size}", ("inertia",))
-    matrix = np.diag(given[:3])
-    for (row, column), value in zip(((0, 1), (0, 2), (1, 2)), given[3:]):
-        matrix[row, column] = matrix[column, row] = value
-    return frozen(matrix)
-
-
 def _check_size(vector: Array, name: str, other: Array) -> None:
     """Raises InvalidInput unless two vectors of a part are of the same dimension."""
     as_array(vector, name, other.shape, "m", location=(name,))
 
 
-def _checked_inertia(inertia: ArrayLike, d: int) -> Array:
+def _inertia(values: ArrayLike, d: int) -> Array:
+    """A rigid body's inertia: (3, 3) from three principal values, six or a matrix; in the plane one number [kg m²].
+
+    >>> _inertia([1, 2, 3, 0, 0, 0.5], 3)[1]
+    array([0. , 2. , 0.5])
+    """
     if d == 2:
-        value = as_array(inertia, "inertia", (), "kg m²", location=("inertia",))
-        if value <= 0:
-            raise InvalidInput(f"inertia must be positive [kg m²], got {float(value):g}",
-                               ("inertia",))
-        return value
-    matrix = inertia_matrix(inertia)
+        return as_array(values, "inertia", (), "kg m²", positive=True, location=("inertia",))
+    matrix = as_array(values, "inertia", (), "kg m²", batch=True, location=("inertia",))
+    if matrix.shape not in ((3,), (6,), (3, 3)):
+        raise InvalidInput("inertia must be 3 numbers (principal) or 6 (xx yy zz xy xz yz) [kg m²], "
+                           f"got {matrix.size}", ("inertia",))
+    if matrix.ndim == 1:
+        matrix = np.pad(matrix, (0, 6 - matrix.size))[[[0, 3, 4], [3, 1, 5], [4, 5, 2]]]
     if not np.allclose(matrix, matrix.T, rtol=0, atol=1e-9 * np.abs(matrix).max()):
-        raise InvalidInput(f"inertia must be symmetric [kg m²], got {matrix.tolist()}",
-                           ("inertia",))
+        raise InvalidInput(f"inertia must be symmetric [kg m²], got {matrix.tolist()}", ("inertia",))
     principal = np.linalg.eigvalsh(matrix)
     # A body's principal moments obey the triangle inequality; 1e-9 covers rounding in a
     # parallel-axis shift.
     if principal[0] <= 0 or principal[2] > (principal[0] + principal[1]) * (1 + 1e-9):
         raise InvalidInput("inertia is no rigid body's: principal moments must be positive and none above the sum "
-                           f"of the others, got {principal.round(6).tolist()} kg m²",
-                           ("inertia",))
-    return matrix
+                           f"of the others, got {principal.round(6).tolist()} kg m²", ("inertia",))
+    return frozen(matrix)
 
 
-def _counter_clockwise(footprint: ArrayLike, d: int) -> Array:
+def _counter_clockwise(points: Array, d: int) -> Array:
     """The contacts counter-clockwise from the first listed, whichever way round they were given."""
-    points = as_array(footprint, "footprint", (), "m", batch=True, location=("footprint",))
     if not points.size:
-        return frozen(np.zeros((0, 2)))
-    points = as_array(points, "footprint", ("k", 2), "m", location=("footprint",))
+        return points
     if d == 2:
-        if points.shape[0] != 2 or points[0, 0] == points[1, 0]:
-            raise InvalidInput("a planar footprint is two contacts with different x",
-                               ("footprint",))
+        if len(points) != 2 or points[0, 0] == points[1, 0]:
+            raise InvalidInput("a planar footprint is two contacts with different x", ("footprint",))
         return points
     # Along every edge all other corners lie on one side.
     edges, on_it = np.roll(points, -1, axis=0) - points, np.eye(len(points), dtype=bool)
     sides = cross(edges[:, None], points - points[:, None])[~(on_it | np.roll(on_it, 1, axis=1))]
-    if points.shape[0] < 3 or not ((sides > 0).all() or (sides < 0).all()):
+    if len(points) < 3 or not ((sides > 0).all() or (sides < 0).all()):
         raise InvalidInput("footprint must be the corners of a convex polygon in order, at least 3 contacts "
                            "and none on an edge", ("footprint",))
-    return points if (sides > 0).all() else frozen(np.concatenate([points[:1], points[:0:-1]]))
-
+    return points if (sides > 0).all() else frozen(np.roll(points[::-1], 1, axis=0))

@@ -30,8 +30,8 @@ class Pose:
     position: Array
     rotation: Array
 
-    def __init__(self, position: ArrayLike, rpy: ArrayLike | None = None, *,
-                 angle: ArrayLike | None = None, matrix: ArrayLike | None = None) -> None:
+    def __new__(cls, position: ArrayLike, rpy: ArrayLike | None = None, *,
+                angle: ArrayLike | None = None, matrix: ArrayLike | None = None) -> Pose:
         place = as_array(position, "position", ("d",), "m", batch=True)
         d = place.shape[-1]
         if d not in (2, 3):
@@ -40,8 +40,7 @@ class Pose:
             raise InvalidInput("a Pose takes one orientation: rpy, angle or matrix, not several of them")
         rotation = _rotation(d, rpy, angle, matrix)
         batch = common_batch(positions=place.shape[:-1], orientations=rotation.shape[:-2])
-        object.__setattr__(self, "position", frozen(np.broadcast_to(place, (*batch, d))))
-        object.__setattr__(self, "rotation", frozen(np.broadcast_to(rotation, (*batch, d, d))))
+        return cls.of(np.broadcast_to(place, (*batch, d)), np.broadcast_to(rotation, (*batch, d, d)))
 
     @classmethod
     def of(cls, position: Array, rotation: Array) -> Pose:
@@ -74,8 +73,7 @@ class Pose:
         # Looking straight up or down only roll − yaw or roll + yaw is there to be read: yaw is
         # then 0.
         upright = level < 1e-7
-        roll = np.arctan2(np.where(upright, -R[1, 2], R[2, 1]),
-                          np.where(upright, R[1, 1], R[2, 2]))
+        roll = np.arctan2(np.where(upright, -R[1, 2], R[2, 1]), np.where(upright, R[1, 1], R[2, 2]))
         yaw = np.where(upright, 0.0, np.arctan2(R[1, 0], R[0, 0]))
         return np.stack([roll, np.arctan2(-R[2, 0], level), yaw], axis=-1)
 
@@ -89,7 +87,7 @@ class Pose:
     @property
     def orientation(self) -> Array:
         """(…, 3) rpy, or (…, 1) the angle in the plane [rad]."""
-        return self.rpy if self.dimension == 3 else np.asarray(self.angle)[..., None]
+        return self.rpy if self.dimension == 3 else rotation_vector(self.rotation)
 
     def displaced(self, step: Array) -> Pose:
         """p + Δp, exp([Δφ]×) R: moved by (…, 3 planar or 6 spatial) [Δp; Δφ] in world axes [m, rad]."""
@@ -107,9 +105,7 @@ class Pose:
         return Pose.of(self.position[index], self.rotation[index])
 
     def __iter__(self) -> Iterator[Pose]:
-        if not self.batch_shape:
-            raise TypeError("a single Pose cannot be iterated")
-        return map(Pose.of, self.position, self.rotation)
+        return map(self.__getitem__, range(len(self)))
 
     def __eq__(self, other: object) -> bool:
         return (isinstance(other, Pose) and np.array_equal(self.position, other.position)
@@ -118,7 +114,7 @@ class Pose:
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Pose.of, (np.array(self.position), np.array(self.rotation))
+        return Pose.of, (self.position, self.rotation)
 
     def __repr__(self) -> str:
         if self.batch_shape:
@@ -176,15 +172,14 @@ def turned_to(heading: Array | float, d: int) -> Array:
            [ 0.,  1.]])
     """
     c, s = np.cos(heading), np.sin(heading)
-    rotation = np.zeros((*c.shape, d, d))
-    rotation[...] = np.eye(d)
+    rotation = np.zeros((*c.shape, d, d)) + np.eye(d)
     rotation[..., 0, 0] = rotation[..., 1, 1] = c
     rotation[..., 0, 1], rotation[..., 1, 0] = -s, s
     return rotation
 
 
 def rotation_from_vector(vector: Array) -> Array:
-    """Rotation matrices of rotation vectors, R = exp([r]×).
+    """Rotation matrices of rotation vectors, R = exp([r]×) = I + [r]× J_l(r).
 
     vector : (…, 3) [rad], or (…, 1) in the plane
     Returns (…, 3, 3), or (…, 2, 2) in the plane.
@@ -194,11 +189,11 @@ def rotation_from_vector(vector: Array) -> Array:
     """
     if vector.shape[-1] == 1:
         return turned_to(vector[..., 0], 2)
-    angle = np.linalg.norm(vector, axis=-1)
-    b, c = turn_coefficients(angle)[:2]
-    k = cross_matrix(vector)
-    # I + sin θ/θ [r]× + (1 − cos θ)/θ² [r]×²
-    return np.eye(3) + (1 - angle**2 * c)[..., None, None] * k + b[..., None, None] * (k @ k)
+    return np.eye(3) + cross_matrix(vector) @ rotation_vector_jacobian(vector)
+
+
+_CROSSES = np.cross(np.eye(3), np.eye(3)[:, None]).reshape(3, 9)
+"""[x]×, [y]× and [z]× of the axes, a row each."""
 
 
 def cross_matrix(vector: Array) -> Array:
@@ -210,13 +205,9 @@ def cross_matrix(vector: Array) -> Array:
     >>> cross_matrix(np.array([0.0, 0.0, 1.0])) @ [1.0, 0.0, 0.0]
     array([0., 1., 0.])
     """
-    matrix = np.zeros((*vector.shape, vector.shape[-1]))
     if vector.shape[-1] == 1:
-        return matrix
-    x, y, z = np.moveaxis(vector, -1, 0)
-    matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -z, y, -x
-    matrix[..., 1, 0], matrix[..., 2, 0], matrix[..., 2, 1] = z, -y, x
-    return matrix
+        return np.zeros((*vector.shape, 1))
+    return (vector @ _CROSSES).reshape(*vector.shape, 3)
 
 
 def lever(arm: Array) -> Array:
@@ -255,9 +246,9 @@ def rotation_vector_jacobian(vector: Array) -> Array:
     >>> rotation_vector_jacobian(np.zeros(3))[0]
     array([1., 0., 0.])
     """
-    b, c = turn_coefficients(np.linalg.norm(vector, axis=-1))[:2]
+    b, c, *_ = (x[..., None, None] for x in turn_coefficients(np.linalg.norm(vector, axis=-1)))
     k = cross_matrix(vector)
-    return np.eye(k.shape[-1]) + b[..., None, None] * k + c[..., None, None] * (k @ k)
+    return np.eye(k.shape[-1]) + b * k + c * (k @ k)
 
 
 def rotation_vector_jacobian_rate(vector: Array, rate: Array) -> Array:
@@ -269,12 +260,10 @@ def rotation_vector_jacobian_rate(vector: Array, rate: Array) -> Array:
     >>> rotation_vector_jacobian_rate(np.zeros(3), np.array([0.0, 0.0, 2.0]))[1, 0]
     np.float64(1.0)
     """
-    b, c, b_rate, c_rate = turn_coefficients(np.linalg.norm(vector, axis=-1))
-    along = (vector * rate).sum(axis=-1)
-    b_rate, c_rate = b_rate * along, c_rate * along
+    b, c, b_slope, c_slope = (x[..., None, None] for x in turn_coefficients(np.linalg.norm(vector, axis=-1)))
+    along = (vector * rate).sum(axis=-1)[..., None, None]
     k, k_rate = cross_matrix(vector), cross_matrix(rate)
-    b, c, b_rate, c_rate = (x[..., None, None] for x in (b, c, b_rate, c_rate))
-    return b_rate * k + b * k_rate + c_rate * (k @ k) + c * (k_rate @ k + k @ k_rate)
+    return along * (b_slope * k + c_slope * (k @ k)) + b * k_rate + c * (k_rate @ k + k @ k_rate)
 
 
 def turn_coefficients(angle: Any) -> tuple[Any, Any, Any, Any]:

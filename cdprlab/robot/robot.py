@@ -47,7 +47,18 @@ class Robot:
     def __post_init__(self) -> None:
         object.__setattr__(self, "cables", tuple(self.cables))
         object.__setattr__(self, "bases", tuple(self.bases))
-        self._check_parts()
+        if len(self._base_of) != len(self.bases):
+            raise InvalidInput("two bases have the same name", ("bases",))
+        for k, base in enumerate(self.bases):
+            with under("bases", k):
+                self._check_size(base.center_of_mass, "center_of_mass")
+        if not self.cables:
+            raise InvalidInput("a robot needs at least one cable", ("cables",))
+        with under("platform"):
+            self._check_size(self.platform.center_of_mass, "center_of_mass")
+        for i, cable in enumerate(self.cables):
+            with under("cables", i):
+                self._check_cable(cable)
 
     # --- counts -----------------------------------------------------------------------------------
     @property
@@ -130,8 +141,7 @@ class Robot:
     @cached_property
     def base_indices(self) -> tuple[int, ...]:
         """(m,) which base carries each cable, −1 for the frame."""
-        return tuple(-1 if cable.base is None else self._base_of[cable.base]
-                     for cable in self.cables)
+        return tuple(-1 if cable.base is None else self._base_of[cable.base] for cable in self.cables)
 
     # --- parts ------------------------------------------------------------------------------------
     @property
@@ -156,9 +166,8 @@ class Robot:
             return self
         moved = dict(zip(self._base_of, self.bases))
         for name, pose in poses.items():
-            x, y, heading = as_array(pose, f"pose of base {quoted(name)}", (3,))
-            moved[name] = replace(self.base(name), position=np.array([x, y]),
-                                  heading=float(heading))
+            place = as_array(pose, f"pose of base {quoted(name)}", (3,))
+            moved[name] = replace(self.base(name), position=place[:2], heading=place[2])
         return replace(self, bases=tuple(moved.values()))
 
     def with_payload(self, mass: Annotated[float, "[kg] ≥ 0"], position: ArrayLike) -> Robot:
@@ -175,30 +184,16 @@ class Robot:
         body = self.platform
         total = body.mass + mass
         center = (body.mass * body.center_of_mass + mass * place) / total
-        inertia = (body.inertia + _point_inertia(body.mass, body.center_of_mass - center)
-                   + _point_inertia(mass, place - center))
-        return replace(self, platform=replace(body, mass=total, center_of_mass=center,
-                                              inertia=inertia))
+        # Two points' inertia about what they have in the middle is m₁ m₂ / (m₁ + m₂) times the way between squared.
+        turns = lever(place - body.center_of_mass)
+        inertia = body.inertia + np.squeeze(body.mass * mass / total * turns.T @ turns)
+        return replace(self, platform=replace(body, mass=total, center_of_mass=center, inertia=inertia))
 
     def __repr__(self) -> str:
         bases = f", {len(self.bases)} bases" if self.bases else ""
         return f"Robot({self.motion_pattern}, {self.n_cables} cables, {self.mass:g} kg{bases})"
 
     # --- checks -----------------------------------------------------------------------------------
-    def _check_parts(self) -> None:
-        if len(self._base_of) != len(self.bases):
-            raise InvalidInput("two bases have the same name", ("bases",))
-        for k, base in enumerate(self.bases):
-            with under("bases", k):
-                self._check_size(base.center_of_mass, "center_of_mass")
-        if not self.cables:
-            raise InvalidInput("a robot needs at least one cable", ("cables",))
-        with under("platform"):
-            self._check_size(self.platform.center_of_mass, "center_of_mass")
-        for i, cable in enumerate(self.cables):
-            with under("cables", i):
-                self._check_cable(cable)
-
     def _check_size(self, vector: Array, name: str) -> None:
         as_array(vector, f"{name} in a {self.motion_pattern} robot", (self.dimension,), "m", location=(name,))
 
@@ -217,11 +212,6 @@ class Robot:
         if self.motion_pattern == "2R3T" and anchor[1:].any():
             raise InvalidInput("in 2R3T all anchor points lie on the platform's x′ axis: anchor_point must be "
                                f"[x, 0, 0], got {anchor.tolist()}", ("anchor_point",))
-
-
-def _point_inertia(mass: float, place: Array) -> Array:
-    turns = lever(place)
-    return np.squeeze(mass * turns.T @ turns)
 
 
 def _there_are(names: Mapping[str, int]) -> str:

@@ -28,7 +28,7 @@ class LeastNorm:
         # ‖τ‖², and C and b of Cᵀ τ ≥ b, equalities first: all but W and w_e is written once.
         self.identity, nothing = np.eye(low.size), np.zeros((low.size, n))
         self.C = np.concatenate([nothing, self.identity, -self.identity], axis=1)
-        self.b = np.concatenate([nothing[0], low, -high])
+        self.b = np.concatenate([np.zeros(n), low, -high])
 
     def __call__(self, W: Array, w_e: Array) -> Solution:
         """Tensions and '' or the reason why there are none."""
