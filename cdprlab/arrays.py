@@ -2,12 +2,13 @@
 
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache, wraps
 from inspect import isfunction, signature
 from itertools import chain, cycle, repeat
 from math import hypot
 from types import UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, dataclass_transform, get_args, get_origin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -45,8 +46,9 @@ def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: st
     """
     try:
         given = np.asarray(value.filled(np.nan) if isinstance(value, np.ma.MaskedArray) else value)
-        if given.dtype.kind not in "iuf":   # text that reads as a number is still text, and True no length
-            given = _numbers_only(given)
+        if given.size and given.dtype.kind not in "iuf" and not (
+                given.dtype.kind == "O" and all(isinstance(item, int | float) for item in given.flat)):
+            raise TypeError   # text that reads as a number is still text, and True no length
         array = np.array(given, dtype=np.float64)
         if array.shape == (0,) and len(shape) > 1:
             array = array.reshape(0, *shape[1:])
@@ -138,6 +140,20 @@ def _same(a: Any, b: Any) -> bool:
 
 def _unequal(self: Any, other: Any) -> bool:
     return not _equal(self, other)
+
+
+@dataclass_transform(eq_default=False, frozen_default=True, field_specifiers=(field,))
+def frozen_dataclass(kind: Kind) -> Kind:
+    """A dataclass that cannot be changed: its arguments are `checked`, its arrays are `lasting`.
+
+    >>> @frozen_dataclass
+    ... class Load:
+    ...     mass: Annotated[float, "[kg] > 0"]
+    >>> Load(2).mass
+    2.0
+    """
+    made: Any = dataclass(frozen=True, eq=False)(kind)
+    return lasting(checked(made))
 
 
 def plain(array: Any) -> Any:
@@ -256,11 +272,8 @@ _GATES = re.compile(r"Annotated\[(.+?), '.*?'\]|Literal\[.*?\]")
 
 
 def _evaluated(annotation: Any, names: dict[str, Any]) -> Any:
-    """What an annotation stands for, its gate if it has one; where only the type checker imports it, its name."""
-    try:
-        kind = eval(annotation, names) if isinstance(annotation, str) else annotation
-    except NameError:
-        return annotation
+    """What an annotation stands for, its gate if it has one."""
+    kind = eval(annotation, names) if isinstance(annotation, str) else annotation
     options = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
     for one in options:
         if get_origin(one) is Annotated:
@@ -293,8 +306,6 @@ def _is(value: Any, kind: Any) -> bool:
         return True
     if kind in (bool, int, float):
         return _is_number(value, kind)
-    if isinstance(kind, str):
-        return kind in {known.__name__ for known in type(value).__mro__}
     origin, inside = get_origin(kind), get_args(kind)
     if origin is None:
         return kind is Any or not isinstance(kind, type) or isinstance(value, kind)
@@ -359,14 +370,6 @@ def _words(kind: Any) -> str:
         return " or ".join(map(repr, inside))
     kind = origin or kind
     return _WORDS.get(kind) or f"a {getattr(kind, '__name__', kind)}"
-
-
-def _numbers_only(given: Array) -> Array:
-    """Raises TypeError unless it is empty or holds Python numbers (object arrays of a mixture do)."""
-    if given.size and not (given.dtype.kind == "O"
-                           and all(isinstance(item, int | float) for item in given.flat)):
-        raise TypeError
-    return given
 
 
 def _fits(given: tuple[int, ...], wanted: tuple[int | str, ...], batch: bool) -> bool:

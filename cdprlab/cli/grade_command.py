@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidInput
-from .output import Bar
+from .output import progress_bar
 
 
 def add_grade_command(commands: Any) -> None:
@@ -38,7 +38,7 @@ def _grade(options: argparse.Namespace) -> None:
     submissions = read_submissions(options.folder)
     roster = _roster(options.roster) if options.roster else []
     grader = Grader(options.source, options.out, options.trust)
-    with Bar("grading", "notebooks") as bar:
+    with progress_bar("grading", "notebooks") as bar:
         results = [late(result, due, options.late / 100)
                    for result in grader.grade(submissions, options.lesson, options.jobs, bar)]
     results += grader.missing(results, roster)

@@ -18,12 +18,12 @@ from .doctor import add_doctor_command
 from .grade_command import add_grade_command
 from .lessons_command import add_lessons_command
 from .output import (
-    Bar,
     add_output_options,
     figure,
     hear_interrupts,
     open_streams,
     print_table,
+    progress_bar,
     refuse,
     results,
     say,
@@ -141,7 +141,7 @@ def _fly(options: argparse.Namespace, world: World) -> None:
                f"--{{}} has no say with --cables {options.cables}, which winds by inverse kinematics")
         how = "inverse kinematics"
     with results(options, world, f"task {options.task}, {how}, cables={options.cables}") as write:
-        with Bar("flying") as bar:
+        with progress_bar("flying") as bar:
             flown = run(world, options.task, options.method, options.cables, dt=options.dt,
                         infeasible=options.infeasible, duration=options.duration, progress=bar)
         write(flown.save, lambda _: print_table(flown.table()), {
@@ -155,7 +155,7 @@ def _compare(options: argparse.Namespace, world: World) -> None:
     refuse(options, _ENGINES, "--method all compares without an engine: --{} has no say; give one method to fly it")
     world.task(options.task)
     with results(options, world, f"task {options.task}, every tension distribution along the reference") as write:
-        with Bar("comparing", "methods") as bar:
+        with progress_bar("comparing", "methods") as bar:
             table = compare_tensions(world, options.task, progress=bar)
         header = [f"{name} [{unit}]" if unit else name for name, unit in table.COLUMNS.items()]
         rows = [[f"{value:.9g}" if isinstance(value, float) else str(value)
@@ -170,7 +170,7 @@ def _pick_and_place(options: argparse.Namespace, world: World) -> None:
     refuse(options, (*_ENGINES, "method"),
            "--{} has no say in a pick_and_place task, which flies under --control")
     with results(options, world, f"task {options.task}, {options.control} control") as write:
-        with Bar("working", "ms") as bar:
+        with progress_bar("working", "ms") as bar:
             job = pick_and_place(world, options.task, options.control, progress=bar)
 
         def tell(_: Path) -> None:

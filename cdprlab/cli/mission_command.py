@@ -7,7 +7,7 @@ from typing import Any
 from .. import view
 from ..fastkit import DONE, Job, Mission, Walker, in_hall, mission_scene, plot_job, plot_journey, run_mission
 from ..world import World
-from .output import Bar, Pictures, figure, print_table, results, say
+from .output import Pictures, figure, print_table, progress_bar, results, say
 
 BOUNDS = ((-5.0, -6.0), (7.0, 2.0))
 PALLETS = ((2.6, -3.0, 0.8, 1.2, 0.3), (-1.5, -2.2, 1.2, 0.8, 0.0))
@@ -19,7 +19,7 @@ PEOPLE = (Walker([[2.5, -1.0], [6.0, -1.0]]),)  # type: ignore[arg-type]
 def fly_mission(options: argparse.Namespace, world: World, work: Any = None) -> Mission:
     """Run the mission in the hall above, print what happened, write it to a folder."""
     with results(options, world, "mission: to the shelf, pick and place, home again") as write:
-        with Bar("mission", "s simulated") as bar:
+        with progress_bar("mission", "s simulated") as bar:
             mission = run_mission(in_hall(world, BOUNDS, PALLETS), BOUNDS, START, walkers=PEOPLE, work=work,
                                   progress=lambda state, time: bar(time, name=state))
         job = mission.job if isinstance(mission.job, Job) else None

@@ -56,35 +56,32 @@ def hear_interrupts() -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-class Bar:
+@contextmanager
+def progress_bar(name: str, unit: str = "steps") -> Iterator[Callable[..., None]]:
     """A progress bar that appears with the first step: an error before it keeps the terminal clean.
 
-    name, unit : what is done, and in what steps; a caller may rename it with every step
+    name, unit : what is done, and in what steps; who calls may rename it with every step
     """
+    bar: Any = None
 
-    def __init__(self, name: str, unit: str = "steps") -> None:
-        self.name, self.unit = name, unit
-        self.bar: Any = None
-
-    def __enter__(self) -> Bar:
-        return self
-
-    def __call__(self, done: float, total: int | None = None, name: str = "") -> None:
+    def show(done: float, total: int | None = None, name: str = name) -> None:
+        nonlocal bar
         with suppress(OSError):     # nobody watches
-            if self.bar is None:
+            if bar is None:
                 hear_interrupts()
                 from tqdm import tqdm
 
-                self.bar = tqdm(total=total, desc=name or self.name, unit=f" {self.unit}",
-                                leave=False)
-            if name and name != self.bar.desc:
-                self.bar.set_description_str(name)
-            self.bar.update(round(done) - self.bar.n)
+                bar = tqdm(total=total, desc=name, unit=f" {unit}", leave=False)
+            if name != bar.desc:
+                bar.set_description_str(name)
+            bar.update(round(done) - bar.n)
 
-    def __exit__(self, *_: object) -> None:
-        if self.bar is not None:
-            with suppress(OSError):
-                self.bar.close()
+    try:
+        yield show
+    finally:
+        with suppress(OSError):
+            if bar is not None:
+                bar.close()
 
 
 def add_output_options(parser: argparse.ArgumentParser, default: str, kept: str) -> None:
@@ -146,7 +143,7 @@ def _write(folder: Path, save: Callable[[Path], Any], tell: Callable[[Path], Any
     try:
         _keep(save, folder)
         tell(folder)
-        with Bar("drawing", "pictures") as bar:
+        with progress_bar("drawing", "pictures") as bar:
             for number, (name, draw) in enumerate(pictures.items()):
                 bar(number, len(pictures), f"drawing {name}")
                 try:

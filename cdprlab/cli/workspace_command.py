@@ -31,7 +31,7 @@ from ..workspace import (
 from ..workspace.grids import axis_names
 from ..world import World, load_world
 from ..world.files import replaced
-from .output import Bar, add_output_options, print_table, refuse, results
+from .output import add_output_options, print_table, progress_bar, refuse, results
 
 CRITERIA: dict[str, Any] = {
     "wrench_closure": WrenchClosure, "wrench_feasible": WrenchFeasible,
@@ -70,7 +70,7 @@ def _workspace(options: argparse.Namespace) -> None:
     grid = _grid(world, options)
     with results(options, world, f"{options.criterion} at {len(grid)} poses over {', '.join(grid.axes)}",
                  "workspace") as write:
-        with Bar("judging", "poses") as bar:
+        with progress_bar("judging", "poses") as bar:
             found = workspace(world.robot, grid, criterion, n_jobs=options.jobs,
                               checkpoint=options.checkpoint, progress=bar)
         title = f"{world.title or world.name}: {options.criterion.replace('_', ' ').replace(',', ', ')}"

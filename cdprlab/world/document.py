@@ -41,8 +41,6 @@ def parsed(text: str, path: str) -> Any:
         mark = error.problem_mark or error.context_mark
         line = f":{mark.line + 1}" if mark else ""
         problem = f"{line}: not valid YAML: {shortened(error.problem or error.context)}"
-    except YAMLError as error:
-        problem = f": not valid YAML: {str(error).splitlines()[0]}"
     except RecursionError:
         problem = _TOO_DEEP
     except Exception as error:   # of ruamel's own

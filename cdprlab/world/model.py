@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
-from ..arrays import Array, checked, lasting
+from ..arrays import Array, checked, frozen_dataclass
 from ..errors import InvalidInput, Location, quoted, under
 from ..mechanics.trajectory import Trajectory, quintic
 from ..robot import Robot
@@ -15,9 +15,7 @@ NAME = re.compile(r"[A-Za-z0-9_\-]+")
 """Of a world."""
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Box:
     """A solid, upright box of the scene: center, edges [m], turn about the vertical [rad], "box" or "obstacle"."""
 
@@ -33,9 +31,7 @@ class Box:
         return Pose.of(self.position, turned_to(self.yaw, self.size.size))
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Scene:
     """What stands around the robot.
 
@@ -55,9 +51,7 @@ def check_pose(pose: Pose, robot: Robot, location: Location) -> None:
         raise InvalidInput(f"{location[-1]} must be a single {robot.pattern.engine} pose, got {quoted(pose)}", location)
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Task:
     """What to do: "quintic" from ``start`` to ``end`` in ``duration`` [s] and ``hold`` [s] there, or "hold"."""
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..arrays import checked, lasting
+from ..arrays import checked, frozen_dataclass
 from ..errors import InvalidInput, WorldError, quoted, shortened, under
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -21,9 +21,7 @@ from .model import NAME, Scene, Task, check_pose
 # of `import cdprlab`.
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class World:
     """A robot, where it starts, what is around it and what it shall do.
 

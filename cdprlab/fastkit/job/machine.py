@@ -1,12 +1,12 @@
 """A state machine a person can read: phases in order, each with its guard, and faults that end in a safe state."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ...arrays import Array, checked, lasting
+from ...arrays import Array, checked, frozen_dataclass, lasting
 from ...errors import InvalidInput
 from ...robot.pose import Pose
 from ..events import DONE, STOPPED, Event, as_reason
@@ -64,8 +64,7 @@ def _nothing(_: Any) -> None:
     pass
 
 
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Phase:
     """One step of a job.
 

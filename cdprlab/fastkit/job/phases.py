@@ -20,9 +20,8 @@ ACCELERATION = 0.2
 """[m/s² and rad/s²] of bases, as gently as a loaded trolley is pushed."""
 
 _DRAWING = 4.0      # s for the gripper's whole stroke
-_LIFT = 0.003       # m: a box that is drawn out comes over its board's edge without catching
+_LIFT = np.array([0.0, 0.0, 0.003])   # m: a box that is drawn out comes over its board's edge without catching
 _OVERLAP = 0.006    # m of the box over its board as it is set down
-_UP = np.array([0.0, 0.0, 1.0])
 
 
 def job_phases(world: World, task: PickAndPlace, speed: float = 0.5,
@@ -101,9 +100,9 @@ def _taking(task: PickAndPlace, speed: float) -> Iterator[Phase]:
 def _putting(task: PickAndPlace, speed: float) -> Iterator[Phase]:
     leaving = _stations(task, task.box_position)[0]
     before, at, hooking = _stations(task, task.place)
-    above = Pose.of(at.position + _LIFT * _UP, at.rotation)
+    above = Pose.of(at.position + _LIFT, at.rotation)
     yield _move("carry", "to the box's place", leaving,
-                Pose.of(before.position + _LIFT * _UP, before.rotation), speed)
+                Pose.of(before.position + _LIFT, before.rotation), speed)
     yield Phase("present", "forward, up to the board", 1.5, above)
     # Onto the board before its weight is handed over: a stiff robot would carry on carrying.
     length, depth = _strokes(task)

@@ -71,11 +71,11 @@ class Mission(Chronicle):
     def save(self, folder: str | Path) -> Path:
         """Write what there is: the job as it saves itself, and a CSV file of the way there and of the way home."""
         target = made_folder(folder)
-        if isinstance(self.job, Job):
-            self.job.save(target)
-        for name, way in ("way_there", self.journey), ("way_home", self.way_home):
-            if way is not None:
-                write_csv(target / f"{name}.csv", way.columns())
+        for name, part in self.parts.items():
+            if isinstance(part, Journey):
+                write_csv(target / f"{name.replace(' ', '_')}.csv", part.columns())
+            elif isinstance(part, Job):
+                part.save(target)
         return target
 
     def table(self) -> dict[str, str]:

@@ -1,13 +1,13 @@
 """The acts of a mission: the drive to the shelf, the work there and the drive home, for one hall."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_seed, checked, lasting
+from ...arrays import Array, as_seed, frozen_dataclass
 from ...errors import InvalidInput, quoted
 from ...world import World
 from ...world.model import PickAndPlace
@@ -35,9 +35,7 @@ def watch(_: Mission) -> None:
     """Nothing is done: the pair stands, or the job that an earlier state began goes on by itself."""
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Trip:
     """Where from, where to, and who is on the way; see `run_mission`."""
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, Flags, checked, frozen, lasting
+from ...arrays import Array, Flags, checked, frozen, frozen_dataclass
 from ...errors import InvalidInput, quoted
 from ...world import World
 from ..plane import Bounds, Spots, edges, point_distance, rectangle
@@ -19,9 +18,7 @@ _TALLEST = 2.4     # m: of the bases
 _HEIGHT = 1.2      # m: of walls and pallets
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Hall:
     """A known map: k solid rectangles on a floor.
 

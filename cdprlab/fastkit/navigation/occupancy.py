@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated
 
@@ -10,7 +9,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial import KDTree
 
-from ...arrays import Array, Flags, checked, frozen, lasting
+from ...arrays import Array, Flags, frozen, frozen_dataclass
 from ..plane import NO_POINTS, Places, Scan, Spots, carried, turn
 from .hall import Hall
 from .vehicle import Vehicle
@@ -18,9 +17,7 @@ from .vehicle import Vehicle
 Line = Annotated[Array, "(k,) [m]"]
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class OccupancyGrid:
     """Cells over a hall's floor; a cell counts as occupied if anything may stand in it.
 

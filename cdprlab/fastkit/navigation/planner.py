@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Annotated
 
@@ -11,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from ...arrays import Array, Indices, checked, lasting
+from ...arrays import Array, Indices, checked, frozen_dataclass
 from ..plane import Way, checked_pose, difference
 from .occupancy import OccupancyGrid
 from .vehicle import Vehicle
@@ -28,9 +27,7 @@ _JOIN = 0.45         # m around start and goal where the lattice is joined
 _JOINED = 40         # nodes at most
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Plan:
     """A way, or why there is none.
 

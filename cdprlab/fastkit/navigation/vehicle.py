@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from ...arrays import Array, checked, frozen, lasting
+from ...arrays import Array, frozen, frozen_dataclass
 from ...errors import InvalidInput
 from ...robot import Robot
 from ..plane import Motion, Place, Places, Scan, difference, placed, point_distance, rectangle
@@ -18,9 +16,7 @@ ACTIVE = "active"
 _LONGEST = 100.0     # m: no link is longer
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Vehicle:
     """Two coupled bases; its frame is half way between them, x from the active base to the passive one.
 
