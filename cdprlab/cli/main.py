@@ -65,7 +65,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="cdprlab",
                      description="Cable-driven parallel robots, simulated and drawn.")
     parser.add_argument("--version", action="version", version=f"cdprlab {__version__}")
-    commands = parser.add_subparsers(title="commands", required=True, parser_class=_Parser)
+    commands = parser.add_subparsers(title="commands", required=True)
     worlds = commands.add_parser("worlds", help="list the robots that come with cdprlab")
     worlds.set_defaults(command=_worlds)
     flight = commands.add_parser("run", help="move a robot along a task, headless, and write plots, film and log")

@@ -119,8 +119,31 @@ def results(options: argparse.Namespace, world: World, what: str,
     """
     folder = made_folder(Path("out", world.name, below) if options.out is None else options.out)
     say(f"{world.title or world.name}: {what}")
+
+    def write(save: Callable[[Path], Any], tell: Callable[[Path], Any], pictures: Pictures) -> None:
+        """Data into the folder, then words on the screen, then pictures; at last what is there.
+
+        save : called with the folder, or with another one if that has become full
+        tell : prints what was found, and may add to the folder
+        """
+        try:
+            _keep(save, folder)
+            tell(folder)
+            with progress_bar("drawing", "pictures") as bar:
+                for number, (name, draw) in enumerate(() if options.no_pictures else pictures.items()):
+                    bar(number, len(pictures), f"drawing {name}")
+                    try:
+                        draw(folder / name)
+                    except MissingDependency as missing:
+                        say(f"no {name}: {missing}")
+        except KeyboardInterrupt:   # perhaps while saving what took minutes
+            _keep(save, folder)
+            say(f"stopped; the data are written to {folder}")
+            raise
+        say(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.is_file()))}")
+
     try:
-        yield lambda save, tell, pictures: _write(folder, save, tell, {} if options.no_pictures else pictures)
+        yield write
     except BaseException as error:
         flown = getattr(error, "run", None)
         if flown is not None:
@@ -132,29 +155,6 @@ def results(options: argparse.Namespace, world: World, what: str,
 def figure(plot: Callable[..., Any], *what: Any) -> Callable[[Path], Any]:
     """What draws a figure into a file."""
     return lambda path: view.save_figure(plot(*what), path)
-
-
-def _write(folder: Path, save: Callable[[Path], Any], tell: Callable[[Path], Any], pictures: Pictures) -> None:
-    """Data into a folder, then words on the screen, then pictures into the folder; at last what is there.
-
-    save : called with the folder, or with another one if that has become full
-    tell : prints what was found, and may add to the folder
-    """
-    try:
-        _keep(save, folder)
-        tell(folder)
-        with progress_bar("drawing", "pictures") as bar:
-            for number, (name, draw) in enumerate(pictures.items()):
-                bar(number, len(pictures), f"drawing {name}")
-                try:
-                    draw(folder / name)
-                except MissingDependency as missing:
-                    say(f"no {name}: {missing}")
-    except KeyboardInterrupt:   # perhaps while saving what took minutes
-        _keep(save, folder)
-        say(f"stopped; the data are written to {folder}")
-        raise
-    say(f"written to {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.is_file()))}")
 
 
 def _keep(save: Callable[[Path], Any], folder: Path) -> None:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, checked, frozen, lasting
+from ..arrays import Array, as_array, checked, frozen, frozen_dataclass, lasting
 from ..errors import InvalidInput
 from ..robot.pose import (
     Pose,
@@ -39,9 +38,7 @@ class Reference(NamedTuple):
         return Reference(self.pose[index], self.twist[index], self.acceleration[index])
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Trajectory:
     """A motion ``(t) → Reference`` that takes single times or arrays; before 0 and after ``duration`` it rests.
 

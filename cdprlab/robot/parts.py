@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, checked, frozen, lasting
+from ..arrays import Array, as_array, checked, frozen, frozen_dataclass
 from ..errors import InvalidInput
 from .pose import cross, turned_to
 
@@ -19,9 +19,7 @@ _UNIT = 1e-3
 """How far from 1 a unit vector's length may be written."""
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Pulley:
     """What a cable runs over at its exit point A: it comes along ``axis`` to A and wraps from there.
 
@@ -43,9 +41,7 @@ class Pulley:
         object.__setattr__(self, "axis", frozen(self.axis / size))
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Cable:
     """One cable from its exit point A (frame or base) to its anchor point B (platform).
 
@@ -74,9 +70,7 @@ class Cable:
             as_array(self.pulley.axis, "axis of a pulley", self.exit_point.shape, location=("pulley", "axis"))
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Platform:
     """The moving platform, a rigid body; its frame's origin is the reference point P.
 
@@ -100,9 +94,7 @@ class Platform:
         object.__setattr__(self, "inertia", _inertia(self.inertia, self.size.size))
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Base:
     """A mobile base: it stands on the floor and carries exit points.
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, checked, frozen, lasting
+from ..arrays import Array, as_array, frozen, frozen_dataclass
 from ..errors import InvalidInput, quoted, under
 from .parts import Base, Cable, Elasticity, Platform, Winch
 from .pattern import MotionPattern
@@ -19,9 +19,7 @@ from .pose import lever
 STANDARD_GRAVITY = 9.81
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Robot:
     """A cable-driven parallel robot: platform, cables, the bases some of them may stand on.
 

@@ -1,13 +1,13 @@
 """Controllers: ``(t, state, reference) → wrench``, the wrench the cables shall exert on the platform at P."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
 
-from ..arrays import Array, checked, lasting
+from ..arrays import Array, frozen_dataclass
 from ..errors import InvalidInput
 from ..mechanics.cables import cables_at
 from ..mechanics.dynamics import inverse_dynamics, pose_error
@@ -22,9 +22,7 @@ Controller = Callable[[float, State, Reference], Array]
 Gain = Annotated[float | Array, "(…) ≥ 0"]
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class ComputedTorque:
     """Computed torque: w = M a + C v − f_g with the a that makes ë + K_d ė + K_p e + K_i ∫e dt = 0.
 
@@ -88,9 +86,7 @@ class ComputedTorque:
                 K_i if K_i.any() else None, body)
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class LengthControl:
     """Joint space: w = M (a_d + J⁺ (k_d (l̇_d − l̇) + k_p (l_d − l))) + h with M, J and h at the reference's pose.
 

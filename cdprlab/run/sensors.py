@@ -1,12 +1,11 @@
 """What a controller may know: its own model of the robot, and what sensors tell of the one that flies."""
 
 from collections import deque
-from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, as_array, as_seed, checked, frozen, lasting
+from ..arrays import Array, as_array, as_seed, frozen, frozen_dataclass
 from ..errors import InvalidInput
 from ..mechanics.cables import Cables, cables_at
 from ..mechanics.dynamics import mass_and_bias, pose_error
@@ -20,9 +19,7 @@ from .log import Columns
 Meters = Annotated[float, "[m] ≥ 0"]
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Sensors:
     """What is measured of a robot as it flies; noise is Gaussian, its numbers standard deviations.
 

@@ -9,7 +9,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Flags, as_array, checked, frozen, lasting
+from ..arrays import Array, Flags, as_array, frozen, frozen_dataclass, lasting
 from ..errors import InvalidInput
 from ..mechanics.cables import have_directions
 from ..robot import Robot
@@ -86,8 +86,7 @@ def unknown(inside: Flags) -> Judgement:
 
 
 # --- over several orientations ----------------------------------------------------------------------
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class AllOrientations(Criterion):
     """Total orientation: the criterion holds at every given orientation, poses giving the position alone.
 

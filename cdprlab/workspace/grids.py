@@ -1,14 +1,13 @@
 """Which poses are judged: grids of positions, planes among them, random and evenly spread samples."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, as_seed, checked, frozen, lasting
+from ..arrays import Array, as_array, as_number, as_seed, checked, frozen, frozen_dataclass
 from ..errors import InvalidInput, quoted
 from ..robot.pose import Pose
 
@@ -16,9 +15,7 @@ MOST_POSES = 100_000_000
 """In a grid: their verdicts and margins take about a gigabyte then."""
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class PoseGrid:
     """Positions on a regular grid, one orientation for all; a batch of poses that exist only when asked for.
 

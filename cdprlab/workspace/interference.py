@@ -1,13 +1,12 @@
 """Interference: cables that touch each other, the platform or what stands around."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array, as_number, checked
+from ..arrays import Array, as_number, frozen_dataclass
 from ..errors import InvalidInput
 from ..mechanics.cables import anchor_offsets, tangent_points
 from ..robot import Robot
@@ -20,8 +19,7 @@ _SAME = 1e-6
 """Ends this close together are one [m]."""
 
 
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class InterferenceFree(Criterion):
     """No cable comes nearer than the clearance to another one, to the platform or to an obstacle.
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, checked
+from ..arrays import Array, as_array, checked, frozen_dataclass
 from ..compiled import TOLERANCE
 from ..errors import InvalidInput, quoted
 from ..mechanics.dynamics import mass_matrix
@@ -46,8 +46,7 @@ class WrenchClosure(Criterion):
         return Judgement(s > PARALLEL, s)
 
 
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class WrenchFeasible(Criterion):
     """Tensions within the limits balance the weight and every one of the given external wrenches.
 
@@ -107,8 +106,7 @@ class StaticEquilibrium(Criterion):
         return Judgement(inside, np.where(inside, np.maximum(s, 0.0), s))
 
 
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class DynamicEquilibrium(Criterion):
     """Dynamic feasible: tensions within the limits give the platform, at rest, every acceleration of a box.
 

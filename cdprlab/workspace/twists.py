@@ -1,12 +1,11 @@
 """Twist-feasible poses: the winches, and bases that drive along, are fast enough."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, checked
+from ..arrays import Array, frozen_dataclass
 from ..errors import InvalidInput
 from ..mechanics.kinematics import base_jacobian, jacobian
 from ..mechanics.optimization import largest_last
@@ -20,8 +19,7 @@ _ROUNDING = 1e-9
 """Of the speeds asked for; no speed limit is a tolerance."""
 
 
-@checked
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class TwistFeasible(Criterion):
     """Every wanted twist keeps the speed limits: |J t − B_b q̇_b| ≤ l̇_max for some |q̇_b| ≤ q̇_b,max.
 
