@@ -9,7 +9,7 @@ from functools import partial
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, packages_distributions, version
 from importlib.util import find_spec
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from packaging.specifiers import SpecifierSet
@@ -49,13 +49,7 @@ class Finding(NamedTuple):
     remedy: str = ""
 
 
-def add_doctor_command(commands: Any) -> None:
-    """Add the command to a parser's."""
-    parser = commands.add_parser("doctor", help="what works on this machine, and the command that mends what does not")
-    parser.set_defaults(command=_doctor)
-
-
-def _doctor(_: argparse.Namespace) -> int:
+def diagnose(_: argparse.Namespace) -> int:
     """Exit 0 if all works, else 1."""
     print(f"cdprlab {__version__}, Python {platform.python_version()}, {platform.system()} "
           f"{platform.machine()}\n{sys.executable}")

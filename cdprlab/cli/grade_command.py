@@ -5,33 +5,13 @@ import csv
 from collections import Counter
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 from ..errors import InvalidInput
 from .output import progress_bar
 
 
-def add_grade_command(commands: Any) -> None:
-    """Add the command to a parser's."""
-    parser = commands.add_parser("grade", help="grade notebooks that students handed in; write grades and feedback")
-    parser.set_defaults(command=_grade)
-    add = parser.add_argument
-    add("folder", metavar="FOLDER", type=Path,
-        help="STUDENT.ipynb for one lesson, or STUDENT/LESSON.ipynb, or a zip from Canvas or Moodle")
-    add("--lesson", metavar="NAME", help="grade this lesson only (default: the one each file is)")
-    add("--source", type=Path, default=Path("lessons/source"),
-        help="folder of lessons with solutions and checks (default: %(default)s)")
-    add("--out", type=Path, default=Path("grades"), help="folder to write to (default: %(default)s)")
-    add("--jobs", type=int, default=-1, help="notebooks at a time, -1 for all cores (default: %(default)d)")
-    add("--roster", type=Path, help="CSV whose first column names the students: who handed in nothing is listed")
-    add("--due", action="append", default=[], metavar="[LESSON=]DATE",
-        help="2026-11-30 or 2026-11-30T18:00, for one lesson or for all; may be given again")
-    add("--late", type=float, default=0.0, metavar="PERCENT", help="of the points lost with each day begun after --due")
-    add("--reveal", action="store_true", help="let feedback show the hidden part of failed checks")
-    add("--trust", action="store_true", help="without a jail, run student code as yourself")
-
-
-def _grade(options: argparse.Namespace) -> None:
+def grade(options: argparse.Namespace) -> None:
+    """Grade a folder, write grades and feedback, tell how many are what."""
     from ..course.grading import Grader, late, read_submissions, write_reports
 
     due = dict(map(_due, options.due))

@@ -4,7 +4,6 @@ import argparse
 import hashlib
 import json
 from pathlib import Path
-from typing import Any
 
 from ..world.files import made_folder, replaced, write_text
 from ..world.world import shipped
@@ -13,15 +12,8 @@ RECORD = ".handed_out.json"
 """In the folder: lesson → hash of the file as it was copied, to tell work from an old lesson."""
 
 
-def add_lessons_command(commands: Any) -> None:
-    """Add the command to a parser's."""
-    parser = commands.add_parser("lessons", help="copy the lessons into a folder of your own; never overwrites work")
-    parser.set_defaults(command=_lessons)
-    parser.add_argument("folder", metavar="DIR", nargs="?", default="my_lessons",
-                        help="made if missing; what you changed in it stays (default: %(default)s)")
-
-
-def _lessons(options: argparse.Namespace) -> None:
+def bring_lessons(options: argparse.Namespace) -> None:
+    """Bring the lessons into a folder, and tell what is new in it."""
     told = hand_out(made_folder(options.folder))
     print("\n".join(told or ["nothing to do: every lesson is there"]))
     print(f"to open them: jupyter lab {options.folder}")

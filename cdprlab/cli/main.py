@@ -2,8 +2,10 @@
 
 import argparse
 import sys
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from .. import __version__, view
 from ..errors import CdprError, InvalidInput, quoted, shortened
@@ -14,11 +16,10 @@ from ..simulate import CABLE_MODELS
 from ..tensions import tension_methods
 from ..world import World, load_world, world_names
 from ..world.model import PickAndPlace
-from .doctor import add_doctor_command
-from .grade_command import add_grade_command
-from .lessons_command import add_lessons_command
+from .doctor import diagnose
+from .grade_command import grade
+from .lessons_command import bring_lessons
 from .output import (
-    add_output_options,
     figure,
     hear_interrupts,
     open_streams,
@@ -29,7 +30,7 @@ from .output import (
     say,
     silence,
 )
-from .workspace_command import add_workspace_command
+from .workspace_command import CRITERIA, judge_workspace
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -62,36 +63,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
+    """Of the commands and options that commands.toml lists."""
     parser = _Parser(prog="cdprlab",
                      description="Cable-driven parallel robots, simulated and drawn.")
     parser.add_argument("--version", action="version", version=f"cdprlab {__version__}")
     commands = parser.add_subparsers(title="commands", required=True)
-    worlds = commands.add_parser("worlds", help="list the robots that come with cdprlab")
-    worlds.set_defaults(command=_worlds)
-    flight = commands.add_parser("run", help="move a robot along a task, headless, and write plots, film and log")
-    flight.set_defaults(command=_run)
-    add = flight.add_argument
-    add("world", metavar="WORLD",
-        help="a world's name (see `worlds`) or the path of a .yaml file")
-    add("--task", default="default", help="one of the world's tasks (default: %(default)s)")
-    add("--method", default="quadratic_program", choices=[*tension_methods(), "all"],
-        metavar="METHOD",
-        help=f"tension distribution: {', '.join(tension_methods())} (default: %(default)s); or all: each along the "
-             "task's reference, without an engine, side by side")
-    add("--cables", default="tension", choices=list(CABLE_MODELS),
-        help="cable model (default: %(default)s)")
-    add("--dt", type=float, default=1e-3, help="engine step [s] (default: %(default)g)")
-    add("--duration", type=float, help="length of the run [s] (default: the task's)")
-    add("--infeasible", default="relax", choices=INFEASIBLE,
-        help="what to do where no tensions balance the wrench (default: %(default)s)")
-    add("--control", default="torque", choices=["torque", "velocity"],
-        help="of the winches, for tasks of kind pick_and_place (default: %(default)s)")
-    add_output_options(flight, "out/WORLD", "the log")
-    add_workspace_command(commands)
-    add_lessons_command(commands)
-    add_doctor_command(commands)
-    add_grade_command(commands)
+    table = tomllib.loads(Path(__file__).with_name("commands.toml").read_text(encoding="utf-8"))
+    for name, told in table.items():
+        command = commands.add_parser(name, help=told["help"])
+        command.set_defaults(command=_COMMANDS[name], parser=command)
+        for option, words in told.get("options", {}).items():
+            for key in words.keys() & {"choices", "type"}:
+                words[key] = _NAMED.get(str(words[key]), words[key])
+            words["help"] = words["help"].format(criteria=", ".join(CRITERIA))
+            command.add_argument(option, **words)
     return parser
+
+
+_NAMED: dict[str, Any] = {"methods": [*tension_methods(), "all"], "cables": list(CABLE_MODELS),
+                          "infeasible": INFEASIBLE, "float": float, "int": int, "path": Path}
+"""What the table calls by name."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -185,3 +176,6 @@ def _pick_and_place(options: argparse.Namespace, world: World) -> None:
 
 _ENGINES = ("cables", "dt", "duration", "infeasible")
 """Options that belong to the engine of `run`."""
+
+_COMMANDS = {"worlds": _worlds, "run": _run, "workspace": judge_workspace, "lessons": bring_lessons,
+             "doctor": diagnose, "grade": grade}

@@ -84,17 +84,6 @@ def progress_bar(name: str, unit: str = "steps") -> Iterator[Callable[..., None]
                 bar.close()
 
 
-def add_output_options(parser: argparse.ArgumentParser, default: str, kept: str) -> None:
-    """``--out`` and ``--no-pictures``.
-
-    default : folder, as help names it
-    kept : what is written without pictures
-    """
-    parser.add_argument("--out", help=f"folder to write to (default: {default})")
-    parser.add_argument("--no-pictures", action="store_true", help=f"write {kept} only")
-    parser.set_defaults(parser=parser)
-
-
 def refuse(options: argparse.Namespace, names: Sequence[str], why: str) -> None:
     """Raise InvalidInput if one of these options was given; ``why`` has a place for its name."""
     for name in names:

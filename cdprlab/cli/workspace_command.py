@@ -31,7 +31,7 @@ from ..workspace import (
 from ..workspace.grids import axis_names
 from ..world import World, load_world
 from ..world.files import replaced
-from .output import add_output_options, print_table, progress_bar, refuse, results
+from .output import print_table, progress_bar, refuse, results
 
 CRITERIA: dict[str, Any] = {
     "wrench_closure": WrenchClosure, "wrench_feasible": WrenchFeasible,
@@ -44,27 +44,8 @@ PLANES = ("yz", "xz", "xy")
 """By the axis that each cuts."""
 
 
-def add_workspace_command(commands: Any) -> None:
-    """Add the command to a parser's."""
-    parser = commands.add_parser("workspace", help="judge poses over a plane; write map, table, data")
-    parser.set_defaults(command=_workspace)
-    add = parser.add_argument
-    add("world", metavar="WORLD",
-        help="a world's name (see `worlds`) or the path of a .yaml file")
-    add("--criterion", default="wrench_feasible", metavar="NAME[,NAME…]",
-        help=f"{', '.join(CRITERIA)}; several with commas must all hold; asked for are 1 m/s² or 1 m/s "
-             "along each axis, no pushes and no clearance (default: %(default)s)")
-    add("--plane", metavar="AXES", default="xz", help="xy, xz or yz, in space (default: %(default)s)")
-    add("--at", type=float, help="where the plane cuts its third axis [m] (default: in the middle of the exit points)")
-    add("--step", type=float, help="between poses [m] (default: a hundredth of the size)")
-    add("--jobs", type=int, default=1,
-        help="processes, -1 for all cores (default: %(default)d)")
-    add("--checkpoint",
-        help="folder that keeps finished chunks; the same command goes on there")
-    add_output_options(parser, "out/WORLD/workspace", "table and data")
-
-
-def _workspace(options: argparse.Namespace) -> None:
+def judge_workspace(options: argparse.Namespace) -> None:
+    """Judge the poses of a plane, and write them as figure, table and data."""
     world = load_world(options.world)
     criterion = _criterion(world, options)
     grid = _grid(world, options)

@@ -43,10 +43,9 @@ def _deployment(world: World, task: PickAndPlace) -> Iterator[Phase]:
                 begin=lambda engine: engine.bases.couple())
     yield Phase("uncouple", "the electromagnetic link opens", 0.3,
                 begin=lambda engine: engine.bases.uncouple())
-    words = (("sidestep", "clear of the shelf"),
-             ("deploy", "the active base drives away, the platform stays"),
-             ("line up", "the base takes its place"))
-    yield from _legs(world, task, words)
+    yield from _legs(world, task, {"sidestep": "clear of the shelf",
+                                   "deploy": "the active base drives away, the platform stays",
+                                   "line up": "the base takes its place"})
     yield Phase("stabilize", "the stabilizers go down, no base can drive", 0.5,
                 begin=lambda engine: engine.bases.lower_stabilizers())
 
@@ -57,15 +56,14 @@ def _folding(world: World, task: PickAndPlace) -> Iterator[Phase]:
         raise InvalidInput("bases are to fold back, but the task names no `coupled:` base and its pose")
     yield Phase("lift feet", "the stabilizers go up, the bases stand on wheels", 0.5,
                 begin=lambda engine: engine.bases.raise_stabilizers())
-    words = (("step out", "clear of the shelf again"),
-             ("fold", "the active base drives back, the platform stays"),
-             ("close up", "beside the other base, as before"))
-    yield from _legs(world, task, words, back=True)
+    yield from _legs(world, task, {"step out": "clear of the shelf again",
+                                   "fold": "the active base drives back, the platform stays",
+                                   "close up": "beside the other base, as before"}, back=True)
     yield Phase("link", "the electromagnetic link closes", 0.5, drives=dict(task.coupled),
                 guard=_arrived, begin=lambda engine: engine.bases.couple())
 
 
-def _legs(world: World, task: PickAndPlace, words: tuple[tuple[str, str], ...],
+def _legs(world: World, task: PickAndPlace, words: dict[str, str],
           back: bool = False) -> Iterator[Phase]:
     """Each base's way from its coupled place to its own, a state each: out sideways, along, back in.
 
@@ -73,14 +71,13 @@ def _legs(world: World, task: PickAndPlace, words: tuple[tuple[str, str], ...],
     """
     for name, coupled in task.coupled.items():
         base = world.robot.base(name)
-        ends = [base.pose, coupled] if back else [coupled, base.pose]
-        stops, told = ends, words[1:2]
+        stops, told = [base.pose, coupled] if back else [coupled, base.pose], list(words.items())
         if task.aside:   # along the base's own y axis
-            beside = placed(ends, [0.0, task.aside, 0.0]).tolist()
-            stops, told = [ends[0], *map(tuple, beside), ends[1]], words
+            stops[1:1] = map(tuple, placed(stops, [0.0, task.aside, 0.0]).tolist())
+        else:
+            told = told[1:2]
         for (state, what), here, there in zip(told, stops, stops[1:]):
-            lasting = driving_time(relative(there, here), base.speed_max[[1, 2, 0]],
-                                   ACCELERATION)
+            lasting = driving_time(relative(there, here), base.speed_max[[1, 2, 0]], ACCELERATION)
             yield Phase(state, what, float(lasting.max()), drives={name: there}, guard=_arrived)
 
 

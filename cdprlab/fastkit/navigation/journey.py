@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_number, checked, lasting
 from ...errors import recording
-from ...run.log import Log
+from ...run.log import Columns, Log
 from ..events import STOPPED
 from ..plane import NO_POINTS, Place, carried, checked_pose, difference
 from .driving import KinematicPair, clearance
@@ -29,6 +29,8 @@ _LONGEST = 600.0      # s a journey may take
 _PATIENCE = 30.0      # s blocked without any other way, then the journey ends
 _AROUND = 0.2         # m kept occupied about a point that is not on the map
 _OUT = np.array([0.1, 0.1, 0.1])      # m, m, rad: this near to where it was to leave to, it is out of the berth
+_COLUMNS: Columns = {"time": ((), "s"), "poses": ((3,), "m, m, rad"), "estimates": ((3,), "m, m, rad"),
+                     "deviations": ((3,), "m, m, rad"), "clearance": ((), "m"), "waiting": ((), "")}
 _SURE = np.array([0.15, 0.15, 0.1])   # m, m, rad: less sure of its pose, it must not drive
 
 
@@ -72,9 +74,7 @@ class Journey:
 
     def columns(self) -> dict[str, tuple[Array, str]]:
         """Name → what there is of it a row, and its unit."""
-        places = {"pose": self.poses, "estimate": self.estimates, "deviation": self.deviations}
-        return {"time": (self.time, "s"), **{name: (there, "m, m, rad") for name, there in places.items()},
-                "clearance": (self.clearance, "m"), "waiting": (self.waiting, "")}
+        return {name.removesuffix("s"): (getattr(self, name), unit) for name, (_, unit) in _COLUMNS.items()}
 
     def table(self) -> dict[str, str]:
         """The journey in a few lines."""
@@ -152,11 +152,7 @@ class _Driver:
 
     def __post_init__(self) -> None:
         self.grid = OccupancyGrid.of(self.hall)
-        self.log = Log({"time": ((), "s"), "poses": ((3,), "m, m, rad"),
-                        "estimates": ((3,), "m, m, rad"),
-                        "deviations": ((3,), "m, m, rad"), "clearance": ((), "m"),
-                        "waiting": ((), ""),
-                        "people": (self.pair.people.shape, "m")})
+        self.log = Log({**_COLUMNS, "people": (self.pair.people.shape, "m")})
 
     def drive(self, progress: Callable[[float], Any] | None) -> Journey:
         """Period after period, until there or stopped."""

@@ -70,9 +70,7 @@ def film_moments(job: Job, frames: int) -> list[float]:
     """Times of a film's pictures: each phase takes what it takes, but at least 6 % of the job's time [s]."""
     bounds = np.array([event.time for event in job.events] + [float(job.time[-1])])
     shown = np.maximum(np.diff(bounds), 0.06 * bounds[-1])
-    moments: list[float] = np.interp(np.linspace(0.0, shown.sum(), frames),
-                                     [0.0, *np.cumsum(shown)], bounds).tolist()
-    return moments
+    return np.interp(np.linspace(0.0, shown.sum(), frames), [0.0, *np.cumsum(shown)], bounds).tolist()
 
 
 class JobScreen(RunScreen):
@@ -114,10 +112,9 @@ def _show_phases(panels: Sequence[Axes], job: Job) -> None:
 def _draw_bases(panel: Axes, job: Job) -> None:
     """Along the floor, x solid and y dashed; a base whose y stays 0 shows x alone."""
     lines, names, styles = [], [], []
-    for k, (base, style) in enumerate(zip(job.world.robot.bases, BASE_STYLES)):
-        for axis, name, dashes in ((0, "x", "-"), (1, "y", "--")):
-            line = job.base_poses[:, k, axis]
-            if axis == 0 or np.ptp(line) > _STILL:
+    for base, style, poses in zip(job.world.robot.bases, BASE_STYLES, job.base_poses.swapaxes(0, 1)):
+        for name, dashes, line in zip("xy", ("-", "--"), poses.T):
+            if name == "x" or np.ptp(line) > _STILL:
                 lines.append(line)
                 names.append(f"{base.name} {name}")
                 styles.append(LineStyle(style.color, dashes))
