@@ -117,8 +117,8 @@ class _Lattice:
         # A rectangle that is turned round is the same rectangle: half the headings are enough.
         half = [grid.room_on(vehicle, self.xs, self.ys, heading)
                 for heading in self.headings[:len(self.headings) // 2]]
-        self.room = np.array(half + half)
-        self.free = self.room[::_BETWEEN] >= margin                                  # (headings, nx, ny)
+        self.room = np.reshape(half + half, (_HEADINGS, _BETWEEN, *half[0].shape))
+        self.free = self.room[:, 0] >= margin                                        # (headings, nx, ny)
 
     def way(self, start: Array, goal: Array, least: float) -> Array:
         """(n, 3) poses of the best way between the nodes that start and goal join; (0, 3) if there is none."""
@@ -153,22 +153,20 @@ class _Lattice:
     def _graph(self) -> csr_array:
         """Seconds between neighbors, (nodes, nodes)."""
         index = np.arange(self.free.size).reshape(self.free.shape)
-        wide = 1 + np.clip(1 - (self.room[::_BETWEEN] - self.margin) / _WIDE, 0, 1)
+        wide = 1 + np.clip(1 - (self.room[:, 0] - self.margin) / _WIDE, 0, 1)
         along = _STEP / self.vehicle.speed_max[1:].min()
         about = 2 * np.pi / _HEADINGS / min(self.vehicle.speed_max[0],
                                             self.vehicle.speed_max[2] / self.vehicle.arm)
-        rooms = self.room.reshape(_HEADINGS, _BETWEEN, *self.room.shape[1:])
-        turns = (rooms >= self.margin).all(axis=1)
+        turns = (self.room >= self.margin).all(axis=1)
         edges = []
         for step in ((0, 1, 0), (0, 0, 1), (0, 1, 1), (0, 1, -1), (1, 0, 0)):
             # Headings go round; places do not, but at the floor's edge, where rolling would
             # join them, none is free.
-            back = np.negative(step)
-            there, room = (np.roll(nodes, back, axis=(0, 1, 2)) for nodes in (index, wide))
+            there = np.roll(index, np.negative(step), axis=(0, 1, 2))
             both = (turns if step[0] else self.free) & self.free.ravel()[there]
             # A turn counts where it begins, a way at both its ends.
-            time = about * wide[both] if step[0] else np.hypot(*step[1:]) * along * (wide + room)[both] / 2
-            edges.append((index[both], there[both], time))
+            time = about * wide if step[0] else np.hypot(*step[1:]) * along * (wide + wide.ravel()[there]) / 2
+            edges.append((index[both], there[both], time[both]))
         i, j, t = map(np.concatenate, zip(*edges))
         return csr_array((t, (i, j)), shape=(index.size, index.size))
 
