@@ -69,16 +69,15 @@ class Job(Chronicle, Run):
         robot, tensions = self.world.robot, self.measured_tensions
         if not (self.time >= SETTLING).any():   # too short to judge wheels and tensions by
             return {"state": self.state, "cut short": self.cut_short}
-        winch, low, high = robot.winch, robot.tension_min.min(), robot.tension_max.max()
-        assert winch and self.motor_torques is not None and self.motor_speeds is not None    # or nobody controlled it
-        torque, speed = np.abs(self.motor_torques).max(), np.abs(self.motor_speeds).max()
+        # Or nobody controlled it.
+        assert robot.winch and self.motor_torques is not None and self.motor_speeds is not None
         return {
-            "state": self.state + (f": {self.reason}" if self.reason else ""),
+            "state": f"{self.state}: {self.reason}".removesuffix(": "),
             "tracking error, largest": f"{self.position_errors.max() * 1e3:.2f} mm",
-            "tension, smallest": f"{tensions[1:].min():.1f} N (limit {low:g} N)",
-            "tension, largest": f"{tensions.max():.1f} N (limit {high:g} N)",
-            "motor torque, largest": f"{torque:.2f} N m (limit {winch.torque:g} N m)",
-            "motor speed, largest": f"{speed:.0f} rad/s",
+            "tension, smallest": f"{tensions[1:].min():.1f} N (limit {robot.tension_min.min():g} N)",
+            "tension, largest": f"{tensions.max():.1f} N (limit {robot.tension_max.max():g} N)",
+            "motor torque, largest": f"{np.abs(self.motor_torques).max():.2f} N m (limit {robot.winch.torque:g} N m)",
+            "motor speed, largest": f"{np.abs(self.motor_speeds).max():.0f} rad/s",
             "least load on a base's edge": f"{self.least_edge_load:.0f} N (0: it tips)",
             "box off its place": f"{self.box_error * 1e3:.1f} mm",
             "simulated time": f"{self.time[-1]:.1f} s",

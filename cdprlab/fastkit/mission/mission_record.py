@@ -80,8 +80,7 @@ class Mission(Chronicle):
 
     def table(self) -> dict[str, str]:
         """The mission in a few lines."""
-        rows = {f"{number}. {event.state}": f"{event.time:.1f} s" + (f", {event.why}"
-                                                                     if event.why else "")
+        rows = {f"{number}. {event.state}": f"{event.time:.1f} s, {event.why}".removesuffix(", ")
                 for number, event in enumerate(self.events, 1)}
         for name, part in self.parts.items():
             rows.update({f"{name}: {quantity}": value

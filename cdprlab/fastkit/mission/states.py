@@ -88,7 +88,7 @@ def run_mission(world: World, bounds: Bounds, start: Place, task: str = "pick_an
         raise InvalidInput(f"task {task!r} is of kind {job.kind}: a mission needs one of kind pick_and_place")
     if not job.coupled:
         raise InvalidInput(f"task {task!r} begins deployed: name the `coupled:` base and its pose")
-    trip = Trip(world, job, np.asarray(bounds), np.asarray(start), np.asarray(station), walkers, beams, progress)
+    trip = Trip(world, job, bounds, start, station, walkers, beams, progress)
     mission, began = Mission(world, task, seed), time.perf_counter()
     with recording(mission.cut):
         for event in walk_through(mission, mission_states(trip, work)):

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +17,7 @@ from ..navigation.driving import Walker
 from ..navigation.hall import Hall
 from ..navigation.journey import Journey, navigate
 from ..navigation.vehicle import Vehicle
-from ..plane import placed
+from ..plane import Bounds, Place, placed
 from .engine_pair import EnginePair, pair_pose, shifted, shifted_bases
 from .mission_record import Mission
 
@@ -41,9 +41,9 @@ class Trip:
 
     world: World
     task: PickAndPlace
-    bounds: Annotated[Array, "(2, 2) [m]"]
-    start: Annotated[Array, "(3,) [m, m, rad]"]
-    station: Annotated[Array, "(3,) [m, m, rad]"]
+    bounds: Bounds
+    start: Place
+    station: Place
     walkers: tuple[Walker, ...]
     beams: int
     progress: Progress | None = None
@@ -66,8 +66,8 @@ class Trip:
 
     def drive_there(self, mission: Mission) -> None:
         """Navigate to the berth in the engine, the true start a little off the one told."""
-        truly = self.start + np.random.default_rng(as_seed(mission.seed)).uniform(-1, 1, 3) * [0.08, 0.08, 0.04]
-        mission.journey = self._navigate(mission, truly, self.start, self.gate, berth=self.berth,
+        off = np.random.default_rng(as_seed(mission.seed)).uniform(-1, 1, 3) * [0.08, 0.08, 0.04]
+        mission.journey = self._navigate(mission, np.add(self.start, off), self.start, self.gate, berth=self.berth,
                                          seed=mission.seed)
 
     def drive_home(self, mission: Mission) -> None:
@@ -80,7 +80,7 @@ class Trip:
                                           leaving=self.gate, uncertainty=doubt,
                                           seed=mission.seed + 1)
 
-    def _navigate(self, mission: Mission, truly: Array, believed: Array, goal: Array, *,
+    def _navigate(self, mission: Mission, truly: Array, believed: ArrayLike, goal: ArrayLike, *,
                   seed: int, **how: ArrayLike) -> Journey:
         hall, pair = Hall.of_world(self.world, self.bounds), self._pair
         walkers = tuple(replace(walker, hall=hall) for walker in self.walkers)

@@ -80,7 +80,7 @@ class Journey:
         """The journey in a few lines."""
         off, end = self.errors, difference(self.goal, self.poses[-1])
         return {
-            "state": self.state + (f": {self.reason}" if self.reason else ""),
+            "state": f"{self.state}: {self.reason}".removesuffix(": "),
             "time": f"{self.time[-1]:.1f} s",
             "way": f"{np.linalg.norm(np.diff(self.poses[:, :2], axis=0), axis=1).sum():.2f} m",
             "plans made": f"{len(self.plans)}",
