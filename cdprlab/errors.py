@@ -84,20 +84,24 @@ class CdprError(Exception):
         return copyreg.__newobj__, (type(self), *self.args), self.__dict__  # type: ignore[attr-defined]
 
 
-@contextmanager
-def recording(record: Callable[[str, Any], Any]) -> Iterator[None]:
+class Recording:
     """Whatever ends early what is inside, Ctrl-C and errors of the caller's included, carries its record as ``run``.
 
     record : makes it of the reason, and of what a part of it has recorded, None: nothing
-    """
-    try:
-        yield
-    except BaseException as error:
-        reason = f"{type(error).__name__}: {error}".removesuffix(": ")
-        run = record(reason[:_LONGEST], getattr(error, "run", None))
-        with suppress(AttributeError, TypeError):   # an error may refuse to carry more
-            error.run = run   # type: ignore[attr-defined]
-        raise
+    """   # no context manager of contextlib's, which writes into errors that refuse to be written into
+
+    def __init__(self, record: Callable[[str, Any], Any]) -> None:
+        self.record = record
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, _: Any, error: BaseException | None, __: Any) -> None:
+        if error is not None:
+            reason = f"{type(error).__name__}: {error}".removesuffix(": ")
+            run = self.record(reason[:_LONGEST], getattr(error, "run", None))
+            with suppress(AttributeError, TypeError):   # an error may refuse to carry more
+                error.run = run   # type: ignore[attr-defined]
 
 
 class CdprWarning(UserWarning):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, TypeVar
 
 from ..arrays import Array, as_answer
-from ..errors import recording
+from ..errors import Recording
 from ..mechanics.cables import cables_at
 from ..mechanics.dynamics import inverse_dynamics
 from ..mechanics.trajectory import Reference
@@ -127,7 +127,7 @@ def fly(engine: Simulator, command: Command, wishes: Iterable[Any],
     """Command one wish after the other, as long as there are any; returns the record of the flight.
 
     Whatever ends it early carries the record of the steps that were flown to their end, see
-    `recording`.
+    `Recording`.
 
     engine : reset to where it begins; substeps : its steps in a control step
     wishes : what the command takes; an iterator may decide by what the engine has come to, and do
@@ -142,7 +142,7 @@ def fly(engine: Simulator, command: Command, wishes: Iterable[Any],
             seen.keep_numbers(engine.sample())
         return record(Flight(seen, asked, time.perf_counter() - began, cut_short))
 
-    with recording(flown):
+    with Recording(flown):
         see, sample, keep, step = seen.keep_numbers, engine.sample, asked.keep_numbers, command.step
         for wish in wishes:
             if not len(seen):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, Flags, Progress, as_count, checked, data_frame, frozen, lasting, seeds
-from ..errors import InvalidInput, SimulationDiverged, quoted, recording
+from ..errors import InvalidInput, Recording, SimulationDiverged, quoted
 from ..workspace.checkpoint import Checkpoint
 from ..workspace.sweep import over_cores
 from ..world import World
@@ -144,7 +144,7 @@ def repeat(world: World, runs: int, task: str = "default", *,
         columns: dict[str, Any] = {name: frozen(np.array([row[name] for row in done])) for name in _COLUMNS}
         return Repetition(world, **columns, cut_short=cut_short) if done else flown
 
-    with recording(found):
+    with Recording(found):
         # The answers first: a generator of joblib's that is not asked to its end complains.
         for row, k in zip(over_cores(_flown, (calls[k] for k in waiting), n_jobs), waiting):
             rows[k] = row

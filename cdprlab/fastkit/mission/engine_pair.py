@@ -40,13 +40,12 @@ class EnginePair(KinematicPair):
     def __init__(self, world: World, vehicle: Vehicle, hall: Hall, pose: ArrayLike,
                  walkers: tuple[Walker, ...] = (), seed: int = 0) -> None:
         super().__init__(vehicle, hall, pose, walkers, seed=seed)
-        engine = SpatialSimulator(moved_pair(world, pose), "tension", _STEP, bodies=True,
-                                  solver_iterations=20)
-        self.engine = engine
+        self.engine = engine = SpatialSimulator(moved_pair(world, pose), "tension", _STEP, bodies=True,
+                                                solver_iterations=20)
         engine.bases.couple()
         engine.bases.lock(engine.platform)
         self.log = Log({"tensions": (engine.tensions.shape, "N"),
-                        "wheels": (self._wheels().shape, "N"),
+                        "wheels": ((2, len(world.robot.bases[0].footprint)), "N"),
                         "tilts": ((), "rad")})
 
     def move(self, twist: Motion, period: Period) -> None:
@@ -55,10 +54,7 @@ class EnginePair(KinematicPair):
         for _ in range(round(period / _STEP / _AT_ONCE)):
             engine.step(engine.world.robot.tension_min, _AT_ONCE)
         self.pose = self.vehicle.pose_of(engine.base_poses[0])
-        self.log.keep(engine.tensions, self._wheels(), engine.tilts.max())
-
-    def _wheels(self) -> Array:
-        return np.array(list(self.engine.wheel_loads().values()))
+        self.log.keep(engine.tensions, *engine.wheel_loads().values(), engine.tilts.max())
 
     def __enter__(self) -> EnginePair:
         return self

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Array, checked
-from ...errors import InvalidInput, recording
+from ...errors import InvalidInput, Recording
 from ...world import World
 from ...world.model import PickAndPlace
 from ..events import DONE, STOPPED, Event, as_reason
@@ -90,7 +90,7 @@ def run_mission(world: World, bounds: Bounds, start: Place, task: str = "pick_an
         raise InvalidInput(f"task {task!r} begins deployed: name the `coupled:` base and its pose")
     trip = Trip(world, job, bounds, start, station, walkers, beams, progress)
     mission, began = Mission(world, task, seed), time.perf_counter()
-    with recording(mission.cut):
+    with Recording(mission.cut):
         for event in walk_through(mission, mission_states(trip, work)):
             mission.events.append(event)
     mission.real_time_factor = mission.now / (time.perf_counter() - began)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_number, checked, lasting
-from ...errors import recording
+from ...errors import Recording
 from ...run.log import Columns, Log
 from ..events import STOPPED
 from ..plane import NO_POINTS, Place, carried, checked_pose, difference
@@ -117,7 +117,7 @@ def navigate(pair: KinematicPair, hall: Hall, start: ArrayLike, goal: ArrayLike,
     stops = [checked_pose(goal, "goal")] + ([] if berth is None else [checked_pose(berth, "berth")])
     out = None if leaving is None else checked_pose(leaving, "leaving")
     driver = _Driver(pair, hall, stops, out, where, period)
-    with recording(driver.cut):
+    with Recording(driver.cut):
         return driver.drive(progress)
 
 
@@ -167,9 +167,9 @@ class _Driver:
             follower = self._patient(follower)
             self.where.drive(self.pair.drive(twist, self.period))
             self.now += self.period
-            self._look()
             if progress is not None:
                 progress(self.now)
+            self._look()
         return self._journey(ARRIVED) if follower else self._journey(STOPPED, self.plans[-1][1].reason)
 
     def cut(self, reason: str, _: Any) -> Journey | None:

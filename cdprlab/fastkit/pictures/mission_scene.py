@@ -31,16 +31,16 @@ def mission_scene(mission: Mission) -> dict[str, list[State]]:
     if job is None or there is None:
         raise InvalidInput(f"a mission is shown from its work on, this one never came to it: {mission.reason}")
     work = states_of(job)
-    people, shown = there.people[-1], {}
+    shown = {}
     for name, part in mission.parts.items():
         if isinstance(part, Journey):
             anchor, row = (work[0], -1) if part is there else (work[-1], 0)
             rows = np.linspace(0, len(part.time) - 1, _MOST).round().astype(int)
             states = [_driven(anchor, part.poses[row], part.poses[k])._replace(time=float(part.time[k])) for k in rows]
-            everybody = [part.people[k] for k in rows]
+            everybody = part.people[rows]
         else:
             states = work[::-(-len(work) // _MOST)]
-            everybody = [people] * len(states)
+            everybody = there.people[-1:].repeat(len(states), axis=0)
         shown[name] = [_among(state, mission, here) for state, here in zip(states, everybody)]
     return shown
 
