@@ -16,7 +16,6 @@ from ..workspace import (
     Criterion,
     DynamicEquilibrium,
     InterferenceFree,
-    Judgement,
     PoseGrid,
     StaticallyStable,
     StaticEquilibrium,
@@ -47,26 +46,44 @@ PLANES = ("yz", "xz", "xy")
 def judge_workspace(options: argparse.Namespace) -> None:
     """Judge the poses of a plane, and write them as figure, table and data."""
     world = load_world(options.world)
-    criterion = _criterion(world, options)
-    grid = _grid(world, options)
+    criterion, grid = _criterion(world, options), _grid(world, options)
     with results(options, world, f"{options.criterion} at {len(grid)} poses over {', '.join(grid.axes)}",
                  "workspace") as write:
         with progress_bar("judging", "poses") as bar:
             found = workspace(world.robot, grid, criterion, n_jobs=options.jobs,
                               checkpoint=options.checkpoint, progress=bar)
-        title = f"{world.title or world.name}: {options.criterion.replace('_', ' ').replace(',', ', ')}"
+        names, poses = axis_names(world.robot.dimension), grid.poses
+
+        def save(folder: Path) -> None:
+            axes: dict[str, Any] = {f"axis_{name}": places for name, places in grid.axes.items()}
+            with replaced(folder / "workspace.npz") as file:
+                np.savez(file, **axes, position=poses.position, rotation=grid.origin.rotation,
+                         inside=found.inside, margin=found.margin)
+            columns = {name: (places, "m") for name, places in zip(names, poses.position.T)}
+            write_csv(folder / "workspace.csv",
+                      {**columns, "inside": (found.inside, ""), "margin": (found.margin, "")})
 
         def tell(folder: Path) -> None:
-            table = _table(world, grid, criterion, found, options.jobs)
+            inside, refined = found.inside, refine(world.robot, grid, criterion, 2, n_jobs=options.jobs)
+            unit = "m²" if len(grid.axes) == 2 else "m"
+            table = {"poses inside": f"{int(inside.sum())} of {inside.size} ({100 * inside.mean():.1f} %)",
+                     "size, border cells halved twice": f"{refined.measure:.4g} ± {refined.error:.2g} {unit}"}
+            known = np.where(inside & np.isfinite(found.margin), found.margin, -np.inf)
+            best = int(known.argmax())
+            if np.isfinite(known[best]):
+                place = poses.position[best].round(6) + 0.0
+                where = ", ".join(f"{name} = {x:.3g}" for name, x in zip(names, place))
+                table["largest margin"] = f"{known[best]:.4g} {criterion.unit}".rstrip() + f" at {where} m"
             write_rows(folder / "table.csv", table.items())
             print_table(table)
 
         def draw(path: Path) -> None:
             from ..view.workspace import plot_workspaces
 
+            title = f"{world.title or world.name}: {options.criterion.replace('_', ' ').replace(',', ', ')}"
             view.save_figure(plot_workspaces(world.robot, grid, {"": found}, title=title, unit=criterion.unit), path)
 
-        write(lambda folder: _save(folder, grid, found), tell, {"workspace.png": draw})
+        write(save, tell, {"workspace.png": draw})
 
 
 def _criterion(world: World, options: argparse.Namespace) -> Criterion:
@@ -99,29 +116,3 @@ def _grid(world: World, options: argparse.Namespace) -> PoseGrid:
         middle = (low[held] + high[held]) / 2
         low[held] = high[held] = middle if options.at is None else as_number(options.at, "at", "m")
     return position_grid(low, high, float((high - low).max()) / 100 if options.step is None else options.step)
-
-
-def _table(world: World, grid: PoseGrid, criterion: Criterion, found: Judgement, jobs: int) -> dict[str, str]:
-    inside, refined = found.inside, refine(world.robot, grid, criterion, 2, n_jobs=jobs)
-    unit = "m²" if len(grid.axes) == 2 else "m"
-    table = {"poses inside": f"{int(inside.sum())} of {inside.size} ({100 * inside.mean():.1f} %)",
-             "size, border cells halved twice": f"{refined.measure:.4g} ± {refined.error:.2g} {unit}"}
-    known = np.where(inside & np.isfinite(found.margin), found.margin, -np.inf)
-    if np.isfinite(known).any():
-        best = int(known.argmax())
-        place = grid[best:best + 1].position[0].round(6) + 0.0
-        where = ", ".join(f"{name} = {x:.3g}" for name, x in zip(axis_names(len(place)), place))
-        table["largest margin"] = f"{known[best]:.4g} {criterion.unit}".rstrip() + f" at {where} m"
-    return table
-
-
-def _save(folder: Path, grid: PoseGrid, found: Judgement) -> None:
-    poses = grid.poses
-    axes: dict[str, Any] = {f"axis_{name}": places for name, places in grid.axes.items()}
-    with replaced(folder / "workspace.npz") as file:
-        np.savez(file, **axes, position=poses.position, rotation=grid.origin.rotation,
-                 inside=found.inside, margin=found.margin)
-    columns = {name: (places, "m")
-               for name, places in zip(axis_names(poses.dimension), poses.position.T)}
-    write_csv(folder / "workspace.csv",
-              {**columns, "inside": (found.inside, ""), "margin": (found.margin, "")})

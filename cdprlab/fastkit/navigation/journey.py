@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, as_number, checked, lasting
+from ...arrays import Array, as_number, checked, frozen_dataclass
 from ...errors import Recording
 from ...run.log import Columns, Log
 from ..events import STOPPED
@@ -34,8 +34,7 @@ _COLUMNS: Columns = {"time": ((), "s"), "poses": ((3,), "m, m, rad"), "estimates
 _SURE = np.array([0.15, 0.15, 0.1])   # m, m, rad: less sure of its pose, it must not drive
 
 
-@lasting
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Journey:
     """What happened, one row a period.
 
