@@ -78,7 +78,7 @@ def _legs(world: World, task: PickAndPlace, words: dict[str, str],
             told = told[1:2]
         for (state, what), here, there in zip(told, stops, stops[1:]):
             lasting = driving_time(relative(there, here), base.speed_max[[1, 2, 0]], ACCELERATION)
-            yield Phase(state, what, float(lasting.max()), drives={name: there}, guard=_arrived)
+            yield Phase(state, what, lasting.max(), drives={name: there}, guard=_arrived)
 
 
 def _taking(task: PickAndPlace, speed: float) -> Iterator[Phase]:

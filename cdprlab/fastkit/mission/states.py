@@ -161,7 +161,7 @@ def coupled_again(mission: Mission) -> str:
         return trouble
     places = job.world.robot.with_bases(job.world.task(mission.task).coupled).bases      # type: ignore[attr-defined]
     apart = job.base_poses[-1, :, :2] - [base.position for base in places]
-    off = float(np.linalg.norm(apart, axis=1).max())
+    off = np.linalg.norm(apart, axis=1).max()
     return "" if off <= COUPLED else f"the bases are not together: one is {off * 1e3:.0f} mm off its coupled place"
 
 

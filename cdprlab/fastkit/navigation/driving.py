@@ -52,14 +52,14 @@ class Walker:
     def walk(self, period: Period, pose: Place, size: Spots) -> None:
         """Walk on for a period [s], minding a machine at pose (3,), (2,) along and across [m]."""
         left, reach = self.way[self.onward] - self.place, self.speed * period
-        far = float(np.linalg.norm(left))
+        far = np.linalg.norm(left)
         if far < 1e-9:
             self.onward = 1 - self.onward
             return
         then = self.place + left * min(1.0, reach / far)
-        near, now = (point_distance([then, self.place], pose, size) - self.radius).tolist()
+        near, now = point_distance([then, self.place], pose, size) - self.radius
         # Along a machine one walks on, but not ever closer.
-        along = 0.2 * float(np.linalg.norm(then - self.place)) if near > self.care / 2 else 0.0
+        along = 0.2 * np.linalg.norm(then - self.place) if near > self.care / 2 else 0.0
         if near < self.care and near < now - along:
             self._wait(period, pose, size)
             return

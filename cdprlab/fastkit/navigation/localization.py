@@ -89,7 +89,7 @@ class Localization:
             return self.pose
         predicted, prior, segments = self.pose, np.linalg.inv(self.covariance), self._facing()
         H = prior
-        gate = float(np.clip(_NEAR + 3 * self.deviation[:2].max(), _NEAR, _FAR))
+        gate = np.clip(_NEAR + 3 * self.deviation[:2].max(), _NEAR, _FAR)
         for _ in range(_ROUNDS):
             off, arms = self._offsets(points, segments)
             e = np.linalg.norm(off, axis=1)

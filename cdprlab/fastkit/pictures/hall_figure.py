@@ -83,7 +83,7 @@ def draw_way(axes: Axes, journey: Journey, until: float = LARGEST) -> None:
               zorder=6, label="goal")
     for person in np.moveaxis(journey.people[:n], 0, 1):
         axes.plot(*person[:, :2].T, ":", color=GREEN, linewidth=1.5, zorder=3, label="person")
-        axes.add_patch(Circle(tuple(person[-1, :2]), float(person[-1, 2]), facecolor=GREEN,
+        axes.add_patch(Circle(person[-1, :2], person[-1, 2], facecolor=GREEN,
                               edgecolor=INK, zorder=4))
 
 

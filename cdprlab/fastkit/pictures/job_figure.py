@@ -43,7 +43,7 @@ def plot_job(job: Job) -> Figure:
         mark_level(axes[4], 0.0, TIPS)
         _draw(axes[4], job.time[1:], least_edge_loads(job.wheels[1:]), "least edge load [N]",
               [base.name for base in job.world.robot.bases], BASE_STYLES)
-        axes[4].set(xlabel="time [s]", xlim=(0, float(job.time[-1])))
+        axes[4].set(xlabel="time [s]", xlim=(0, job.time[-1]))
         figure.suptitle(f"{job.world.title} · {job.task.replace('_', ' ')} · {job.method} control · {job.state}",
                         x=0.01, ha="left", fontsize=13, color=INK)
         figure.alt_text = _caption(job) + " " + "; ".join(f"{name}: {value}" for name, value in job.table().items())
@@ -68,7 +68,7 @@ def save_job_film(job: Job, path: str | Path, seconds: float = 16.0, fps: int = 
 
 def film_moments(job: Job, frames: int) -> list[float]:
     """Times of a film's pictures: each phase takes what it takes, but at least 6 % of the job's time [s]."""
-    bounds = np.array([event.time for event in job.events] + [float(job.time[-1])])
+    bounds = np.array([event.time for event in job.events] + [job.time[-1]])
     shown = np.maximum(np.diff(bounds), 0.06 * bounds[-1])
     return np.interp(np.linspace(0.0, shown.sum(), frames), [0.0, *np.cumsum(shown)], bounds).tolist()
 
@@ -96,7 +96,7 @@ def frame_at(job: Job, t: float, width: int = 640, scene: Scene | None = None) -
 # --- panels -----------------------------------------------------------------------------------------------
 def _show_phases(panels: Sequence[Axes], job: Job) -> None:
     """Every other one shaded, all named above."""
-    lasting = float(job.time[-1])
+    lasting = job.time[-1]
     phases = spans(job.events, lasting)
     for start, end, _ in phases[1::2]:
         for panel in panels:
