@@ -7,6 +7,7 @@ import numpy as np
 from ...arrays import Array, checked
 from ...errors import InvalidInput
 from ...simulate.state import State
+from ...view.film import evenly
 from ...view.scene import states_of
 from ...world.model import Box
 from ..mission.engine_pair import shifted_bases, shifted_pose
@@ -35,11 +36,11 @@ def mission_scene(mission: Mission) -> dict[str, list[State]]:
     for name, part in mission.parts.items():
         if isinstance(part, Journey):
             anchor, row = (work[0], -1) if part is there else (work[-1], 0)
-            rows = np.linspace(0, len(part.time) - 1, _MOST).round().astype(int)
+            rows = evenly(len(part.time), _MOST)
             states = [_driven(anchor, part.poses[row], part.poses[k])._replace(time=float(part.time[k])) for k in rows]
             everybody = part.people[rows]
         else:
-            states = work[::-(-len(work) // _MOST)]
+            states = [work[k] for k in evenly(len(work), _MOST)]
             everybody = there.people[-1:].repeat(len(states), axis=0)
         shown[name] = [_among(state, mission, here) for state, here in zip(states, everybody)]
     return shown
