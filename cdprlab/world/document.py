@@ -105,27 +105,29 @@ def copied(document: Any) -> Any:
     return pickle.loads(pickle.dumps(document))
 
 
-def overlay(node: Any, before: dict[str, Any], after: dict[str, Any]) -> None:
-    """Write into a block what differs between two descriptions of it; None and [] leave a key out."""
+def overlay(node: Any, before: dict[Any, Any], after: dict[Any, Any]) -> None:
+    """Write into a block, or a list by its indices, what differs between two descriptions of it.
+
+    None and [] leave a key out; what is built alike keeps its style and comments.
+    """
     for key in before | after:
         old, value = before.get(key), after.get(key)
         if old == value:
             continue
         _mark_changed(node, key)
+        there = node[key] if isinstance(key, int) or key in node else None
         if value in (None, []):
             node.pop(key, None)
-        elif key in node and isinstance(old, dict) and isinstance(value, dict):
+        elif isinstance(there, dict) and isinstance(old, dict) and isinstance(value, dict):
             overlay(own(node, key), old, value)
-        elif key in node and isinstance(value, list) and isinstance(value[0], dict):
+        elif isinstance(there, list) and isinstance(old, list) and isinstance(value, list) and (
+                isinstance(value[0], dict) or len(there) == len(value)):
             entries = own(node, key)
-            for i, (one, other) in enumerate(zip(old or [], value)):
-                if one != other:
-                    _mark_changed(entries, i)
-                    overlay(own(entries, i), one, other)
             del entries[len(value):]
-            entries.extend(styled(block) for block in value[len(entries):])
+            overlay(entries, dict(enumerate(old[:len(value)])), dict(enumerate(value[:len(entries)])))
+            entries.extend(map(styled, value[len(entries):]))
         else:
-            node[key] = changed(node.get(key), value)
+            node[key] = styled(value)
 
 
 def own(node: Any, key: str | int) -> Any:
@@ -134,18 +136,6 @@ def own(node: Any, key: str | int) -> Any:
         node[key] = copied(node[key])
         node[key].yaml_set_anchor(None)
     return node[key]
-
-
-def changed(old: Any, value: Any) -> Any:
-    """``value``, as a change of ``old`` where both are lists as long: its style and comments stay."""
-    both_lists = isinstance(old, list) and isinstance(value, list)
-    if not both_lists or len(old) != len(value) or old.yaml_anchor() is not None:
-        return styled(value)
-    for i, number in enumerate(value):
-        if old[i] != number:
-            _mark_changed(old, i)
-            old[i] = changed(old[i], number)
-    return old
 
 
 def _mark_changed(node: Any, key: str | int) -> None:
