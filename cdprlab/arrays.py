@@ -44,6 +44,7 @@ def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: st
     >>> as_array([1, 2], "position", (2,), "m")
     array([1., 2.])
     """
+    unit = f" [{unit}]" if unit else ""
     try:
         given = np.asarray(value.filled(np.nan) if isinstance(value, np.ma.MaskedArray) else value)
         if given.size and given.dtype.kind not in "iuf" and not (
@@ -54,17 +55,17 @@ def as_array(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: st
             array = array.reshape(0, *shape[1:])
     except (TypeError, ValueError, OverflowError):
         raise InvalidInput(f"{name} must be {_wanted(shape, unit)}, got {quoted(value)}", location) from None
-    if not _fits(array.shape, shape, batch):
+    further = array.ndim - len(shape)
+    if not 0 <= further <= 20 * batch or any(   # numpy broadcasts 32 axes
+            isinstance(want, int) and have != want for have, want in zip(array.shape[further:], shape)):
         raise InvalidInput(f"{name} must be {_wanted(shape, unit)}, got {_shape_text(array)}", location)
     if not (np.abs(array) <= limit).all():   # nor is NaN
         raise InvalidInput(f"{name} must be {'no NaN' if limit == np.inf else f'finite and at most {limit:g}'}, "
                            f"got {quoted(value)}", location)
-    least = array.min(initial=np.inf) if positive or minimum > -np.inf else np.inf
-    if positive and least < 1 / LARGEST:
-        words = "positive" if least <= 0 else f"at least {1 / LARGEST:g}"
-        raise InvalidInput(f"{name} must be {words}{_in(unit)}, got {quoted(value)}", location)
-    if least < minimum:
-        raise InvalidInput(f"{name} must be at least {minimum:g}{_in(unit)}, got {quoted(value)}", location)
+    least = 1 / LARGEST if positive else minimum
+    if least > -np.inf and (smallest := array.min(initial=np.inf)) < least:
+        words = "positive" if positive and smallest <= 0 else f"at least {least:g}"
+        raise InvalidInput(f"{name} must be {words}{unit}, got {quoted(value)}", location)
     return frozen(array)
 
 
@@ -372,25 +373,14 @@ def _words(kind: Any) -> str:
     return _WORDS.get(kind) or f"a {getattr(kind, '__name__', kind)}"
 
 
-def _fits(given: tuple[int, ...], wanted: tuple[int | str, ...], batch: bool) -> bool:
-    if not len(wanted) <= len(given) <= len(wanted) + 20 * batch:   # numpy broadcasts 32 axes
-        return False
-    tail = given[len(given) - len(wanted):]
-    return all(isinstance(want, str) or have == want for have, want in zip(tail, wanted))
-
-
-def _in(unit: str) -> str:
-    return f" [{unit}]" if unit else ""
-
-
 def _wanted(shape: tuple[int | str, ...], unit: str) -> str:
     if not shape:
-        return f"a number{_in(unit)}"
+        return f"a number{unit}"
     if len(shape) == 1 and isinstance(shape[0], str):
-        return f"a list of numbers{_in(unit)}"
+        return f"a list of numbers{unit}"
     if len(shape) == 1:
-        return f"{shape[0]} numbers{_in(unit)}"
-    return f"an array of shape ({', '.join(map(str, shape))}){_in(unit)}"
+        return f"{shape[0]} numbers{unit}"
+    return f"an array of shape ({', '.join(map(str, shape))}){unit}"
 
 
 def _shape_text(array: Array) -> str:

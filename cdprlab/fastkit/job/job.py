@@ -136,7 +136,11 @@ class _Work:
             self.log.keep(engine.base_poses, engine.tilts, *sensors.wheels.values(), box.position,
                           box.rotation, self.stroke, self.carried[0], len(machine.history) - 1)
             yield wish
-            self._judge()
+            # For how long cables have been off their limits, and wrenches unbalanced, now that the step is over.
+            tau, robot = engine.tensions, self.empty
+            beyond = (tau < robot.tension_min - _SLACK).any() or (tau > robot.tension_max + _SLACK).any()
+            self.overloaded = self.overloaded + self.period if beyond else 0.0
+            self.missing = 0.0 if self.law.feasible else self.missing + self.period
             if machine.step(sensors._replace(time=(step + 1) * self.period)):
                 self._enter()
             if progress is not None and step % 100 == 0:
@@ -155,7 +159,8 @@ class _Work:
             if self.machine.ended == STOPPED:
                 end = Pose.of(engine.position, engine.rotation)
             return self._follow(hold(end, 1.0))
-        phase.begin(engine)
+        if phase.begin is not None:
+            phase.begin(engine)
         self._follow(hold(end, phase.duration)
                      if phase.to is None else quintic(end, phase.to, phase.duration))
         if engine.boxes.is_gripped(BOX) and not self.offset.any():
@@ -211,13 +216,6 @@ class _Work:
         return Readings(now, math.hypot(x, y, z), math.hypot(*turn), engine.tensions,
                        self.overloaded, self.missing, engine.wheel_loads(), base_error,
                        gripped, slipped)
-
-    def _judge(self) -> None:
-        """For how long cables have been off their limits, and wrenches unbalanced, now that the step is over."""
-        tau, robot = self.engine.tensions, self.empty
-        beyond = (tau < robot.tension_min - _SLACK).any() or (tau > robot.tension_max + _SLACK).any()
-        self.overloaded = self.overloaded + self.period if beyond else 0.0
-        self.missing = 0.0 if self.law.feasible else self.missing + self.period
 
     def record(self, flight: Flight, **about: Any) -> Job:
         """The job from what `fly` kept of it and what was noted beside."""

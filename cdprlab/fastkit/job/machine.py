@@ -60,10 +60,6 @@ def box_there(sensors: Readings) -> str:
     return settled(sensors)
 
 
-def _nothing(_: Any) -> None:
-    pass
-
-
 @frozen_dataclass
 class Phase:
     """One step of a job.
@@ -84,7 +80,7 @@ class Phase:
     to: Pose | None = None
     stroke: tuple[float, float] | None = None
     drives: dict[str, tuple[float, float, float]] = field(default_factory=dict)
-    begin: Callable[[Any], None] = _nothing
+    begin: Callable[[Any], None] | None = None
     guard: Guard = settled
 
 
@@ -125,12 +121,13 @@ class Machine:
         """Look, decide; True if a new state begins now."""
         if self.ended:
             return False
-        trouble = next((why for fault in self.faults if (why := as_reason(fault(sensors), sensors.time))), "")
+        now = sensors.time
+        trouble = next((why for fault in self.faults if (why := as_reason(fault(sensors), now))), "")
         if not trouble:
-            late = sensors.time - self.began - self.phase.duration
+            late = now - self.began - self.phase.duration
             if late < -1e-9:
                 return False
-            missing = as_reason(self.phase.guard(sensors), sensors.time)
+            missing = as_reason(self.phase.guard(sensors), now)
             if missing and late <= self.patience:
                 return False
             trouble = missing and f"waited {self.patience:g} s: {missing}"
@@ -141,7 +138,7 @@ class Machine:
             self.ended = DONE
         else:
             self.index += 1
-        self.history.append(Event(sensors.time, self.state, why))
+        self.history.append(Event(now, self.state, why))
         return True
 
 
