@@ -30,13 +30,26 @@ def plot_journey(journey: Journey) -> Figure:
         # Under all: inside, it would hide the map.
         figure.legend(*plan.get_legend_handles_labels(), loc="outside lower center", ncols=5,
                       fontsize=9)
-        _draw_scan(scan, journey)
-        pose, reach = journey.estimates[-1], journey.vehicle.scanners[0].range + journey.vehicle.length / 2
+        # The last scan where the pair believes it was taken, over the map.
+        pair, pose = journey.vehicle, journey.estimates[-1]
+        draw_hall(scan, journey.hall)
+        draw_pair(scan, pair, pose)
+        scan.plot(*carried(pose, pair.eyes).T, "o", color=BLUE, markersize=6, zorder=6, label="scanners")
+        scan.plot(*carried(pose, journey.scans[-1]).T, ".", color=VERMILION, markersize=3, zorder=5,
+                  label="scanned points")
+        reach = pair.scanners[0].range + pair.length / 2
         scan.set(xlim=(pose[0] - reach, pose[0] + reach),
                  ylim=(pose[1] - 0.75 * reach, pose[1] + 0.75 * reach),
                  title="last scan, as believed")
         scan.legend(loc="lower right", fontsize=8)
-        _draw_errors(errors, journey)
+        errors.plot(journey.time, 1e3 * np.linalg.norm(journey.errors[:, :2], axis=1), color=BLUE, label="error")
+        errors.plot(journey.time, 2e3 * np.linalg.norm(journey.deviations[:, :2], axis=1), "--", color=GREY,
+                    label="two deviations")
+        errors.axhline(50, color=VERMILION, linewidth=1)
+        errors.text(journey.time[-1], 47, "allowed at the shelf", color=VERMILION, ha="right",
+                    va="top", fontsize=9)
+        errors.set(xlabel="time [s]", ylabel="position [mm]", title="localization", ylim=(0, None))
+        errors.legend(loc="center right", fontsize=8)
         end = "reaches its goal" if journey.state == ARRIVED else f"stops: {journey.reason}"
         figure.alt_text = (f"A hall from above with {len(journey.hall.outlines)} things in it; the coupled bases {end} "
                            f"after {journey.time[-1]:.0f} s, never nearer than {journey.clearance.min():.2f} m "
@@ -85,29 +98,6 @@ def draw_way(axes: Axes, journey: Journey, until: float = LARGEST) -> None:
         axes.plot(*person[:, :2].T, ":", color=GREEN, linewidth=1.5, zorder=3, label="person")
         axes.add_patch(Circle(person[-1, :2], person[-1, 2], facecolor=GREEN,
                               edgecolor=INK, zorder=4))
-
-
-def _draw_scan(axes: Axes, journey: Journey) -> None:
-    """The last scan where the pair believes it was taken, over the map."""
-    draw_hall(axes, journey.hall)
-    pose = journey.estimates[-1]
-    draw_pair(axes, journey.vehicle, pose)
-    axes.plot(*carried(pose, journey.vehicle.eyes).T, "o", color=BLUE, markersize=6, zorder=6,
-              label="scanners")
-    axes.plot(*carried(pose, journey.scans[-1]).T, ".", color=VERMILION, markersize=3, zorder=5,
-              label="scanned points")
-
-
-def _draw_errors(axes: Axes, journey: Journey) -> None:
-    off, sure = journey.errors, journey.deviations
-    axes.plot(journey.time, 1e3 * np.linalg.norm(off[:, :2], axis=1), color=BLUE, label="error")
-    axes.plot(journey.time, 2e3 * np.linalg.norm(sure[:, :2], axis=1), "--", color=GREY,
-              label="two deviations")
-    axes.axhline(50, color=VERMILION, linewidth=1)
-    axes.text(journey.time[-1], 47, "allowed at the shelf", color=VERMILION, ha="right",
-              va="top", fontsize=9)
-    axes.set(xlabel="time [s]", ylabel="position [mm]", title="localization", ylim=(0, None))
-    axes.legend(loc="center right", fontsize=8)
 
 
 def draw_pair(axes: Axes, vehicle: Vehicle, pose: Array, alpha: float = 1.0) -> None:
