@@ -24,7 +24,8 @@ class _Renderer(RendererAgg):
 
     def __init__(self, width: float, height: float, dpi: float) -> None:
         super().__init__(width, height, dpi)  # type: ignore[no-untyped-call]
-        self._drawn, self._measured = lru_cache(2000)(self._draw_words), lru_cache(2000)(self._measure)
+        self._drawn = lru_cache(2000)(self._draw_words)
+        self._measured: Any = lru_cache(2000)(super().get_text_width_height_descent)
 
     def draw_text(self, gc: Any, x: float, y: float, s: str, prop: Any, angle: float, ismath: Any = False,
                   mtext: Any = None) -> None:
@@ -34,20 +35,17 @@ class _Renderer(RendererAgg):
     def get_text_width_height_descent(self, s: str, prop: Any, ismath: Any) -> Any:
         return self._measured(s, prop, ismath)
 
-    def _measure(self, *words: Any) -> Any:
-        return super().get_text_width_height_descent(*words)  # type: ignore[no-untyped-call]
-
     def _draw_words(self, s: str, prop: Any, angle: float, ismath: Any, color: Any) -> tuple[int, int, Any]:
         """Where its lower left corner is, seen from where the words begin, and (height, width, 4) the image."""
         width, height, descent = self._measured(s, prop, ismath)
         turn = np.exp(1j * np.deg2rad(angle))
         corners = turn * np.array([0, width]).reshape(2, 1) + 1j * turn * np.array([-descent, height - descent])
         left, below = int(corners.real.min()) - 3, int(corners.imag.min()) - 3
-        sheet: Any = _Renderer(int(corners.real.max()) + 3 - left, int(corners.imag.max()) + 3 - below, self.dpi)
+        sheet: Any = RendererAgg(  # type: ignore[no-untyped-call]
+            int(corners.real.max()) + 3 - left, int(corners.imag.max()) + 3 - below, self.dpi)
         gc = sheet.new_gc()
         gc.set_foreground(color, isRGBA=True)
-        RendererAgg.draw_text(  # type: ignore[no-untyped-call]
-            sheet, gc, -left, sheet.height + below, s, prop, angle, ismath)
+        sheet.draw_text(gc, -left, sheet.height + below, s, prop, angle, ismath)
         return left, below, np.array(sheet.buffer_rgba())[::-1]
 
 
@@ -102,22 +100,19 @@ class Picture:
     def pixels(self) -> Frame:
         """(height, width, 3) the figure as it is now."""
         renderer = self._canvas.get_renderer()
-        first = self._background is None
-        if first:
+        if self._background is None:
             self._lay_out()
-        elif self._changed and self._slots is None:
-            self._slots = self._parted(renderer)
-        if first or (self.figure.stale and not self._redrawn(renderer)):
-            self._canvas.draw()
-            if self._slots:   # for lack of room in one: they are parted anew
-                self._slots = None
-        elif not self.figure.stale:
-            self._canvas.restore_region(self._background)
-        if first or self.figure.stale:
+        if self._background is None or self.figure.stale:
+            if not self._redrawn(renderer):
+                self._canvas.draw()
             self._background = self._canvas.copy_from_bbox(self.figure.bbox)
+        else:
+            self._canvas.restore_region(self._background)
         self.figure.stale, self._changed = False, []
-        for artist in self._moving():
-            artist.draw(renderer)
+        for part in (self.figure, *self.figure.axes):
+            for artist in sorted(part.get_children(), key=Artist.get_zorder):
+                if artist.get_animated():
+                    artist.draw(renderer)
         return np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
 
     def png(self) -> bytes:
@@ -134,7 +129,12 @@ class Picture:
 
     def _redrawn(self, renderer: Any) -> bool:
         """Draw what changed panel by panel; False where one has none to itself, or words that reach out of it."""
-        if not (self._changed and self._slots):
+        if self._background is None or not self._changed:
+            self._slots = None
+            return False
+        if self._slots is None:
+            self._slots = self._parted(renderer)
+        if not self._slots:
             return False
         self._canvas.restore_region(self._background)
         canvas = np.asarray(renderer.buffer_rgba()).view(np.uint32)[..., 0]
@@ -143,12 +143,13 @@ class Picture:
             slot = self._slots[self.figure.axes.index(axes)]
             canvas[slot], outside[slot] = _WHITE, False
             axes.draw(renderer)
-        return not ((canvas != before) & outside).any()
+        if ((canvas != before) & outside).any():
+            self._slots = None   # for lack of room in one: they are parted anew
+            return False
+        return True
 
     def _lay_out(self) -> None:
         """Axes to their places, for good; titles, which say what moves, move from now on."""
-        for axes in self.figure.axes:
-            axes.apply_aspect()
         engine = self.figure.get_layout_engine()
         if engine is not None:
             engine.execute(self.figure)
@@ -160,22 +161,18 @@ class Picture:
 
     def _parted(self, renderer: Any) -> list[tuple[slice, slice]]:
         """Rows and columns of pixels that are a panel's alone, halfway to its neighbors; none where panels overlap."""
-        panels = self.figure.axes
+        panels, size = self.figure.axes, self.figure.bbox.size
         parts: list[Any] = [*panels, *self.figure.legends, *self.figure.texts]
-        boxes = np.array([part.get_tightbbox(renderer).extents for part in parts])
+        lows, highs = np.array([part.get_tightbbox(renderer).get_points() for part in parts]).swapaxes(0, 1)
         slots = []
-        for box in boxes[:len(panels)]:
-            ends = [0, 0, *self.figure.bbox.size]
-            for axis in (0, 1):
-                low, high = box[axis], box[axis + 2]
-                ends[axis] = max([0, *(boxes[boxes[:, axis + 2] <= low, axis + 2] + low) / 2])
-                ends[axis + 2] = min([ends[axis + 2], *(boxes[boxes[:, axis] >= high, axis] + high) / 2])
-            inside = (boxes[:, :2] < ends[2:]).all(axis=1) & (boxes[:, 2:] > ends[:2]).all(axis=1)
-            if inside.sum() > 1:
+        for low, high, _ in zip(lows, highs, panels):
+            start = np.where(highs <= low, highs + low, 0).max(axis=0) / 2
+            end = np.where(lows >= high, lows + high, 2 * size).min(axis=0) / 2
+            if ((lows < end) & (highs > start)).all(axis=1).sum() > 1:
                 return []
-            left, low, right, high = (round(end) for end in ends)
-            height = round(self.figure.bbox.height)
-            slots.append((slice(height - high, height - low), slice(left, right)))
+            (left, bottom), (right, top) = np.rint([start, end]).astype(int)
+            height = round(size[1])
+            slots.append((slice(height - top, height - bottom), slice(left, right)))
         return slots
 
     def _still(self) -> list[Any]:
@@ -184,12 +181,3 @@ class Picture:
                  *(artist.get_text() for artist in axes.get_children()
                    if isinstance(artist, Text) and not artist.get_animated()))
                 for axes in self.figure.axes]
-
-    def _moving(self) -> list[Any]:
-        """Animated artists, panel by panel, from the back to the front."""
-        moving = [artist for artist in self.figure.get_children() if artist.get_animated()]
-        for axes in self.figure.axes:
-            moving += sorted((artist for artist in axes.get_children()
-                              if artist.get_animated()),
-                             key=lambda artist: artist.get_zorder())
-        return moving
