@@ -264,6 +264,22 @@ def test_words_kept_are_where_matplotlib_draws_them(words, angle):
     np.testing.assert_array_equal(255.0 - picture.pixels(), kept)
 
 
+def test_a_panel_whose_numbers_grew_stays_as_it_was_drawn():
+    """At the next move too: wide numbers reach out of their panel, and all is drawn anew."""
+    figure = Figure((4.0, 2.0), dpi=80)
+    _, right = figure.subplots(1, 2)
+    dot, = right.plot([], [], "o", animated=True)
+    picture = Picture(figure)
+    picture.pixels()
+    for top in (1.0, 1e15, 3.0):
+        picture.redraw(lambda top=top: right.set(ylim=(0, top)))
+        picture.pixels()
+        picture.redraw(lambda top=top: dot.set_data([0.5], [top / 2]))
+        seen = picture.pixels()
+        figure.stale = True
+        np.testing.assert_array_equal(picture.pixels(), seen)
+
+
 @pytest.mark.parametrize("world", [cl.load_world("caroca"), planar_world()], ids=["spatial", "planar"])
 def test_a_cables_color_is_its_tension(world):
     m = world.robot.n_cables

@@ -12,10 +12,8 @@ from .plots import Figure, draw_cables, fitted_title, shade
 from .style import INK, SKY, VERMILION, WARNING, house_style
 
 _COLUMNS = 3
-_NUMBERS = (("energy", "∫‖τ‖² dt [N² s]", 1.0),
-            ("largest_step", "largest step [N], hatched: a jump", 1.0),
-            ("margin", "least distance to a limit [N]", 1.0),
-            ("solve_time", "time per solve [µs]", 1e6))
+_NUMBERS = {"energy": "∫‖τ‖² dt [N² s]", "largest_step": "largest step [N], hatched: a jump",
+            "margin": "least distance to a limit [N]", "solve_time": "time per solve [µs]"}
 
 
 def plot_tension_comparison(table: TensionComparison) -> Figure:
@@ -23,30 +21,28 @@ def plot_tension_comparison(table: TensionComparison) -> Figure:
 
     table : TensionComparison
     """
-    count, names = len(table.method), [name.replace("_", " ") for name in table.method]
-    heights = 2.3 * -(-count // _COLUMNS), 1.6 + 0.26 * count
+    names = [name.replace("_", " ") for name in table.method]
+    count, rows = len(names), -(-len(names) // _COLUMNS)
+    heights = 2.3 * rows, 1.6 + 0.26 * count
     with house_style():
         figure = Figure(figsize=(13.0, sum(heights) + 1.0), layout="constrained")
         fitted_title(figure, f"{table.world.title} · task {table.task} · tension distributions")
         halves: Any = figure.subfigures(2, 1, height_ratios=heights)
         above, below = halves
-        panels = above.subplots(-(-count // _COLUMNS), _COLUMNS, sharex=True, sharey=True, squeeze=False).ravel()
+        panels = above.subplots(rows, _COLUMNS, sharex=True, sharey=True, squeeze=False).ravel()
         for k, (panel, name) in enumerate(zip(panels, names)):
             panel.set_title(name, fontsize=11)
-            _tensions(panel, table, k)
+            _draw_method(panel, table, k)
         for panel in panels[count:]:
             panel.set_axis_off()
-        _common_axes(panels[:count], table)
+        _share_axes(panels[:count], table)
         above.legend(handles=[*panels[0].get_lines(), Patch(color=WARNING, label="infeasible")],
-                     loc="outside upper right", ncols=table.tensions.shape[2] + 2,
-                     handlelength=1.9,
+                     loc="outside upper right", ncols=table.tensions.shape[2] + 2, handlelength=1.9,
                      columnspacing=1.1, fontsize=9)
-        for chart, (column, label, factor) in zip(below.subplots(1, len(_NUMBERS), sharey=True), _NUMBERS):
-            values = factor * getattr(table, column)
-            bars = chart.barh(names, np.nan_to_num(values), 0.6, color=SKY, edgecolor=INK,
-                              linewidth=0.6)
-            chart.bar_label(bars, [f"{value:.3g}" if np.isfinite(value) else "never feasible"
-                                   for value in values],
+        for chart, (column, label) in zip(below.subplots(1, len(_NUMBERS), sharey=True), _NUMBERS.items()):
+            values = getattr(table, column) * (1e6 if "[µs]" in label else 1.0)
+            bars = chart.barh(names, np.nan_to_num(values), 0.6, color=SKY, edgecolor=INK, linewidth=0.6)
+            chart.bar_label(bars, [f"{value:.3g}" if np.isfinite(value) else "never feasible" for value in values],
                             padding=4, fontsize=8.5)
             if column == "largest_step":
                 for bar, continuous in zip(bars, table.continuous):
@@ -55,29 +51,25 @@ def plot_tension_comparison(table: TensionComparison) -> Figure:
             chart.grid(axis="y", visible=False)
             chart.set_xlabel(label)
         below.axes[0].invert_yaxis()
-        figure.alt_text = _in_words(table)
+        figure.alt_text = _in_words(table, names)
         return figure
 
 
-def _tensions(panel: Axes, table: TensionComparison, k: int) -> None:
+def _draw_method(panel: Axes, table: TensionComparison, k: int) -> None:
     draw_cables(panel, table.time, table.tensions[k], linewidth=1.2)
-    panel.axhline(float(table.world.robot.tension_min.max()), color=INK, linewidth=1.0,
-                  linestyle=(0, (1, 2)),
+    panel.axhline(float(table.world.robot.tension_min.max()), color=INK, linewidth=1.0, linestyle=(0, (1, 2)),
                   label=r"$\tau_\mathrm{min}$")
     shade(panel, table.time, table.feasible[k])
-    bad = 1 - table.feasible[k].mean()
-    if bad:
-        panel.set_title(f"infeasible {100 * bad:.0f} %", loc="right", fontsize=9,
-                        fontweight="normal",
-                        color=VERMILION)
+    if not table.feasible[k].all():
+        panel.set_title(f"infeasible {100 * (1 - table.feasible[k].mean()):.0f} %", loc="right", fontsize=9,
+                        fontweight="normal", color=VERMILION)
 
 
-def _common_axes(panels: Sequence[Axes], table: TensionComparison) -> None:
+def _share_axes(panels: Sequence[Axes], table: TensionComparison) -> None:
     """One range for all, that of the usable tensions: what breaks limits leaves the picture, not the scale."""
     usable = table.tensions[table.feasible]
-    top = float(usable.max()) if usable.size else float(np.nanmax(table.tensions))
-    panels[0].set_xlim(float(table.time[0]), float(table.time[-1]))
-    panels[0].set_ylim(-0.03 * top, 1.08 * top)
+    top = float(np.nanmax(usable if usable.size else table.tensions))
+    panels[0].set(xlim=(table.time[0], table.time[-1]), ylim=(-0.03 * top, 1.08 * top))
     for panel in panels[::_COLUMNS]:
         panel.set_ylabel("tension [N]")
     for panel in panels[-_COLUMNS:]:
@@ -85,14 +77,13 @@ def _common_axes(panels: Sequence[Axes], table: TensionComparison) -> None:
         panel.tick_params(labelbottom=True)
 
 
-def _in_words(table: TensionComparison) -> str:
+def _in_words(table: TensionComparison, names: Sequence[str]) -> str:
     parts = []
-    for row in table.rows():
-        name = row["method"].replace("_", " ")
-        if not row["feasible_share"]:
+    for name, row in zip(names, table.rows()):
+        if row["feasible_share"]:
+            parts.append(f"{name} feasible on {100 * row['feasible_share']:.0f} % of the path, largest step "
+                         f"{row['largest_step']:.3g} N{'' if row['continuous'] else ' (jumps)'}, margin "
+                         f"{row['margin']:.3g} N, {1e6 * row['solve_time']:.0f} µs a solve")
+        else:
             parts.append(f"{name} never feasible")
-            continue
-        parts.append(f"{name} feasible on {100 * row['feasible_share']:.0f} % of the path, largest step "
-                     f"{row['largest_step']:.3g} N{'' if row['continuous'] else ' (jumps)'}, margin "
-                     f"{row['margin']:.3g} N, {1e6 * row['solve_time']:.0f} µs a solve")
     return f"Tension distributions compared on {table.world.title}, task {table.task}: {'; '.join(parts)}."

@@ -9,13 +9,13 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 
+from ..arrays import Array
 from ..errors import InvalidInput
 from ..robot import Robot
 from ..robot.pose import Pose
 from ..workspace import Judgement, PoseGrid
 from ..workspace.grids import axis_names
 from ..world import World
-from ..world.files import checked_path
 from .depth import Blocks
 from .drawing import RobotDrawing
 from .film import save_png
@@ -45,9 +45,9 @@ def plot_workspaces(robot: Robot, grid: PoseGrid, judgements: Mapping[str, Judge
                            "by giving it the same lower and upper end")
     columns = min(len(judgements), 2)
     rows = -(-len(judgements) // columns)
-    finite = [j.margin[j.inside & np.isfinite(j.margin)] for j in judgements.values()]
     # The few largest margins share the last color, so that the others can be told.
-    most = max((float(np.quantile(part, 0.97)) or float(part.max()) for part in finite if part.size), default=0.0)
+    most = max((float(np.quantile(known, 0.97) or known.max())
+                for known in map(_known, judgements.values()) if known.size), default=0.0)
     label = f"{quantity} [{unit}]" if unit else quantity
     width, height = (float(np.ptp(places)) for places in grid.axes.values())
     across = 7.6 if columns == 1 else 4.9
@@ -61,40 +61,38 @@ def plot_workspaces(robot: Robot, grid: PoseGrid, judgements: Mapping[str, Judge
         for panel in panels[len(judgements):]:
             panel.set_axis_off()
         fitted_title(figure, title)
-        figure.alt_text = f"{title}. " + " ".join(f"{name}: {describe(grid, judgement, unit)}".removeprefix(": ")
-                                                  for name, judgement in judgements.items())
+        told = [f"{name}: {describe(grid, judgement, unit)}".removeprefix(": ")
+                for name, judgement in judgements.items()]
+        figure.alt_text = " ".join([f"{title}.", *told])
         return figure
 
 
 def _draw_map(axes: Axes, robot: Robot, grid: PoseGrid, judgement: Judgement, label: str, most: float) -> None:
     x, y = grid.axes.values()
     inside, margin = grid.field(judgement.inside).T, grid.field(judgement.margin).T
-    axes.pcolormesh(x, y, np.ma.masked_where(inside, inside), cmap=ListedColormap([WARNING]),
-                    shading="nearest")
-    shown = np.where(inside & np.isfinite(margin), margin, np.nan)
-    if np.isfinite(shown).any():
+
+    def fill(values: Any, where: Any, **look: Any) -> Any:
+        return axes.pcolormesh(x, y, np.ma.masked_where(~where, values), shading="nearest", **look)
+
+    fill(inside, ~inside, cmap=ListedColormap([WARNING]))
+    known = inside & np.isfinite(margin)
+    if known.any():
         blues = ListedColormap(colormaps["Blues"](np.linspace(0.12, 0.72, 256)))
-        drawn = axes.pcolormesh(x, y, shown, cmap=blues, vmin=0, vmax=most, shading="nearest")
-        levels = np.unique([float(f"{level:.2g}")
-                            for level in most * np.array([0.2, 0.4, 0.6, 0.8])])
-        lines = axes.contour(x, y, np.ma.masked_invalid(shown), levels, colors=INK,
-                             linewidths=0.6)
-        axes.clabel(lines, fmt=lambda value: f"{value:.0f}"
-                    if abs(value) >= 100 else f"{value:.3g}", fontsize=8)
+        drawn = fill(margin, known, cmap=blues, vmin=0, vmax=most)
+        levels = np.unique([float(f"{share * most:.2g}") for share in (0.2, 0.4, 0.6, 0.8)])
+        lines = axes.contour(x, y, np.ma.masked_where(~known, margin), levels, colors=INK, linewidths=0.6)
+        axes.clabel(lines, fmt=lambda value: f"{value:.0f}" if value >= 100 else f"{value:.3g}", fontsize=8)
         figure: Any = axes.figure
-        figure.colorbar(drawn, ax=axes, label=label,
+        figure.colorbar(drawn, ax=axes, label=label, aspect=35,
                         location="bottom" if np.ptp(x) > np.ptp(y) else "right",
-                        aspect=35, extend="max" if np.nanmax(shown) > most else "neither")
+                        extend="max" if margin[known].max() > most else "neither")
     else:
-        axes.pcolormesh(x, y, np.ma.masked_where(~inside, inside), cmap=ListedColormap([_PALE]),
-                        shading="nearest")
+        fill(inside, inside, cmap=ListedColormap([_PALE]))
     if inside.any() and not inside.all():
-        axes.contour(x, y, inside.astype(float), [0.5], colors=INK, linewidths=1.6)
+        axes.contour(x, y, inside, [0.5], colors=INK, linewidths=1.6)
     # The exit points too, as far as the plane has their directions.
-    exits = robot.exit_points[:, [axis_names(robot.dimension).index(name)
-                                  for name in grid.axes]]
-    axes.plot(*exits.T, "s", color=INK, markersize=5, label="exit points",
-              clip_on=False, zorder=5)
+    exits = robot.exit_points[:, [axis_names(robot.dimension).index(name) for name in grid.axes]]
+    axes.plot(*exits.T, "s", color=INK, markersize=5, label="exit points", clip_on=False, zorder=5)
     across, up = (f"{name} [m]" for name in grid.axes)
     axes.set(xlabel=across, ylabel=up, aspect="equal")
     axes.margins(0.03)
@@ -110,12 +108,10 @@ def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: st
     path : ends in .png; width : [pixels]
     Raises InvalidInput for a grid that is no volume.
     """
-    target = checked_path(path, ".png")
     if len(grid.axes) != 3:
         raise InvalidInput(f"layers need a grid over x, y and z, this one is over {', '.join(grid.axes)}")
     figure = sized_figure(width, 3 * width // 4)
-    drawing = RobotDrawing(robot_axes(figure, 3), world.robot, world.scene, world.pose,
-                           solid=True)
+    drawing = RobotDrawing(robot_axes(figure, 3), world.robot, world.scene, world.pose, solid=True)
     x, y, heights = grid.axes.values()
     slate = Figure().add_subplot()
     corners, codes = [], []
@@ -123,8 +119,7 @@ def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: st
         outline = slate.contourf(x, y, inside, [0.5, 1.5]).get_paths()[0]
         corners.append(drawing.view.flat(np.insert(outline.vertices, 2, height, axis=1)))
         codes.append(outline.codes)
-    drawing.faces(5.4, facecolors=_SURFACE, edgecolors=INK,
-                  linewidths=0.4).set_verts_and_codes(corners, codes)
+    drawing.faces(5.4, facecolors=_SURFACE, edgecolors=INK, linewidths=0.4).set_verts_and_codes(corners, codes)
     # What stands around it is painted once more, as far as it is not behind the workspace.
     places = grid.poses.position[judgement.inside]
     if len(places):
@@ -133,14 +128,16 @@ def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: st
         drawing.paint(drawing.faces(5.5), [solid for solid in surroundings(world.robot, world.scene)
                                           if not space.hides(solid.corners).any()])
     title = f"Layers of a workspace of {world.title or world.name}."
-    return save_png(Picture(figure).pixels(), target, f"{title} {describe(grid, judgement)}")
+    return save_png(Picture(figure).pixels(), path, f"{title} {describe(grid, judgement)}")
 
 
 def describe(grid: PoseGrid, judgement: Judgement, unit: str = "") -> str:
     """What the picture shows, in words."""
-    inside = judgement.inside
-    where = ", ".join(f"{name} from {a[0]:.4g} to {a[-1]:.4g} m"
-                      for name, a in grid.axes.items())
-    text = f"{100 * inside.mean():.1f} % of {len(grid)} poses inside, {where}"
-    known = judgement.margin[inside & np.isfinite(judgement.margin)]
+    where = ", ".join(f"{name} from {places[0]:.4g} to {places[-1]:.4g} m" for name, places in grid.axes.items())
+    text, known = f"{100 * judgement.inside.mean():.1f} % of {len(grid)} poses inside, {where}", _known(judgement)
     return f"{text}; margins up to {known.max():.4g} {unit}".rstrip() + "." if known.size else f"{text}."
+
+
+def _known(judgement: Judgement) -> Array:
+    """The finite margins of poses inside."""
+    return judgement.margin[judgement.inside & np.isfinite(judgement.margin)]
