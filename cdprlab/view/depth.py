@@ -19,6 +19,8 @@ class Blocks:
 
     corners : (n, 8, 3) of each box, in the order of `box_edges` [m]
     eye : (3,) [m]
+    ``seen`` (n, 6) says which faces look towards the eye, ``lightness`` (n, 6) how bright they are: the more they look
+    to the sun the brighter.
 
     >>> from cdprlab import Pose
     >>> from cdprlab.view.outlines import box_corners
@@ -36,17 +38,9 @@ class Blocks:
         self.normals = outwards / np.linalg.norm(outwards, axis=-1, keepdims=True)
         self.offsets = (self.normals * middles).sum(axis=-1)
         self.eye_heights = self.normals @ eye - self.offsets
+        self.seen = self.eye_heights > 0
+        self.lightness = 0.78 + 0.25 * self.normals @ _SUN
         self.distances = np.linalg.norm(centers - eye, axis=-1)
-
-    @property
-    def seen(self) -> Flags:
-        """(n, 6) which faces look towards the eye."""
-        return self.eye_heights > 0
-
-    @property
-    def lightness(self) -> Array:
-        """(n, 6) how bright the faces are: the more they look to the sun the brighter."""
-        return 0.78 + 0.25 * self.normals @ _SUN
 
     def order(self) -> list[int]:
         """Which box is painted after which: the farthest first, but none before one that it may hide."""

@@ -25,6 +25,7 @@ from .outlines import (
     Solid,
     box_corners,
     box_faces,
+    diagonal,
     floor_height,
     floor_tiles,
     landmarks,
@@ -86,7 +87,7 @@ class RobotDrawing:
         points = np.concatenate([landmarks(robot, self.scene, poses), np.reshape(also, (-1, d))])
         # The world's axes stand at the lowest corner, where they are in nobody's way: they show
         # directions.
-        self._corner, self._arm = points.min(axis=0), 0.07 * np.linalg.norm(np.ptp(points, axis=0))
+        self._corner, self._arm = points.min(axis=0), 0.07 * diagonal(points)
         letters = self._corner + _BEYOND * self._arm * np.eye(d)
         self.points = np.concatenate([points, letters, self._corner[None]])
         self.view = Projection(self.points, azimuth)
@@ -167,8 +168,8 @@ class RobotDrawing:
             shades, seen = blocks.lightness, blocks.seen
             order = [(k, f) for k in blocks.order() for f in np.argsort(seen[k]) if seen[k, f] or not self.solid]
         k, f = np.transpose(order)
-        fills = np.clip(shades[k, f, None] * to_rgba_array([solid.color for solid in solids])[k, :3], 0, 1)
-        steel = np.array([solid.color == STEEL for solid in solids])[k]
+        colors = np.array([solid.color for solid in solids])[k]
+        fills, steel = np.clip(shades[k, f, None] * to_rgba_array(colors)[:, :3], 0, 1), colors == STEEL
         shapes.set_verts(self.view.flat(faces[k, f]))
         shapes.set_facecolor(np.column_stack([fills, np.where(steel | self.solid, 1.0, 0.3)]))
         shapes.set_edgecolor(fills * np.where(steel, 1.0, 0.62)[:, None])

@@ -69,7 +69,7 @@ def save_film(run: Any, path: str | Path, seconds: float | None = None, fps: int
     Raises InvalidInput for a bad path or numbers that make no film.
     """
     check_like(run)
-    lasting = float(run.time[-1]) if len(run.time) else 0.0
+    lasting = float(run.time.max(initial=0.0))
     length = min(lasting, _LONGEST) if seconds is None else seconds
     parts = max(12, picture_count(length, fps))
     times = np.linspace(0.0, lasting, parts + 1).tolist()
@@ -99,7 +99,7 @@ class RunScreen(Screen):
         super().__init__(run.world.title, width, captioned)
         self.run, robot, scene = run, run.world.robot, scene or run.world.scene
         some = evenly(len(run.time), 20)
-        also = () if run.base_poses is None else [landmarks(run.robot_at(k), scene) for k in some]
+        also = [landmarks(run.robot_at(k), scene) for k in some]
         with house_style():
             axes = robot_axes(self.figure, robot.dimension, 60 / HEIGHT, self.top)
             self.drawing = RobotDrawing(axes, robot, scene, run.poses[some], solid=True, also=also)
@@ -112,7 +112,7 @@ class RunScreen(Screen):
         # A few extremes share the last color.
         low, high = np.percentile(taut, [0, 99.8]) if taut.size else (0.0, 1.0)
         ticks = MaxNLocator(5, steps=[1, 2, 5, 10]).tick_values(low, max(high, low + 1e-3 * high))
-        limits = self.drawing.limits = float(ticks[0]), float(ticks[-1])
+        self.drawing.limits = limits = ticks[0], ticks[-1]
         shades = tension_colors(np.linspace(max(limits[0], 1e-9), limits[1], 48), limits) / 255
         bar = self.figure.colorbar(ScalarMappable(Normalize(*limits), ListedColormap(shades)),
                                    cax=self.figure.add_axes((0.22, 28 / HEIGHT, 0.46, 14 / HEIGHT)),

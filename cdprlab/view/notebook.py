@@ -9,7 +9,6 @@ import html
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from struct import unpack
-from typing import Any
 
 import numpy as np
 
@@ -139,16 +138,13 @@ def _table(rows: Iterable[Sequence[str]], head: bool = True) -> str:
     """Rows of words, the first of them a head; what stands in a row's first column names it."""
     lines = []
     for at, row in enumerate(rows):
-        kinds = ["th"] * len(row) if head and not at else ["th", *["td"] * (len(row) - 1)]
+        kinds = ["th"] * (len(row) if head and not at else 1) + ["td"] * len(row)
         cells = (f'<{kind} style="text-align: left">{html.escape(cell)}</{kind}>'
                  for kind, cell in zip(kinds, row))
         lines.append(f"<tr>{''.join(cells)}</tr>")
     return f"<table>{''.join(lines)}</table>"
 
 
-_SHOWN: dict[type, Callable[[Any], str]] = {
-    World: world_html, Robot: robot_html, Run: run_html, TensionDistribution: distribution_html,
-    TensionComparison: comparison_html, Polytope: polytope_html}
-
-for _kind, _html in _SHOWN.items():
-    _kind._repr_html_ = _html   # type: ignore[attr-defined]
+for _kind, _html in ((World, world_html), (Robot, robot_html), (Run, run_html), (Polytope, polytope_html),
+                     (TensionDistribution, distribution_html), (TensionComparison, comparison_html)):
+    _kind._repr_html_ = _html   # type: ignore[union-attr]

@@ -67,10 +67,9 @@ def platform_solids(robot: Robot, pose: Pose, loads: Sequence[tuple[Pose, Array]
     if not loads:
         return [Solid(platform_corners(robot, pose), PLATFORM)]
     (x, y, z), thin = robot.platform.size, 0.02
-    tray = [([0, 0, (thin - z) / 2], [x, y, thin])]
-    tray += [([side * (x - thin) / 2, 0, 0], [thin, y, z]) for side in (-1, 1)]
-    parts = [Solid(box_corners(np.array(size), pose, robot.platform.center + center), PLATFORM)
-             for center, size in tray]
+    floor, wall = np.array([x, y, thin]), np.array([thin, y, z])
+    tray = [(floor, [0, 0, (thin - z) / 2]), (wall, [(thin - x) / 2, 0, 0]), (wall, [(x - thin) / 2, 0, 0])]
+    parts = [Solid(box_corners(size, pose, robot.platform.center + middle), PLATFORM) for size, middle in tray]
     return parts + [Solid(box_corners(size, place), LOAD) for place, size in loads]
 
 
@@ -142,7 +141,7 @@ def surroundings(robot: Robot, scene: Scene, frames: Array | None = None) -> lis
 
     frames : of bases that lean, see `leaned`
     """
-    thickness = 0.005 * float(np.linalg.norm(np.ptp(landmarks(robot, scene), axis=0)))
+    thickness = 0.005 * diagonal(landmarks(robot, scene))
     return [Solid(leaned(robot, k, _beam(points, thickness) if color == STEEL else points, frames), color)
             for k, points, color in _standing(robot, scene)]
 
@@ -208,6 +207,11 @@ def landmarks(robot: Robot, scene: Scene, poses: Pose | None = None) -> Array:
     grounded = points.copy()
     grounded[:, -1] = floor_height(robot, scene)
     return np.concatenate([points, grounded])
+
+
+def diagonal(points: Array) -> float:
+    """Of the box around points [m]."""
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
 def floor_tiles(points: Array, height: float) -> Array:

@@ -110,7 +110,7 @@ def plot_glance(run: Run) -> Figure:
         figure = Figure(figsize=(8.0, 2.8), layout="constrained")
         left, right = figure.subplots(1, 2)
         for panel in (left, right):
-            _share_time([panel], run)
+            _over_time(panel, run)
         _draw_errors(left, run.time, 1e3 * run.errors[:, :d], axis_names(d), "error [mm]", "Position error")
         draw_cables(right, run.time, _shown(run))
         _number_cables(right, run)
@@ -140,20 +140,16 @@ def save_figure(figure: matplotlib.figure.Figure, path: str | Path) -> Path:
 # --- figures and panels -----------------------------------------------------------------------------------
 def _told(figure: Figure, run: Run, what: str, words: str) -> Figure:
     """A figure with title and description."""
-    title, method = f"{run.world.title} · task {run.task}", run.method.replace("_", " ")
-    fitted_title(figure, f"{title} · {method}")
+    method = run.method.replace("_", " ")
+    fitted_title(figure, f"{run.world.title} · task {run.task} · {method}")
     figure.alt_text = (f"{what} of {run.world.title}, task {run.task}, {method}, cables as {run.cables}, "
                        f"{run.time[-1]:.3g} s. {words}")
     return figure
 
 
-def _share_time(axes: Sequence[Axes], run: Run) -> None:
-    """One time axis for panels above each other."""
-    end = float(run.time[-1]) if len(run.time) and run.time[-1] > 0 else 1.0
-    for panel in axes:
-        panel.set_xlim(0.0, end)
-        panel.tick_params(labelbottom=panel is axes[-1])
-    axes[-1].set_xlabel("time [s]")
+def _over_time(panel: Axes, run: Run) -> None:
+    """The time axis, of all panels that share it."""
+    panel.set(xlim=(0.0, run.time.max(initial=0.0) or 1.0), xlabel="time [s]")
 
 
 # --- position and errors ----------------------------------------------------------------------------------
@@ -165,8 +161,8 @@ def _tracking_rows(run: Run) -> int:
 def _draw_tracking(part: Any, run: Run) -> Axes:
     """Panels in a part of a figure; returns the first one, of positions."""
     d, time = run.world.robot.dimension, run.time
-    axes, names = part.subplots(_tracking_rows(run)), axis_names(d)
-    _share_time(axes, run)
+    axes, names = part.subplots(_tracking_rows(run), sharex=True), axis_names(d)
+    _over_time(axes[-1], run)
     solid = [LineStyle(color, "solid") for color in AXIS_COLORS]
     wanted, actual, seen = run.reference.pose.position, run.poses.position, run.estimates.position
     pale: dict[str, Any] = {"linewidth": 6, "alpha": 0.28}
@@ -207,8 +203,8 @@ def _draw_tensions(part: Any, run: Run) -> Axes:
 
     Panels in a part of a figure; returns the one above.
     """
-    axes = above, below = part.subplots(2, height_ratios=[2, 1])
-    _share_time(axes, run)
+    above, below = part.subplots(2, height_ratios=[2, 1], sharex=True)
+    _over_time(below, run)
     wound = run.commanded_lengths is not None
     draw_cables(above, run.time, _shown(run))
     draw_cables(below, run.time, _below(run), linewidth=1.2)
@@ -226,9 +222,9 @@ def _draw_tensions(part: Any, run: Run) -> Axes:
                        markevery=(every * cable // 8, every), label=f"_measured {cable + 1}", **dots)
     below.set_title("cables drawn as above", loc="right", fontsize=9, fontweight="normal", color=GREY)
     _around_zero(below)
-    if not np.all(run.feasible):
+    if not run.feasible.all():
         handles.append(Patch(color=WARNING, label="not held" if wound else "infeasible"))
-    for panel in axes:
+    for panel in (above, below):
         shade(panel, run.time, run.feasible)
     _draw_limits(above, run)
     _legend_above(above, handles)
@@ -262,7 +258,7 @@ def _shown(run: Run) -> Array:
 def _below(run: Run) -> Array:
     """(N, m) measured − commanded tensions [N], or where lengths were commanded what is let out too much [mm]."""
     if run.commanded_lengths is None:
-        return np.asarray(run.measured_tensions - run.commanded_tensions)
+        return run.measured_tensions - run.commanded_tensions
     # Lengths are logged as a step begins, those commanded hold as it ends: the next row's.
     slack = np.full(run.lengths.shape, np.nan)
     slack[:-1] = 1e3 * (run.commanded_lengths[:-1] - run.lengths[1:])
@@ -271,7 +267,7 @@ def _below(run: Run) -> Array:
 
 def shade(panel: Axes, time: Array, feasible: Any) -> None:
     """Behind the lines, where no feasible tensions were found; single steps stay visible."""
-    bad = ~np.asarray(feasible)
+    bad = ~feasible
     bad[1:] |= bad[:-1]   # a step lasts until the next one
     panel.fill_between(time, 0, 1, where=bad, color=WARNING, zorder=0, linewidth=0.6,
                        transform=panel.get_xaxis_transform())
@@ -300,12 +296,10 @@ def _tracking_in_words(run: Run) -> str:
     d = run.world.robot.dimension
     if not np.isfinite(run.errors).any():
         return f"Position {', '.join(axis_names(d))} over time [m]; no reference is known."
-    off, turned = (1e3 * np.linalg.norm(errors, axis=1)
-                   for errors in (run.errors[:, :d], run.errors[:, d:]))
+    off, turned = (1e3 * np.linalg.norm(part, axis=1) for part in (run.errors[:, :d], run.errors[:, d:]))
     text = (f"Reference and actual {', '.join(axis_names(d))} over time [m]; the position error [mm] is largest, "
-            f"{np.nanmax(off):.3g} mm, at {run.time[int(np.nanargmax(off))]:.3g} s.")
-    return text + (f" The largest rotation error is {np.nanmax(turned):.3g} mrad."
-                   if _tracking_rows(run) > 2 else "")
+            f"{np.nanmax(off):.3g} mm, at {run.time[np.nanargmax(off)]:.3g} s.")
+    return f"{text} The largest rotation error is {np.nanmax(turned):.3g} mrad." if _tracking_rows(run) > 2 else text
 
 
 def _tensions_in_words(run: Run) -> str:
@@ -317,7 +311,7 @@ def _tensions_in_words(run: Run) -> str:
             f"{np.max(robot.tension_max):g} N")
     if not wound:
         text += f"; measured differ from commanded by at most {np.nanmax(np.abs(_below(run))):.3g} N"
-    share = 100 * float(np.mean(~np.asarray(run.feasible)))
+    share = 100 * (~run.feasible).mean()
     why = "The ropes did not hold the platform as commanded" if wound else "No feasible tensions"
     return f"{text}." + (f" {why} in {share:.3g} % of the steps (shaded)." if share else "")
 

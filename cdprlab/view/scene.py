@@ -17,8 +17,8 @@ from .film import as_png, draw, evenly, state_at
 from .notebook import picture_tag
 from .outlines import (
     EMPTY,
-    Solid,
     box_faces,
+    diagonal,
     floor_height,
     floor_tiles,
     landmarks,
@@ -62,19 +62,19 @@ class MotionScene:
     """
 
     def __init__(self, states: Sequence[State] | Mapping[str, Sequence[State]], title: str = "") -> None:
-        joined, notes = _joined(states if isinstance(states, Mapping) else {"": states})
+        joined = _joined(states if isinstance(states, Mapping) else {"": states})
         if not joined:
             raise InvalidInput("a scene needs one state at least, got none")
         with needed_by("the scene one turns", "stills and films work without it"):
             import k3d
-        chosen = evenly(len(joined), _MOST_FRAMES)
-        self.states, self.notes, self.title = [joined[k] for k in chosen], [notes[k] for k in chosen], title
+        self.title = title
+        self.notes, self.states = zip(*(joined[k] for k in evenly(len(joined), _MOST_FRAMES)))
         self.times = [state.time for state in self.states]
         tensions = np.nan_to_num([state.tensions for state in self.states])
         self.largest = max(float(tensions.max()), 1.0)
         first = self.states[0]
         points = _raised(landmarks(first.robot, first.scene, first.pose))
-        self.unit = 0.004 * float(np.linalg.norm(np.ptp(points, axis=0)))
+        self.unit = 0.004 * diagonal(points)
         self.plot = k3d.plot(height=400, grid_visible=False, camera_auto_fit=False, axes_helper=0.0,
                              menu_visibility=False, colorbar_object_id=0, snapshot_type="full", name=title)
         tiles = floor_tiles(points, floor_height(first.robot, first.scene))
@@ -108,11 +108,16 @@ class MotionScene:
         return {f"{time:.3f}": value for time, value in zip(self.times, arrays)}
 
     def _add_solids(self) -> None:
-        """One mesh for all boxes of one color."""
-        kinds = [_by_color([*surroundings(state.robot, state.scene, state.base_frames),
-                            *platform_solids(state.robot, state.pose, state.boxes)]) for state in self.states]
-        for color in kinds[0]:
-            self.plot += self._mesh([kind[color] for kind in kinds], box_faces(3), color,
+        """One mesh for all boxes of one color; planar boxes become 0.2 m deep."""
+        solids = [surroundings(state.robot, state.scene, state.base_frames)
+                  + platform_solids(state.robot, state.pose, state.boxes) for state in self.states]
+        bodies = np.array([[solid.corners for solid in shown] for shown in solids])
+        if bodies.shape[-1] == 2:
+            bodies = _raised(bodies[:, :, [0, 1, 0, 1, 2, 3, 2, 3]])
+            bodies[..., 1] = 2 * [-0.1, -0.1, 0.1, 0.1]
+        colors = [solid.color for solid in solids[0]]
+        for color in dict.fromkeys(colors):
+            self.plot += self._mesh(bodies[:, np.equal(colors, color)], box_faces(3), color,
                                     1.0 if color == STEEL else 0.85)
 
     def _add_cables(self, tensions: Array) -> None:
@@ -142,10 +147,10 @@ class MotionScene:
             self.plot += k3d.text(str(k + 1), position=self._series([line[k, 0] for line in lines]), color=_rgb(INK),
                                   size=1.0, label_box=False, reference_point=side + "bt"[near % 2])
 
-    def _flat(self, lines: Sequence[Array]) -> Any:
+    def _flat(self, lines: Sequence[Array] | Array) -> Any:
         return self._series([line.reshape(-1, 3) for line in lines])
 
-    def _mesh(self, bodies: list[Array], faces: Array, color: str, opacity: float = 1.0) -> Any:
+    def _mesh(self, bodies: Sequence[Array] | Array, faces: Array, color: str, opacity: float = 1.0) -> Any:
         """Bodies of (n, k, 3) corners at each state, the faces of each (f, 4), as triangles."""
         import k3d
 
@@ -189,16 +194,14 @@ def save_scene(run: Any, path: str | Path, title: str = "") -> Path:
     return target
 
 
-def _joined(motions: Mapping[str, Sequence[State]]) -> tuple[list[Any], list[str]]:
-    """States on one clock, each with a scene, and what is said at each."""
-    states: list[Any] = []
-    notes: list[str] = []
+def _joined(motions: Mapping[str, Sequence[State]]) -> list[tuple[str, Any]]:
+    """What is said and the states, on one clock, each with a scene."""
+    joined: list[tuple[str, Any]] = []
     for said, motion in motions.items():
-        began = states[-1].time + _BETWEEN if states else 0.0
-        states += [state._replace(time=began + state.time - motion[0].time, scene=state.scene or EMPTY)
+        began = joined[-1][1].time + _BETWEEN if joined else 0.0
+        joined += [(said, state._replace(time=began + state.time - motion[0].time, scene=state.scene or EMPTY))
                    for state in motion]
-        notes += [said] * len(motion)
-    return states, notes
+    return joined
 
 
 def _chains(count: int, pieces: int) -> Any:
@@ -210,18 +213,6 @@ def _chains(count: int, pieces: int) -> Any:
 def _raised(points: Array) -> Array:
     """(…, 3) points in space; planar ones in the plane y = 0, their y upwards."""
     return points if points.shape[-1] == 3 else np.insert(points, 1, 0.0, axis=-1)
-
-
-def _by_color(solids: list[Solid]) -> dict[str, Array]:
-    """Color → (n, 8, 3) corners; planar boxes become 0.2 m deep."""
-    found: dict[str, list[Array]] = {}
-    for corners, color in solids:
-        if corners.shape[-1] == 2:
-            deep = _raised(np.repeat(corners.reshape(2, 1, 2, 2), 2, axis=1))
-            deep[..., 1] += [[-0.1], [0.1]]
-            corners = deep.reshape(8, 3)
-        found.setdefault(color, []).append(corners)
-    return {color: np.stack(bodies) for color, bodies in found.items()}
 
 
 def _scale() -> Array:

@@ -52,8 +52,8 @@ def sized_figure(width: int, height: int, scale: float | None = None) -> Figure:
         at least a half
     Raises InvalidInput below 16 x 16 pixels and above 10000 x 10000.
     """
-    for name, pixels in (("width", width), ("height", height)):
-        as_count(pixels, name, 16, _MOST)
+    as_count(width, "width", 16, _MOST)
+    as_count(height, "height", 16, _MOST)
     dpi = 100 * (scale or max(0.5, min(width / 640, height / 480)))
     # Matplotlib cuts off parts of pixels: half a one more, or rounding would lose one.
     return Figure(((width + 0.5) / dpi, (height + 0.5) / dpi), dpi=dpi)
