@@ -278,7 +278,7 @@ def of_course() -> dict[str, tuple[Any, Words]]:
         "draw_capability": (course.draw_capability, {"axes": axes, "bars": {"a": [1, 2]}, "names": ("v_x", "v_y"),
                                                      "group": [0, 1]}),
         "draw_equilibrium": (course.draw_equilibrium, {"robot": planar, "position": [0.0, 1.0], "push": (0.0, 0.0),
-                                                       "internal": 0.0, "tensions": None}),
+                                                       "tensions": None}),
         "draw_polygon": (course.draw_polygon, {"axes": axes, "vertices": [[0, 0], [1, 0], [0, 1]], "style": 0,
                                                "label": "a"}),
         "error_decay": (course.error_decay, {"kp": 100.0, "kd": 20.0, "times": [0, 0.1]}),
@@ -292,8 +292,8 @@ def of_course() -> dict[str, tuple[Any, Words]]:
         "plot_tension_runs": (course.plot_tension_runs, {"runs": [run]}),
         "plot_tension_set": (course.plot_tension_set, {"W": W, "w_e": W_E, "tension_min": 50.0, "tension_max": 1e4}),
         "plot_tensions": (course.plot_tensions, {"run": run}),
-        "plot_triplets": (course.plot_triplets, {"robot": POINT.robot, "position": [0.5, 0.1, 1.0],
-                                                 "position_uncertainty": 0.05, "exit_uncertainty": 0.02}),
+        "plot_triplets": (course.plot_triplets, {"robot": POINT.robot, "position": [0.5, 0.1, 1.0], "classes":
+                                                 cl.classify_configurations(POINT.robot, [0.5, 0.1, 1.0])}),
         "plot_design": (course.plot_design, {"brief": brief, "world": CAROCA, "title": "a"}),
         "position_sensitivity": (course.position_sensitivity, {
             "exits": exits, "position": np.ones(3), "position_uncertainty": 0.0, "exit_uncertainty": 0.0}),

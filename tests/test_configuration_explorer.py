@@ -103,7 +103,8 @@ def test_other_worlds_are_named():
 # --- figures ------------------------------------------------------------------------------------------------
 def test_figures_tell_in_words_what_they_show():
     world = cl.load_world("marionet")
-    figure = plot_triplets(world.robot, [1.38, 0.98, 0.6], None, 0.05, 0.02)
+    place = [1.38, 0.98, 0.6]
+    figure = plot_triplets(world.robot, place, classify_configurations(world.robot, place, 0.05, 0.02))
     assert "A123 inside" in figure.alt_text and "A134 outside" in figure.alt_text
     own = plot_triplets(world.robot, [1.38, 0.98, 0.6], dict.fromkeys([(1, 2, 3), (1, 2, 4), (1, 3, 4), (2, 3, 4)],
                                                                     "uncertain"))

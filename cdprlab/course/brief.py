@@ -19,8 +19,10 @@ from ..workspace.capacity import best_tensions
 from ..workspace.grids import low_discrepancy_poses
 from ..workspace.interference import cable_distances, cable_pairs, obstacle_distances, piercing_cables
 from ..world import World, load_world
+from ..world.document import parsed, plain
 from .text_table import cable_names, in_brackets
 
+_WORKSHOP = Path(__file__).with_name("workshop.yaml")
 _ROUNDING = 1e-6
 _AXES = ("f_x", "f_y", "f_z", "m_x", "m_y", "m_z")
 
@@ -74,7 +76,7 @@ class Brief:
     yaw : largest turn about the vertical, either way [rad]
     pushes : (6,) external forces and moments either way, one at a time [N, N m]
     hall : (2, 3) corners of where exit points may be mounted [m]
-    tension : smallest and largest, of every winch [N]
+    tension : (2,) smallest and largest, of every winch [N]
     clearance : between cables, of those that share no end [m]
     most_cables : allowed
     """
@@ -86,7 +88,7 @@ class Brief:
     yaw: float
     pushes: Array
     hall: Array
-    tension: tuple[float, float]
+    tension: Array
     clearance: float
     most_cables: int
 
@@ -154,13 +156,9 @@ def workshop_brief(most_cables: int = 8) -> Brief:
     >>> workshop_brief().judge("caroca").reasons[0][:9]
     'the load:'
     """
-    return Brief(
-        mass=80.0, size=np.array([0.8, 0.6, 0.4]), lower=np.array([-0.8, -0.5, 0.6]),
-        upper=np.array([0.8, 0.5, 1.4]),
-        yaw=float(np.deg2rad(10)), pushes=np.array([40.0, 40.0, 0.0, 4.0, 4.0, 4.0]),
-        hall=np.array([[-3.0, -2.2, 0.0], [3.0, 2.2, 3.6]]), tension=(15.0, 700.0),
-        clearance=0.05,
-        most_cables=most_cables)
+    said: dict[str, Any] = plain(parsed(_WORKSHOP.read_text(encoding="utf-8"), _WORKSHOP.name))
+    arrays = {name: np.array(value) for name, value in said.items() if isinstance(value, list)}
+    return Brief(**said | arrays, most_cables=most_cables)
 
 
 # --- point by point -----------------------------------------------------------------------------------------
@@ -217,7 +215,7 @@ def _load(brief: Brief, robot: Robot) -> Point:
 
 def _held(brief: Brief, robot: Robot, poses: Pose) -> Point:
     margins, tensions = brief.best_tensions(robot, poses)
-    k, i = np.unravel_index(np.argmin(margins), margins.shape)
+    k, i = np.unravel_index(margins.argmin(), margins.shape)
     least = float(margins[k, i])
     where = f"{_place(poses[int(i)])}, {_push(brief.wrenches[k])}"
     if least >= -_ROUNDING * brief.tension[1]:
@@ -249,8 +247,8 @@ def _cables(name: str, errors: Any, well: str, ill: str) -> Point:
     errors : (m, …) of each; what is as small as rounding is none
     """
     wrong = (np.abs(errors) > _ROUNDING).any(axis=1)
-    have = "has" if wrong.sum() == 1 else "have"
-    return Point(name, not wrong.any(), f"{cable_names(wrong)} {have} {ill}" if wrong.any() else well)
+    return Point(name, not wrong.any(), f"{cable_names(wrong)} {'has' if wrong.sum() == 1 else 'have'} {ill}"
+                 if wrong.any() else well)
 
 
 # --- words ----------------------------------------------------------------------------------------------------
@@ -271,10 +269,10 @@ def _advice(robot: Robot, tau: Array, missing: float) -> str:
                 "that the cables' lines do not all meet")
     low, high = robot.tension_min - tau, tau - robot.tension_max
     if low.max() > high.max() + 1e-6:      # as much of both is missing: the winch is told
-        i = np.argmax(low)
+        i = low.argmax()
         return (f"at best cable {i + 1} has {tau[i]:.0f} N, {missing:.0f} N short of what keeps it taut. The others do "
                 "its work there: move its exit point outwards, or its anchor point to the other side")
-    i = np.argmax(high)
+    i = high.argmax()
     return (f"at best cable {i + 1} needs {tau[i]:.0f} N, {missing:.0f} N more than its winch has. Flat cables pull "
             "hard and lift little, parallel ones turn nothing: move exit points up, or cross the cables")
 

@@ -70,11 +70,11 @@ def predict(shown: Told, *questions: Question) -> Told:
     The button "See" moves the controls where a truth is seen, and puts it beside the answer. Programs see no change.
     """
     entries = [question.entry() for question in questions]
-    words = ipywidgets.HTML(f"{style()}<b>Predict, then move.</b> Nothing is graded.")
     opens = ipywidgets.Button(description="Open", disabled=True, tooltip="once every question is answered")
     lines = [ipywidgets.HTML() for _ in questions]
     sees = [ipywidgets.Button(description="See", tooltip=f"{question.text}: moves the controls there")
             for question in questions]
+    words = ipywidgets.HTML(f"{style()}<b>Predict, then move.</b> Nothing is graded.")
     explorer, form = shown.widget, boxed([words, *entries, opens], "form")
     beside = boxed([boxed(pair, "truth") for pair in zip(lines, sees)], "truths")
 

@@ -64,7 +64,7 @@ def _panel(axes: Any) -> str:
     labels = " against ".join(filter(None, (axes.get_ylabel(), axes.get_xlabel()))) if axes.axison else ""
     legend = axes.get_legend()
     named = ", ".join(text.get_text() for text in legend.get_texts()) if legend else ""
-    return ": ".join(filter(None, (words, labels))) + (f" (shown: {named})" if named else "")
+    return f"{': '.join(filter(None, (words, labels)))}{f' (shown: {named})' if named else ''}"
 
 
 def _without_marks(words: str) -> str:

@@ -31,7 +31,7 @@ def cable_table(rows: Mapping[str, Sequence[str]], gap: int = 2) -> str:
     rows : quantity with unit → (m,) its cells
     """
     count = len(next(iter(rows.values())))
-    return text_table(["cable", *(str(i + 1) for i in range(count))],
+    return text_table(["cable", *map(str, range(1, count + 1))],
                       [[name, *cells] for name, cells in rows.items()], gap)
 
 

@@ -10,7 +10,7 @@ from PIL import Image
 
 import cdprlab as cl
 from cdprlab.course.pictures.panels import draw_exit_points
-from cdprlab.course.pictures.pose_estimates import draw_robot
+from cdprlab.course.pictures.pose_estimates import draw_robot, outline
 from cdprlab.course.props.pose_search import gauss_newton_path, six_cables
 from cdprlab.view.style import GREY, INK, VERMILION, cable_style, house_style
 
@@ -32,7 +32,8 @@ def modes(panel):
     """Two poses with the same three lengths."""
     robot, upright = six_cables(3), cl.Pose([0.4, 1.3], angle=0.15)
     turned = gauss_newton_path(robot, cl.cable_lengths(robot, upright), cl.Pose([0.6, 1.8], angle=-2.4)).poses[-1]
-    draw_robot(panel, robot, turned, color=VERMILION, linestyle=(0, (4, 2)), cables=False)
+    panel.plot(*outline(robot, turned).T, color=VERMILION, linestyle=(0, (4, 2)), linewidth=2.0)
+    panel.plot(*turned.position, "o", color=VERMILION, markersize=5)
     draw_robot(panel, robot, upright, color=INK)
     anchors = turned.position + robot.anchor_points @ turned.rotation.T
     for exit_point, anchor in zip(robot.exit_points, anchors):

@@ -22,10 +22,10 @@ def picture() -> bytes:
     """The picture as PNG."""
     matplotlib.use("agg")
     robot, pose = cl.load_world("caroca").robot, cl.Pose([-1.5, -0.6, 1.6], rpy=[0.02, 0.15, -0.15])
-    figure = plot_tension_set(cl.wrench_matrix(robot, pose), cl.gravity_wrench(robot, pose), 250, 1500, METHODS,
-                              title="Tensions that hold CAROCA, and who picks which")
+    figure = plot_tension_set(cl.wrench_matrix(robot, pose), cl.gravity_wrench(robot, pose), 250, 1500, METHODS)
     file = BytesIO()
     with house_style():
+        figure.axes[0].set_title("Tensions that hold CAROCA, and who picks which")
         figure.savefig(file, dpi=80)
     return file.getvalue()
 

@@ -14,10 +14,8 @@ from ...arrays import Array, checked
 from ...compiled.columns import cables
 from ...errors import CdprError, quoted, shortened
 from ...fastkit.mission.states import sure_of_being_at
-from ...mechanics.trajectory import Reference
 from ...robot.pose import Pose
 from ...run.controllers import ComputedTorque
-from ...simulate.state import State
 from ..props.point_load import lower_crossing
 from .plain import decode
 
@@ -31,7 +29,7 @@ def _cable_vectors(exit_points: Array, anchor_points: Array, position: Array, ro
     return lengths[0, :, None] * W[0, :exit_points.shape[1]].T
 
 
-def _my_controller(t: float, state: State, reference: Reference, kp: float = 100.0, kd: float = 20.0) -> Array:
+def _my_controller(t: float, state: Any, reference: Any, kp: float = 100.0, kd: float = 20.0) -> Array:
     return ComputedTorque(kp, kd)(t, state, reference)
 
 
@@ -104,8 +102,7 @@ def _numbers(thing: Any) -> Iterator[float]:
     elif isinstance(thing, int | float | np.number):
         yield float(thing)
     elif isinstance(thing, Pose):
-        yield from np.ravel(thing.position)
-        yield from np.ravel(thing.rotation)
+        yield from np.concatenate([thing.position, thing.rotation], axis=None)
     elif dataclasses.is_dataclass(thing):
         for field in dataclasses.fields(thing):
             yield from _numbers(getattr(thing, field.name))

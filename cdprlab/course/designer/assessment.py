@@ -32,13 +32,11 @@ _PLACES, _FEW_PLACES = 28, 8
 class Slice(NamedTuple):
     """Poses of a plane through the start, all with its orientation.
 
-    plane : "x–y", "x–z" or "y–z"
     grid : PoseGrid
     held : (k,) tensions within the limits hold the platform there
     clear : (k,) and no cable is near another one, the platform or an obstacle
     """
 
-    plane: str
     grid: PoseGrid
     held: Flags
     clear: Flags
@@ -78,8 +76,7 @@ def assess(world: World, plane: str = "x–y", window: Window | None = None) -> 
     robot, pose, found = world.robot, world.pose, workspace_slice(world, plane, window)
     without = why_no_direction(robot, pose)
     if without:
-        where = f"{without.capitalize().replace('this pose', 'the start')}."
-        return Assessment((where,), None, None, np.nan, found)
+        return Assessment((f"{without.capitalize().replace('this pose', 'the start')}.",), None, None, np.nan, found)
     W, w_e = wrench_matrix(robot, pose), gravity_wrench(robot, pose)
     held = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max)
     K, least = None, np.nan
@@ -108,7 +105,7 @@ def workspace_slice(world: World, plane: str = "x–y", window: Window | None = 
         held[directed] = workspace(robot, poses[directed], WrenchFeasible(), margin=False).inside
     if held.any():
         clear[held] = _clear(world, poses[held])
-    return Slice(plane, grid, held, clear)
+    return Slice(grid, held, clear)
 
 
 def slice_grid(world: World, plane: str, window: Window | None = None) -> PoseGrid:

@@ -8,15 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Location
 from ...world import World
 from ...world.blocks import LimitsBlock, WorldFile
 from ...world.document import copied, overlay, own, plain
 from ...world.writer import updated_document
 from ..text_table import cable_names
-
-Path = tuple[str | int, ...]
-"""Where in a world file a value stands: ``("cables", 2, "exit_point", 0)``."""
 
 CHANGED = " (changed)"
 """At the end of a title that may no longer be true."""
@@ -53,7 +50,7 @@ def contents(world: World) -> dict[str, Any]:
     return known | {SHARED: shared, "scene": plain(document.get("scene", {})), "tasks": tasks}
 
 
-def value_at(world: World, path: Path) -> Any:
+def value_at(world: World, path: Location) -> Any:
     """What a world has at some place of its file, left out there or not; None where it has nothing.
 
     >>> import cdprlab as cl
@@ -67,7 +64,7 @@ def value_at(world: World, path: Path) -> Any:
         return None
 
 
-def edited(world: World, path: Path, value: Any, mirrored: str = "") -> World:
+def edited(world: World, path: Location, value: Any, mirrored: str = "") -> World:
     """The world with another value at one place of its file; None leaves it out.
 
     mirrored : axes as in "xy"; what is changed at a cable is changed at its mirror images, too
@@ -98,7 +95,7 @@ def edited(world: World, path: Path, value: Any, mirrored: str = "") -> World:
     return _rewritten(world, before, after)
 
 
-def _images(world: World, path: Path, value: Any, axes: str) -> dict[Path, Any]:
+def _images(world: World, path: Location, value: Any, axes: str) -> dict[Location, Any]:
     """Where a cable's mirror images have what stands at ``path``, and what it becomes there.
 
     Exit points are mirrored at the middle of them all, anchor points at the platform's axes; cables
@@ -112,7 +109,7 @@ def _images(world: World, path: Path, value: Any, axes: str) -> dict[Path, Any]:
     if key != "anchor_point":
         middle = (robot.exit_points.min(axis=0) + robot.exit_points.max(axis=0)) / 2
         points = robot.exit_points - middle
-    found: dict[Path, Any] = {}
+    found: dict[Location, Any] = {}
     for signs in product(*((1.0, -1.0) if axis in axes else (1.0,) for axis in "xyz"[:robot.dimension])):
         image = value
         if component and key in ("exit_point", "anchor_point"):

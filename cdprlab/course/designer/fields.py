@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...errors import InvalidInput, quoted
+from ...errors import InvalidInput, Location, quoted
 from ...robot import MOTION_PATTERNS
 from ...world import World
 from ...world.blocks import keys_at
-from .edits import Path, edited, on_base, value_at
+from .edits import edited, on_base, value_at
 
 
 class Field(NamedTuple):
@@ -23,7 +23,7 @@ class Field(NamedTuple):
     options : of a choice
     """
 
-    path: Path
+    path: Location
     label: str
     unit: str
     kind: str = "number"
@@ -153,7 +153,7 @@ def _value(field: Field, text: str) -> Any:
     return numbers[0] if len(numbers[0]) > 1 else numbers[0][0]
 
 
-def _rows(world: World, path: Path) -> Iterator[Row]:
+def _rows(world: World, path: Location) -> Iterator[Row]:
     """The row of a key, or those of a block; none for what the world does not have."""
     value, key = value_at(world, path), str(path[-1])
     if isinstance(value, dict):

@@ -28,37 +28,36 @@ class Form:
         self.box = boxed([], "rows")
         self.entries: dict[tuple[str, str], Any] = {}
         self._fields: dict[tuple[str, str], Field] = {}
+        self._kinds: list[Any] = []
         self._quiet = False
 
     def show(self, rows: list[Row], world: World) -> None:
         """Fill the form with the fields' values."""
-        before = _kinds(self._fields)
         self._fields = {(row.label, field.label): field for row in rows for field in row.fields}
+        kinds = [(key, field[2:]) for key, field in self._fields.items()]
         self._quiet = True
-        try:
-            if _kinds(self._fields) != before:
-                for part in self.box.children:
-                    dismiss(part)
-                self.entries = {key: self._entry(key) for key in self._fields}
-                self.box.children = [_row(row, [self.entries[row.label, field.label] for field in row.fields])
-                                     for row in rows]
-            for key, field in self._fields.items():
-                self.entries[key].value = shown(field, world)
-                self.entries[key].remove_class(REFUSED)
-        finally:
-            self._quiet = False
+        if kinds != self._kinds:
+            self._kinds = kinds
+            for part in self.box.children:
+                dismiss(part)
+            self.entries = {key: self._entry(key) for key in self._fields}
+            self.box.children = [_row(row, [self.entries[row.label, field.label] for field in row.fields])
+                                 for row in rows]
+        for key, entry in self.entries.items():
+            entry.value = shown(self._fields[key], world)
+            entry.remove_class(REFUSED)
+        self._quiet = False
 
     def _entry(self, key: tuple[str, str]) -> Any:
         field = self._fields[key]
-        nothing = LEFT_OUT.get(str(field.path[-1]), "none")
+        nothing = LEFT_OUT.get(str(field.path[-1]), "")
         # Where there is no description the tooltip is the entry's name for a screen reader.
         look = {"description": field.label,
-                "tooltip": " ".join(key).strip() + _in(field) + _HELP.get(field.kind, "")}
+                "tooltip": f"{' '.join(key).strip()}{_in(field)}{_HELP.get(field.kind, '')}"}
         if field.kind == "choice":
             options = [(option or nothing, option) for option in field.options]
             entry: Any = ipywidgets.Dropdown(options=options, **look)
         else:
-            nothing = "" if field.kind == "number" else nothing
             entry = ipywidgets.Text(continuous_update=False, placeholder=nothing, **look)
         entry.observe(lambda change: self._changed(key, change["new"]), names="value")
         return entry
@@ -69,18 +68,13 @@ class Form:
         field = self._fields[key]
         kind = str(field.path[0])
         whose = f"{kind[:-1]} {int(field.path[1]) + 1}: " if kind in ("cables", "bases") else ""
-        if not self._typed(field, value, whose + " ".join(key).strip()):
+        if not self._typed(field, value, f"{whose}{' '.join(key).strip()}"):
             self.entries[key].add_class(REFUSED)
-
-
-def _kinds(fields: dict[tuple[str, str], Field]) -> list[Any]:
-    """What the widgets are made of."""
-    return [(key, field[2:]) for key, field in fields.items()]
 
 
 def _row(row: Row, entries: list[Any]) -> Any:
     """A label beside a single entry, above several."""
-    label = ipywidgets.Label(row.label + _in(row.fields[0]))
+    label = ipywidgets.Label(f"{row.label}{_in(row.fields[0])}")
     return boxed([label, *entries], "row") if len(entries) == 1 else boxed([label, boxed(entries, "row")], "rows")
 
 

@@ -25,7 +25,7 @@ class History(NamedTuple, Generic[State]):
     steps : in the order of their edits; after the present those that were undone
     at : which of them is the present
 
-    >>> history = History((Step("", 0),)).done("one more", 1).done("doubled", 2).moved(-1)
+    >>> history = History(()).done("", 0).done("one more", 1).done("doubled", 2).moved(-1)
     >>> history.present, history.labels
     (1, ('one more', 'doubled'))
     """

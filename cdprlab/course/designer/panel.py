@@ -1,10 +1,9 @@
 """The robot designer: fields, picture, slice, warnings and numbers on one page, in a notebook or by itself."""
 
 import html
-from base64 import b64encode
 from collections.abc import Callable
 from functools import lru_cache
-from pathlib import Path as FilePath
+from pathlib import Path
 from typing import Any
 
 import ipywidgets
@@ -113,9 +112,8 @@ class RobotDesigner(Shown):
         self.brief.value = as_html("\n".join(judged)) if judged else ""
         if world.name in self.names.options:
             self.names.value = world.name
-        mark = " · <i>● not saved</i>" if session.unsaved else ""
-        self.head.value = (f"{style()}<b>{html.escape(world.title or world.name)}</b> "
-                           f"({html.escape(world.name)}){mark}")
+        self.head.value = (f"{style()}<b>{html.escape(world.title or world.name)}</b> ({html.escape(world.name)})"
+                           f"{' · <i>● not saved</i>' if session.unsaved else ''}")
         self.warnings.value, self.numbers.value = warnings_html(found), as_html(numbers)
         for button, word, label in zip((self.undo_button, self.redo_button), ("Undo", "Redo"), session.history.labels):
             button.description, button.disabled = f"{word}: {label}" if label else word, not label
@@ -139,21 +137,15 @@ class RobotDesigner(Shown):
             self.form.show(rows(world, group, place), world)
             self._show_tools(group)
         elif group == FILE:
-            text = world.to_yaml()
-            self.file_text.value = text
-            data = b64encode(text.encode()).decode("ascii")
-            self.download.value = (f'<a download="{world.name}.yaml" href="data:text/yaml;base64,{data}">'
-                                   f"Download {world.name}.yaml</a>")
+            self.file_text.value = world.to_yaml()
 
     def _show_tools(self, group: str) -> None:
         robot, place = self.world.robot, self.session.place
         self._quiet = True
-        try:
-            self.cables.options = [(f"cable {i + 1}", i) for i in range(robot.n_cables)]
-            self.bases.options = [(base.name, k) for k, base in enumerate(robot.bases)] or [("none yet", 0)]
-            self.cables.value, self.bases.value = place
-        finally:
-            self._quiet = False
+        self.cables.options = [(f"cable {i + 1}", i) for i in range(robot.n_cables)]
+        self.bases.options = [(base.name, k) for k, base in enumerate(robot.bases)] or [("none yet", 0)]
+        self.cables.value, self.bases.value = place
+        self._quiet = False
         moves = self.world.tasks["default"].kind != "hold"
         for name, tool in self._tools.items():
             _show(tool, name == group and not (name == "task" and moves))
@@ -162,15 +154,15 @@ class RobotDesigner(Shown):
     # --- widgets ----------------------------------------------------------------------------------------------
     def _make_widgets(self) -> None:
         session, self._quiet = self.session, False
-        (self.head, self.image, self.slice, self.warnings, self.numbers, self.message, self.download,
-         self.brief) = (ipywidgets.HTML() for _ in range(8))
+        (self.head, self.image, self.slice, self.warnings, self.numbers, self.message,
+         self.brief) = (ipywidgets.HTML() for _ in range(7))
         self.groups = ipywidgets.ToggleButtons(options=[*GROUPS, FILE, FLIGHT], style={"button_width": "92px"})
         _on_value(self.groups, self._show_group)
         self.form = Form(lambda *what: self.do(session.type, *what))
         images = [(f"mirror images at {' and '.join(axes)}", axes) for axes in ("x", "y", "xy")]
         self.mirror = _menu([("nothing", ""), *images], "edits also",
                             lambda axes: setattr(session, "mirrored", axes))
-        self.take_back = _button("Take the entry back", lambda: self.do(lambda: None))
+        self.take_back = self._verb("Take the entry back", lambda: None)
         _show(self.take_back, False)
         self.cables = _menu([], "edit", lambda cable: self._turn(cable=cable))
         self.bases = _menu([], "edit", lambda base: self._turn(base=base))
@@ -184,8 +176,7 @@ class RobotDesigner(Shown):
                                           readout_format=".0f")
         self.eye.add_class("view-only")  # it changes the picture, no number
         _on_value(self.eye, self._draw)
-        cables, bases, start, task = self._tools.values()
-        form = boxed([cables, bases, self.mirror, self.form.box, start, task], "rows")
+        form = boxed([*self._tools.values(), self.mirror, self.form.box], "rows")
         self._parts = {"form": form, FILE: self._file_part(), FLIGHT: self._flight_part()}
         # Words and wishes first, then what they make: the order of the Tab key.
         fields = boxed([self.groups, self.message, self.take_back, *self._parts.values(),
@@ -193,8 +184,8 @@ class RobotDesigner(Shown):
         worth = boxed([boxed([self.planes, self.slice], "slice"), boxed([self.numbers], "worth")], "columns")
         picture = boxed([self.image, self.eye, worth], "design")
         self.below = boxed([])
-        self.page = boxed([self.head, self._toolbar(), boxed([fields, picture], "columns")])
-        self.widget = ipywidgets.VBox([self.page, self.below])
+        page = boxed([self.head, self._toolbar(), boxed([fields, picture], "columns")])
+        self.widget = ipywidgets.VBox([page, self.below])
 
     def _verb(self, word: str, verb: Callable[..., object], *entries: Any) -> Any:
         """A button that does what the session can."""
@@ -215,13 +206,11 @@ class RobotDesigner(Shown):
         self.file_text = ipywidgets.Textarea()
         path = ipywidgets.Text(value="my_robot.yaml", description="file",
                                tooltip="in the folder of the notebook, or a whole path")
-        upload = ipywidgets.FileUpload(accept=".yaml,.yml", description="Upload")
-        _on_value(upload, lambda files: self._uploaded(upload, *files))
         self.apply = _button("Apply this text", lambda: self.do(session.read, self.file_text.value))
         save = _button("Save as", lambda: self.do(
-            session.save, path.value, said=f"Saved as {FilePath(path.value).expanduser().absolute()}."))
+            session.save, path.value, said=f"Saved as {Path(path.value).expanduser().absolute()}."))
         load = _button("Open", lambda: self.do(session.load, path.value.strip()))
-        return boxed([self.file_text, self.apply, path, boxed([save, load, upload], "tools"), self.download], "rows")
+        return boxed([self.file_text, self.apply, path, boxed([save, load], "tools")], "rows")
 
     def _flight_part(self) -> Any:
         method = ipywidgets.Dropdown(options=[(name.replace("_", " "), name) for name in tension_methods()],
@@ -245,11 +234,6 @@ class RobotDesigner(Shown):
     def _look(self, plane: str) -> None:
         self.session.look_at(plane)
         self.refresh()
-
-    def _uploaded(self, upload: Any, *files: Any) -> None:
-        for file in files:
-            self.do(self.session.read, bytes(file["content"]).decode("utf-8", "replace"), file["name"])
-            upload.value = ()  # the same file may be uploaded again
 
 
 @checked

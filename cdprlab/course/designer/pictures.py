@@ -102,4 +102,4 @@ class SlicePicture:
         with house_style():
             picture = picture_tag(self._picture.png(), in_words(found))
         level = "".join(f" at {name} = {value:.2f} m" for name, value in place.items())
-        return f"<b>Held at rest: {found.plane}{level}</b>{picture}{_LEGEND}"
+        return f"<b>Held at rest: {across}–{up}{level}</b>{picture}{_LEGEND}"

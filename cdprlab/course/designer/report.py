@@ -25,16 +25,15 @@ def report(world: World, found: Assessment) -> str:
     robot, held = world.robot, found.tensions
     m, n = robot.n_cables, robot.n_dof
     rank = "" if held is None else f"; rank of W: {np.linalg.matrix_rank(wrench_matrix(robot, world.pose))}"
-    lines = [f"m = {m}, n = {n}, r = m − n = {m - n}{rank}"]
-    lengths = cable_lengths(robot, world.pose)
     tensions = held.tensions if held is not None and held.feasible else np.full(m, np.nan)
-    table = [[f"{i + 1}", f"{lengths[i]:.2f}", "–" if np.isnan(tau) else fixed(tau, 1),
-              f"{robot.tension_min[i]:g} to {robot.tension_max[i]:g}"] for i, tau in enumerate(tensions)]
-    lines += ["At the start, least-squares tensions:",
-              text_table(["cable", "l [m]", "τ [N]", "limits [N]"], table, gap=1)]
-    lines += [*_stiffness(world, found), in_words(found.slice),
-              f"Held and clear: {found.slice.clear.sum() * found.slice.grid.cell:.3g} m²."]
-    if held is not None and held.feasible and not found.slice.held.any():
+    table = [[f"{i + 1}", f"{length:.2f}", "–" if np.isnan(tau) else fixed(tau, 1),
+              f"{robot.tension_min[i]:g} to {robot.tension_max[i]:g}"]
+             for i, (length, tau) in enumerate(zip(cable_lengths(robot, world.pose), tensions))]
+    lines = [f"m = {m}, n = {n}, r = m − n = {m - n}{rank}", "At the start, least-squares tensions:",
+             text_table(["cable", "l [m]", "τ [N]", "limits [N]"], table, gap=1),
+             *_stiffness(world, found), in_words(found.slice),
+             f"Held and clear: {found.slice.clear.sum() * found.slice.grid.cell:.3g} m²."]
+    if found.stiffness is not None and not found.slice.held.any():
         step = 1e3 * found.slice.grid.step.max()
         lines += ["The start is held, yet no middle of a cell: what is held around it is",
                   f"smaller than a cell, {step:.0f} mm."]
@@ -45,10 +44,9 @@ def _stiffness(world: World, found: Assessment) -> list[str]:
     robot = world.robot
     if found.stiffness is None:
         return ["Stiffness: none, nothing holds the start."]
-    assumed = "" if robot.elasticity else " assumed"
-    values = [f"  {row.replace('r', 'about '):<9} {value:10.3g} {'N m/rad' if row.startswith('r') else 'N/m'}"
-              for row, value in zip(robot.pattern.rows, np.diag(found.stiffness))]
-    return [f"Stiffness, EA = {stretch(robot):g} N{assumed}:", *values,
+    return [f"Stiffness, EA = {stretch(robot):g} N{'' if robot.elasticity else ' assumed'}:",
+            *(f"  {row.replace('r', 'about '):<9} {value:10.3g} {'N m/rad' if row.startswith('r') else 'N/m'}"
+              for row, value in zip(robot.pattern.rows, np.diag(found.stiffness))),
             f"  smallest eigenvalue, arm 1 m: {found.least_stiffness:.3g} N/m"]
 
 
@@ -62,7 +60,7 @@ def in_words(found: Slice) -> str:
     """
     held, clear = 100 * found.held.mean(), 100 * found.clear.mean()
     tangled = f", {clear:.0f} % without interference" if clear < held else ""
-    return f"Of the plane {found.plane} {held:.0f} % are held within the limits{tangled}."
+    return f"Of the plane {'–'.join(found.grid.axes)} {held:.0f} % are held within the limits{tangled}."
 
 
 def as_html(text: str) -> str:

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 from itertools import count
-from pathlib import Path as FilePath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...errors import CdprError, InvalidInput
+from ...errors import CdprError, InvalidInput, Location
 from ...robot import Robot
 from ...run import Run, run
 from ...run.controllers import ComputedTorque
@@ -15,11 +15,11 @@ from ...world import World, load_world
 from ...world.document import parsed, place_text, plain
 from ..brief import Brief
 from .assessment import PLANES, Assessment, Window, assess, exit_box
-from .edits import Path, contents, edited, opened, with_entry, without_entry
+from .edits import contents, edited, opened, with_entry, without_entry
 from .fields import Field, Place, typed
-from .history import History, Step
+from .history import History
 
-_FILE = FilePath(__file__).with_name("beginnings.yaml")
+_FILE = Path(__file__).with_name("beginnings.yaml")
 BEGINNINGS = plain(parsed(_FILE.read_text(encoding="utf-8"), _FILE.name))
 """An empty hall, and bases to be put beside exit points, as world files say them."""
 
@@ -57,14 +57,14 @@ class DesignSession:
     150.0
     """
 
+    kept: World | None
+
     def __init__(self, world: World, brief: Brief | None = None) -> None:
-        begun = opened(world)
-        self.history: History[Kept] = History((Step("", Kept(begun, Place(), exit_box(begun))),))
-        self.kept: World | None = self.world
-        self.mirrored = ""
+        self.history: History[Kept] = History(())
+        self.plane, self.mirrored = PLANES[0], ""
         self.brief = brief
         self.flown: Run | None = None
-        self.look_at(PLANES[0])
+        self._open(opened(world), "")
 
     @property
     def world(self) -> World:
@@ -82,7 +82,7 @@ class DesignSession:
         return self.world is not self.kept
 
     # --- edits ------------------------------------------------------------------------------------------------
-    def edit(self, path: Path, value: Any) -> None:
+    def edit(self, path: Location, value: Any) -> None:
         """Another value at a place of the world file."""
         self._become(edited(self.world, path, value, self.mirrored), place_text(path))
 
@@ -97,7 +97,7 @@ class DesignSession:
         except CdprError as error:
             why = str(error)
             for depth in range(len(field.path), 0, -1):
-                why = why.removeprefix(place_text(field.path[:depth]) + ": ")
+                why = why.removeprefix(f"{place_text(field.path[:depth])}: ")
             raise InvalidInput(f"{name}: {why}", field.path) from error
         self._become(world, name)
 
@@ -159,21 +159,20 @@ class DesignSession:
 
     def save(self, path: str) -> None:
         """Write the world file."""
-        target = FilePath(path.strip()).expanduser()
+        target = Path(path.strip()).expanduser()
         if target.suffix not in (".yaml", ".yml"):
             raise InvalidInput(f"a world file ends in .yaml, got {path.strip() or 'nothing'!r}")
         self.world.save(target)
         self.kept = self.world
 
-    def simulate(self, method: str = "quadratic_program", kp: float = 100.0, kd: float = 100.0,
-                 ki: float = 0.0) -> None:
+    def simulate(self, method: str = "quadratic_program", **gains: float) -> None:
         """The default task in the engine by computed torque; what was flown is ``flown``.
 
         method : tension distribution
-        kp, kd, ki : gains [1/s²], [1/s], [1/s³]
+        gains : of `ComputedTorque`
         """
         self.flown = None
-        self.flown = run(self.world, method=method, controller=ComputedTorque(kp, kd, ki))
+        self.flown = run(self.world, method=method, controller=ComputedTorque(**gains))
 
     # --- the way back -----------------------------------------------------------------------------------------
     def undo(self) -> None:

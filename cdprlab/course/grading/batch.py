@@ -22,7 +22,7 @@ from pydantic import TypeAdapter
 
 from ...errors import InvalidInput, quoted
 from ...world.files import write_text
-from .cells import Cell, Lesson, load_lessons, most_like
+from .cells import Cell, Lesson, load_lessons
 from .jail import PACKAGE, find_jail
 from .judge import Outcome
 from .submission import Submission, read_cells
@@ -80,14 +80,14 @@ class Grader:
         """
         if lesson is not None and lesson not in self.lessons:
             raise InvalidInput(f"there is no lesson {quoted(lesson)}; there are {', '.join(self.lessons)}")
-        chosen = [one for one in submissions if lesson in (None, one.name) or one.name not in self.lessons]
+        chosen = [one for one in sorted(submissions, key=lambda one: one.when)
+                  if lesson in (None, one.name) or one.name not in self.lessons]
         work = Parallel(n_jobs=jobs, prefer="threads", return_as="generator")
-        results = list[Result]()
-        for result in work(delayed(self.one)(one, lesson or one.name) for one in chosen):
-            results.append(result)
+        latest = dict[tuple[str, str], Result]()
+        for done, result in enumerate(work(delayed(self.one)(one, lesson or one.name) for one in chosen), start=1):
+            latest[result.student, result.lesson] = result
             if progress is not None:
-                progress(len(results), len(chosen))
-        latest = {(one.student, one.lesson): one for one in sorted(results, key=lambda one: one.handed_in)}
+                progress(done, len(chosen))
         return [self.keep(result) for result in latest.values()]
 
     def one(self, submission: Submission, name: str) -> Result:
@@ -103,9 +103,9 @@ class Grader:
             data = submission.read()
             cells, mended = read_cells(data)
         except Exception as error:   # whatever a parser makes of what is no notebook
-            note = f"no notebook: {type(error).__name__}: {error}"
-            return self.keep(replace(blank, status="broken file", note=note[:200]))
-        lesson = most_like(versions or chain(*self.lessons.values()), cells)
+            return self.keep(replace(blank, status="broken file",
+                                     note=f"no notebook: {type(error).__name__}: {error}"[:200]))
+        lesson = max(versions or chain(*self.lessons.values()), key=lambda lesson: lesson.likeness(cells))
         same, shared = lesson.likeness(cells)
         if not versions and not shared:
             return self.keep(blank)

@@ -134,11 +134,6 @@ def load_lessons(source: Path) -> dict[str, list[Lesson]]:
     return found
 
 
-def most_like(lessons: Iterable[Lesson], student: Sequence[Cell]) -> Lesson:
-    """The lesson and version that a student's copy came from, the first where several are as like."""
-    return max(lessons, key=lambda lesson: lesson.likeness(student))
-
-
 def _lesson(name: str, path: Path) -> Lesson:
     text = path.read_bytes()
     try:

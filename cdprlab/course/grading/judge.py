@@ -205,10 +205,10 @@ def _literal_text(source: str, line: int) -> str:
     """What a failing statement says in its own words; computed numbers, which could tell hidden ones, as dots."""
     inside = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Assert | ast.Expr | ast.Raise)
               and node.lineno <= line <= (node.end_lineno or line)]
-    said = [part for node in ast.walk(inside[-1]) for part in
-            ([node.value] if isinstance(node, ast.Constant) else ["…"] if isinstance(node, ast.FormattedValue) else [])
-            if isinstance(part, str)] if inside else []
-    return "".join(said).strip() or "A check that you do not see has failed."
+    said = ["…" if isinstance(node, ast.FormattedValue) else node.value
+            for node in (ast.walk(inside[-1]) if inside else ())
+            if isinstance(node, ast.FormattedValue | ast.Constant)]
+    return "".join(part for part in said if isinstance(part, str)).strip() or "A check that you do not see has failed."
 
 
 def _only_read(*roots: str) -> None:

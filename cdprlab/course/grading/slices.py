@@ -21,7 +21,7 @@ _SURE = (*_IMPORTS, ast.Assign, ast.FunctionDef, ast.ClassDef)
 _AT_ONCE = ("top", "listcomp", "setcomp", "dictcomp", "genexpr")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Statement:
     """One statement at the top of a cell.
 
@@ -33,14 +33,14 @@ class Statement:
 
     source: str
     line: int
-    binds: frozenset[str]
-    changes: frozenset[str]
-    reads: frozenset[str]
-    later: frozenset[str]
+    binds: set[str]
+    changes: set[str]
+    reads: set[str]
+    later: set[str]
     kind: type[ast.stmt]
 
     @property
-    def names(self) -> frozenset[str]:
+    def names(self) -> set[str]:
         """All that it binds or looks up."""
         return self.binds | self.reads | self.later
 
@@ -93,8 +93,7 @@ def _statement(lines: Sequence[str], node: ast.stmt) -> Statement:
                 (reads if scope.get_name() in _AT_ONCE else later).add(symbol.get_name())
             if symbol.is_assigned() or symbol.is_imported():
                 binds.add(symbol.get_name())
-    return Statement(source, first, frozenset(binds), frozenset(_changed(node)), frozenset(reads), frozenset(later),
-                     type(node))
+    return Statement(source, first, binds, set(_changed(node)), reads, later, type(node))
 
 
 def _symbols(table: symtable.SymbolTable) -> Iterator[tuple[symtable.SymbolTable, symtable.Symbol]]:

@@ -130,4 +130,4 @@ def decode_error(message: Any) -> Exception:
 def words_of(error: BaseException) -> str:
     """What an error says, and where it came up."""
     kind = "" if isinstance(error, AssertionError) or not isinstance(error, Exception) else f"{type(error).__name__}: "
-    return " ".join([kind + str(error).strip(), *getattr(error, "__notes__", [])])[:4000]
+    return " ".join([f"{kind}{str(error).strip()}", *getattr(error, "__notes__", [])])[:4000]

@@ -9,10 +9,11 @@ from matplotlib.colors import to_rgba
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, as_array, checked
-from ...configurations.classify import INSIDE, OUTSIDE, UNCERTAIN, classify_configurations
+from ...configurations.classify import INSIDE, OUTSIDE, UNCERTAIN
 from ...configurations.configuration import Configuration, triplets
 from ...configurations.region import region
 from ...configurations.sequence import ConfigurationSequence
+from ...errors import InvalidInput, quoted
 from ...robot import Robot
 from ...view.plots import Figure
 from ...view.style import BLUE, GREY, INK, ORANGE, VERMILION, cable_style
@@ -29,24 +30,23 @@ _MARGIN, WIDE_MARGIN = 0.22, 0.44
 
 
 @checked
-def plot_triplets(robot: Robot, position: ArrayLike, classes: Mapping[Any, str] | None = None,
-                  position_uncertainty: float = 0.0, exit_uncertainty: float = 0.0) -> Figure:
+def plot_triplets(robot: Robot, position: ArrayLike, classes: Mapping[Any, str]) -> Figure:
     """One small plan a triplet: its triangle, the load, and its class.
 
     robot : a point mass (3T); position : (3,) of the load [m]
-    classes : triplet → "inside", "uncertain" or "outside"; default the library's answer
-    position_uncertainty, exit_uncertainty : half widths of the boxes [m]
+    classes : every triplet → "inside", "uncertain" or "outside"
+    Raises InvalidInput where one is missing.
     """
     M, names = as_array(position, "position", (3,), "m"), triplets(robot)
-    if classes is None:
-        classes = classify_configurations(robot, M, position_uncertainty, exit_uncertainty)
+    if not {*names} <= {*classes}:
+        raise InvalidInput(f"classes must tell of {', '.join(map(str, names))}, got {quoted(classes)}")
     columns = min(len(names), 5)
     rows = -(-len(names) // columns)
     with drawn(2.6 * columns, 2.7 * rows) as figure:
         panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         for panel, chosen in zip(panels.flat, names):
             draw_room(panel, robot, WIDE_MARGIN)
-            fill_triplet(panel, robot, chosen, M, classes[chosen], position_uncertainty, exit_uncertainty)
+            fill_triplet(panel, robot, chosen, M, classes[chosen])
             panel.label_outer()
         figure.alt_text = f"Seen from above, the load at ({M[0]:.2f}, {M[1]:.2f}, {M[2]:.2f}) m and every triangle " \
                           f"of three exit points: {in_words(classes)}."
@@ -64,12 +64,12 @@ def plot_sequences(robot: Robot, sequences: Sequence[ConfigurationSequence], tit
     columns = max(len(sequences), 1)
     with drawn(4.2 * columns, 4.0) as figure:
         (panels,) = figure.subplots(1, columns, sharey=True, squeeze=False)
-        for panel, sequence, title in zip(panels, sequences, titles or map(str, sequences)):
+        for panel, sequence, title in zip(panels, sequences, [*titles] or map(str, sequences)):
             draw_room(panel, robot)
             fill_sequence(panel, robot, sequence)
             panel.set_title(title, fontsize=11)
             panel.label_outer()
-        figure.alt_text = "Plans of the room with the way from S to G: " + "; ".join(map(str, sequences)) + "."
+        figure.alt_text = f"Plans of the room with the way from S to G: {'; '.join(map(str, sequences))}."
     return figure
 
 

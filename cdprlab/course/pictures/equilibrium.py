@@ -36,20 +36,19 @@ _GHOSTS = 0.1
 
 @checked
 def draw_equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 0.0),
-                     internal: float = 0.0,
                      tensions: ArrayLike | None = None) -> Figure:
     """The robot, its force polygon and its tensions side by side.
 
-    robot, position, push, internal : as in `equilibrium`
+    robot, position, push : as in `equilibrium`
     tensions : (m,) somebody's own, drawn instead of the balanced ones [N]
     """
-    state = equilibrium(robot, position, push, internal)
+    state = equilibrium(robot, position, push)
     if tensions is not None:
         state = state.held(tensions)
     with drawn(11.5, 4.3) as figure:
         draw_panels(panels(figure), robot, position, push, state)
         figure.alt_text = ("A point load on cables, the polygon of the forces on it, and its cable tensions. "
-                           + state.words())
+                           f"{state.words()}")
         return figure
 
 
@@ -131,13 +130,13 @@ def _draw_polygon(panel: Axes, push: Array, state: Equilibrium) -> None:
         label(panel, "open!", corners[[0, -1]].mean(axis=0), _outwards(corners[0] - corners[-1]), color=SLACK)
     low, high = corners.min(axis=0), corners.max(axis=0)
     show_square(panel, (low + high) / 2, 0.85 * max((high - low).max(), 1.0))
-    closed = "slack!" if state.slack.any() else "closed"
-    panel.set(xlabel="f_x [N]", ylabel="f_y [N]", title=f"Force polygon: {closed if state.closed else 'OPEN'}")
+    found = "OPEN" if not state.closed else "slack!" if state.slack.any() else "closed"
+    panel.set(xlabel="f_x [N]", ylabel="f_y [N]", title=f"Force polygon: {found}")
 
 
 def _draw_bars(panel: Axes, state: Equilibrium) -> None:
     tau, slack = state.tensions, state.slack
-    words = [f"{decimal(tension)} slack!" if limp else decimal(tension) for tension, limp in zip(tau, slack)]
+    words = [f"{decimal(tension)}{' slack!' if limp else ''}" for tension, limp in zip(tau, slack)]
     draw_bars(panel, tau, [_look(i, state) for i in range(tau.size)], words, tau.clip(min=0.0), slack)
     panel.axvline(0, color=INK, linewidth=1)
     low, high = min(0.0, tau.min()), max(tau.max(), 1.0)

@@ -70,7 +70,7 @@ def plot_flight(run: Any, planned: Sequence[Sequence[bool]], taut: Sequence[Sequ
 
     run : Run; planned, taut : (N, m) which cables the plan lets carry, and which did
     """
-    plan, did = np.asarray(planned, dtype=bool), np.asarray(taut, dtype=bool)
+    plan, did = np.asarray(planned, bool), np.asarray(taut, bool)
     check_like(run, "Run", "position_errors")
     if not (plan.ndim == 2 and plan.shape == did.shape and len(plan) == len(run.time)):
         raise InvalidInput(f"planned and taut must have a row a step, {len(run.time)}, and a column a cable, "
@@ -90,9 +90,8 @@ def plot_flight(run: Any, planned: Sequence[Sequence[bool]], taut: Sequence[Sequ
         below.set(xlabel="time [s]", ylabel="cable", yticks=range(1, m + 1), ylim=(m + 0.5, 0.5))
         below.set_title("Taut: filled bars; allowed by the plan: dashed frames", fontsize=11)
         below.grid(visible=False, axis="y")
-        wrong = 100 * (did & ~plan).any(axis=1).mean()
         figure.alt_text = (f"The load is at most {off.max():.2g} mm off; cables planned slack carry "
-                           f"{wrong:.1f} % of the time.")
+                           f"{100 * (did & ~plan).any(axis=1).mean():.1f} % of the time.")
     return figure
 
 

@@ -94,5 +94,5 @@ def show_square(panel: Axes, middle: Array, reach: float) -> None:
     """Limits that hold so much on all sides of a middle, in coarse steps, a third for the middle."""
     reach = round_up(1.15 * reach)
     middle = np.round(3 * middle / reach) * reach / 3
-    panel.set(xlim=middle[0] + reach * np.array([-1, 1]),
-              ylim=middle[1] + reach * np.array([-1, 1]), aspect="equal")
+    (left, bottom), (right, top) = middle - reach, middle + reach
+    panel.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")

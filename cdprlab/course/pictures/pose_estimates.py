@@ -1,7 +1,6 @@
 """Figures of pose estimates: steps towards a pose, how sure it is, errors of a flight."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -38,14 +37,12 @@ def outline(robot: Robot, pose: Pose) -> Array:
     return platform_corners(robot, pose)[[0, 2, 3, 1, 0]]
 
 
-def draw_robot(panel: Axes, robot: Robot, pose: Pose, color: str = INK, cables: bool = True,
-               linestyle: Any = "solid") -> None:
+def draw_robot(panel: Axes, robot: Robot, pose: Pose, color: str = INK) -> None:
     """A planar robot: exit points with their numbers, cables, the platform with its center marked."""
-    if cables:
-        anchors = pose.position + anchor_offsets(robot, pose)
-        for i, ends in enumerate(np.stack([robot.exit_points, anchors], axis=-1)):
-            panel.plot(*ends, linewidth=1.6, **cable_style(i)._asdict())
-    panel.plot(*outline(robot, pose).T, color=color, linestyle=linestyle, linewidth=2.0)
+    anchors = pose.position + anchor_offsets(robot, pose)
+    for i, ends in enumerate(np.stack([robot.exit_points, anchors], axis=-1)):
+        panel.plot(*ends, linewidth=1.6, **cable_style(i)._asdict())
+    panel.plot(*outline(robot, pose).T, color=color, linewidth=2.0)
     panel.plot(*pose.position, "o", markersize=5, color=color)
     draw_exit_points(panel, robot.exit_points)
 
@@ -77,7 +74,7 @@ def convergence(robot: Robot, poses: Sequence[Pose], truth: Pose) -> Figure:
         right.set(xlabel="iteration", ylabel="error ‖(δx, δy, δφ)‖ [m, rad]", title="The error squares itself",
                   ylim=(1e-17, 3), xticks=range(len(errors)))
         figure.alt_text = ("Platform outlines from the guess to the true pose, and the error per iteration: "
-                           + ", ".join(f"{error:.1g}" for error in errors) + ".")
+                           f"{', '.join(f'{error:.1g}' for error in errors)}.")
     return figure
 
 
@@ -95,7 +92,7 @@ def assembly_modes(robot: Robot, poses: Sequence[Pose], titles: Sequence[str]) -
             panel.plot(*outline(robot, pose)[2:4].mean(axis=0), "^", markersize=8, color=VERMILION)
             panel.set(**PLAN)
             panel.set_title(title, fontsize=11)
-        figure.alt_text = "Platform poses: " + "; ".join(titles)
+        figure.alt_text = f"Platform poses: {'; '.join(titles)}"
     return figure
 
 
@@ -175,7 +172,7 @@ def flight(time: ArrayLike, errors: ArrayLike, sigmas: ArrayLike, residuals: Arr
         below.set(xlabel="time [s]", ylabel="residual [mm]",
                   title="Residuals measured − fitted length; gray: ±2σ of one length")
         below.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.2)
-        share = (np.abs(off) <= band).mean()
-        figure.alt_text = (f"Six pose errors over {t[-1]:.2g} s, {100 * share:.0f} % of them inside their ±2σ band; "
+        figure.alt_text = (f"Six pose errors over {t[-1]:.2g} s, {100 * (np.abs(off) <= band).mean():.0f} % of them "
+                           "inside their ±2σ band; "
                            f"length residuals of at most {np.abs(left_over).max():.2g} mm.")
     return figure

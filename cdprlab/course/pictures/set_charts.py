@@ -55,9 +55,9 @@ def draw_polygon(axes: Axes, vertices: Annotated[Array, "(v, 2)"], style: int = 
     vertices : (v, 2) in order
     style : which of the colors and outlines, from 0
     """
-    patch = Polygon(vertices, closed=True, label=label, linewidth=1.8,
-                    linestyle=CABLE_DASHES[style % 4],
-                    edgecolor=COLORS[style % 4], facecolor=to_rgba(COLORS[style % 4], 0.16))
+    color = COLORS[style % 4]
+    patch = Polygon(vertices, label=label, linewidth=1.8, linestyle=CABLE_DASHES[style % 4], edgecolor=color,
+                    facecolor=to_rgba(color, 0.16))
     axes.add_patch(patch)
     return patch
 
@@ -76,7 +76,7 @@ def draw_capability(axes: Axes, bars: Mapping[str, ArrayLike], names: Sequence[s
                            f"got {quoted(group)} and {quoted(bars)}")
     chosen, width = list(group), 0.8 / len(bars)
     for k, (label, values) in enumerate(bars.items()):
-        told = np.ravel(values)
+        told = np.ravel(np.asarray(values, object))
         none = np.not_equal(told, told)   # nan
         known = as_array(np.where(none, 0.0, told), label, (len(names),), limit=np.inf)
         heights = np.nan_to_num(known)[chosen]

@@ -44,14 +44,12 @@ OWN = (Mark("D", INK, 13), Mark("o", INK, 20))
 @checked
 def plot_tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike,
                      tension_max: ArrayLike,
-                     methods: Sequence[str] = (), own: Mapping[str, ArrayLike] | None = None,
-                     title: str = "") -> Figure:
+                     methods: Sequence[str] = (), own: Mapping[str, ArrayLike] | None = None) -> Figure:
     """The interval or polygon of feasible tensions, with methods' and other points in it.
 
     W, w_e, tension_min, tension_max : as in `distribute_tensions`, for one pose, r = 1 or 2
     methods : names whose answers are marked
     own : label → tensions (m,) or (k, m), marked too [N]
-    title : above the picture
     """
     found = {name: distribute_tensions(W, w_e, tension_min, tension_max, name) for name in methods}
     points = {name: answer.tensions for name, answer in found.items()}
@@ -60,8 +58,6 @@ def plot_tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike,
     with drawn(7.6, 4.8) as figure:
         panel = figure.subplots()
         draw_set(panel, free, points, {name: bool(answer.feasible) for name, answer in found.items()})
-        if title:
-            panel.set_title(title)
         if points:
             panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), labelspacing=0.9)
         figure.alt_text = f"{set_in_words(free)} " + "; ".join(
@@ -106,7 +102,7 @@ def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array],
 
 def _count_coinciding(panel: Axes, places: list[Array], frame: Array) -> None:
     """Where marks lie on each other, a word says how many."""
-    left = np.array(sorted(places, key=lambda place: float(place[0])))
+    left = np.array(sorted(map(tuple, places)))
     gaps = cycle(((13, 10), (13, -16)))   # words side by side would run into each other
     while len(left):
         place = left[0]
@@ -140,6 +136,8 @@ def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
         look, size = cable_style(i), np.linalg.norm(row)
         for limit in (free.low[i], free.high[i]) if size > 1e-9 else ():
             foot = middle + row * (limit - free.least[i] - row @ middle) / size**2
+            if np.linalg.norm(foot - middle) > 3 * reach:   # out of sight
+                continue
             panel.axline(foot, foot + [-row[1], row[0]], **look._asdict(), linewidth=0.9, alpha=0.6)
             if len(free.corners) == 0 and limit == free.low[i] > free.least[i]:
                 # To where the limit is kept.
@@ -182,17 +180,14 @@ def _draw_interval(panel: Axes, free: TensionSet, frame: Array) -> None:
             if low < end < high:
                 panel.annotate(name, (end, i + 1), (gap, 0), textcoords="offset points", ha=side, va="center",
                                fontsize=9, color=INK)
+    title = "Empty: no λ suits all cables"
     if len(free.corners):
-        panel.axvspan(free.corners[0, 0], free.corners[-1, 0], facecolor=GREY, alpha=0.22,
-                      edgecolor=INK, zorder=0)
-        words = " to ".join(f"{end + 0.0:.4g}" for end in free.corners[[0, -1], 0])
-        panel.set_title(f"Feasible λ: {words} N".replace("-", "−"))
-    else:
-        panel.set_title("Empty: no λ suits all cables")
+        first, last = free.corners[[0, -1], 0]
+        panel.axvspan(first, last, facecolor=GREY, alpha=0.22, edgecolor=INK, zorder=0)
+        title = f"Feasible λ: {first + 0.0:.4g} to {last + 0.0:.4g} N".replace("-", "−")
     panel.set(xlim=(low, high), ylim=(m + 0.6, -0.7), yticks=range(m + 1),
               yticklabels=["answers", *(f"cable {i + 1}" for i in range(m))],
-              xlabel="λ [N], to the right Σ τ grows",
-              ylabel="")
+              xlabel="λ [N], to the right Σ τ grows", ylabel="", title=title)
     panel.grid(axis="y", visible=False)
 
 
@@ -208,9 +203,8 @@ def draw_tensions(panel: Axes, tensions: Array, low: Array, high: Array, title: 
     words = [f"{tension:.4g} N{how}".replace("-", "−") if np.isfinite(tension) else ""
              for tension, how in zip(tensions, broken)]
     # Words stand beyond a limit's mark, which would strike them through.
-    close_to = near & (high - there < 0.4 * top)
-    draw_bars(panel, there, list(map(cable_style, range(m))), words,
-              np.maximum(there, np.where(close_to, high, low)), broken != "")
+    ends = np.maximum(there, np.where(near & (high - there < 0.4 * top), high, low))
+    draw_bars(panel, there, [*map(cable_style, range(m))], words, ends, broken != "")
     for limits, cables in ((low, np.arange(m)), (high, np.flatnonzero(near))):
         panel.vlines(limits[cables], cables + 0.6, cables + 1.4, color=INK, linewidth=2.2, zorder=5)
     bottom, right = min(there.min(), 0.0), high[near].max(initial=top)

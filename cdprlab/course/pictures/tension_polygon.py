@@ -49,8 +49,7 @@ class TensionSet(NamedTuple):
         if len(self.corners) == 0:
             return np.full(self.redundancy, np.nan)
         way = np.concatenate([self.corners, self.corners[:1]]) if self.redundancy == 2 else self.corners
-        lengths = np.concatenate([[0.0],
-                                  np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+        lengths = np.insert(np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1)), 0, 0.0)
         return np.array([np.interp(share * lengths[-1], lengths, column) for column in way.T])
 
     def met_limits(self, tensions: ArrayLike) -> list[str]:
@@ -87,7 +86,7 @@ def tension_set(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, tension_ma
 
 def _directions(basis: Array) -> Array:
     """The same space with axes that follow the pose smoothly: the way Σ τ grows, and across it."""
-    total = basis.T @ np.ones(basis.shape[0])
+    total = basis.sum(axis=0)
     if basis.shape[1] not in (1, 2) or np.linalg.norm(total) < 1e-9:
         return basis
     first = total / np.linalg.norm(total)
@@ -106,8 +105,7 @@ def set_in_words(free: TensionSet) -> str:
     """
     r = free.redundancy
     if r not in (1, 2):
-        return f"r = {r}: " + ("nothing to choose."
-                               if r == 0 else "too many dimensions for a picture.")
+        return f"r = {r}: {'too many dimensions for a picture' if r else 'nothing to choose'}."
     if len(free.corners) == 0:
         return f"r = {r}: no tensions within the limits."
     if r == 1:

@@ -64,15 +64,15 @@ class Equilibrium(NamedTuple):
 
     def words(self) -> str:
         """The numbers as text."""
-        text = f"τ = ({', '.join(decimal(value) for value in self.tensions)}) N. "
+        said = "The polygon is closed and every cable pulls."
         if not self.closed:
-            return text + (f"The forces do not balance: {np.linalg.norm(self.residual):.1f} N are left over, "
-                           "the polygon stays open.")
-        if not self.slack.any():
-            return text + "The polygon is closed and every cable pulls."
-        pushes = " and ".join(f"cable {i + 1} would have to push {-self.tensions[i]:.1f} N"
-                              for i in np.flatnonzero(self.slack))
-        return text + f"The polygon closes on paper only: {pushes}, and cables only pull (slack!)."
+            said = (f"The forces do not balance: {np.linalg.norm(self.residual):.1f} N are left over, "
+                    "the polygon stays open.")
+        elif self.slack.any():
+            pushes = " and ".join(f"cable {i + 1} would have to push {-self.tensions[i]:.1f} N"
+                                  for i in np.flatnonzero(self.slack))
+            said = f"The polygon closes on paper only: {pushes}, and cables only pull (slack!)."
+        return f"τ = ({', '.join(map(decimal, self.tensions))}) N. {said}"
 
 
 @checked
@@ -105,7 +105,7 @@ def equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 0.0),
     >>> equilibrium(point_load(2), [0, 1]).tensions.round(2)
     array([69.37, 69.37])
     """
-    pose = Pose(as_array(position, "position", (2,), "m"), angle=0.0)
+    pose = Pose(as_array(position, "position", (2,), "m"))
     W = wrench_matrix(robot, pose)
     w_e = gravity_wrench(robot, pose) + as_array(push, "push", (2,), "N")
     least = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max, "pseudo_inverse").tensions

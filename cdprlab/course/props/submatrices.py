@@ -43,18 +43,16 @@ def submatrix_twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
     """
     j, b, cable, base = checked_speeds(J, B, speed_max, base_speed_max)
     m, n = j.shape
-    rows, limits = [], []
+    found = []
     for k in map(list, combinations(range(m), n)):
-        if not np.isfinite(cable[k]).all() or np.linalg.cond(j[k]) > 1e10:
-            continue
-        generators = np.linalg.solve(j[k], np.concatenate([np.diag(cable[k]), b[k] * base], axis=1))
-        normals, offsets = hyperplane_shifting(generators)
-        rows.append(normals)
-        limits.append(offsets)
-    if not rows:
+        if np.isfinite(cable[k]).all() and np.linalg.cond(j[k]) <= 1e10:
+            generators = np.linalg.solve(j[k], np.concatenate([np.diag(cable[k]), b[k] * base], axis=1))
+            found.append(hyperplane_shifting(generators))
+    if not found:
         raise InvalidInput(f"no {n} of the {m} cables determine the twist: J has no regular sub-matrix here, so the "
                            "construction says nothing; use available_twist_set")
-    return SubmatrixTwistSet(Polytope.from_rows(np.concatenate(rows), np.concatenate(limits)),
+    normals, offsets = map(np.concatenate, zip(*found))
+    return SubmatrixTwistSet(Polytope.from_rows(normals, offsets),
                              not null_space(j).shape[1] and _bases_move_by_themselves(j, b * base))
 
 
