@@ -54,7 +54,8 @@ def mass_and_bias(mass: float, inertia: Array, center: Array, gravity: float, R:
     d, n = center.size, t.size
     # The plane is the space of which the rows of x, y and the turn about z are kept.
     r, w, L, M, h = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros((6, 6)), np.zeros(6)
-    w[3 + d - n:] = t[d:]
+    for i in range(n - d):
+        w[3 + d - n + i] = t[d + i]
     for i in range(d):
         for j in range(d):
             r[i] += R[i, j] * center[j]
@@ -85,10 +86,14 @@ def mass_and_bias(mass: float, inertia: Array, center: Array, gravity: float, R:
             M[3 + i, 3 + a] -= mass * r[i] * r[a]
         M[3 + i, 3 + i] += mass * distance
         h[3 + i] = moment[i] + swing[i]
-    if d == 2:
-        kept = np.array([0, 1, 5])
-        return M[kept][:, kept], h[kept]
-    return M, h
+    if d == 3:
+        return M, h
+    kept, force, planar = (0, 1, 5), np.empty(3), np.empty((3, 3))
+    for i in range(3):
+        force[i] = h[kept[i]]
+        for j in range(3):
+            planar[i, j] = M[kept[i], kept[j]]
+    return planar, force
 
 
 @compiled

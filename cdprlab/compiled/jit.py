@@ -30,21 +30,13 @@ EDITION = sha256(b"".join(path.read_bytes() for path in SOURCES)).hexdigest()[:8
 few = 100
 
 
-class Callee:
-    """What functions of this room call: machine code to those that are compiled, plain Python to those that are not."""
-
-    def __init__(self, function: Callable[..., Any]) -> None:
-        self.function = quiet(function)
-        self.machine = machine_code(function)
-        self._numba_type_ = self.machine._numba_type_   # by this name numba takes it for its own
-
-    def __call__(self, *arguments: Any) -> Any:
-        return self.function(*arguments)
-
-
 def compiled(function: Callable[..., Any]) -> Any:
-    """The part of others that it is."""
-    return Callee(function) if COMPILES else quiet(function)
+    """The part of others that it is: machine code for those that are compiled, plain Python for those that are not."""
+    plain = quiet(function)
+    if COMPILES:
+        plain.machine = machine_code(function)
+        plain._numba_type_ = plain.machine._numba_type_   # by this name numba takes it for its own
+    return plain
 
 
 def compiled_for_batches(function: Callable[..., Any]) -> Any:

@@ -175,8 +175,6 @@ class Polytope:
         low, high = maximize(rows, self.limits - self.rows @ q[0], np.stack([-ahead, ahead])).values
         if not reached[0] or np.isneginf(low):
             return np.nan, np.nan
-        if not way.any():
-            return -np.inf, np.inf
         return -float(low), float(high)
 
     # --- parts of it ------------------------------------------------------------------------------

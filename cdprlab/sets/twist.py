@@ -52,10 +52,9 @@ def twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike, base_speed_max: 
     driving = (base > 0) & b.any(axis=0)
     b, base = b[:, driving], base[driving]
     (m, n), a = j.shape, len(base)
-    rows = np.block([[j, -b], [-j, b], [np.zeros((a, n)), np.eye(a)],
-                     [np.zeros((a, n)), -np.eye(a)]])
+    one_way = np.block([[j, -b], [np.zeros((a, n)), np.eye(a)]])
     known = a and comb(m + a, m - 1) <= MOST_COMBINATIONS
-    return Polytope(np.eye(n, n + a), rows, np.concatenate([cable, cable, base, base]),
+    return Polytope(np.eye(n, n + a), np.concatenate([one_way, -one_way]), np.tile(np.append(cable, base), 2),
                     np.zeros(n),
                     partial(_outer_rows, j, b, cable, base) if known else None)   # pickles, as no lambda does
 
@@ -69,7 +68,7 @@ def one_pose(pose: Pose) -> Pose:
 
 def base_speeds(robot: Robot) -> Array:
     """(3p,) limits of (θ̇, ρ̇₁, ρ̇₂), base after base [rad/s, m/s, m/s]."""
-    return np.concatenate([np.zeros(0), *(base.speed_max for base in robot.bases)])
+    return np.array([base.speed_max for base in robot.bases]).ravel()
 
 
 def moving_columns(robot: Robot, moving: str | Sequence[str]) -> list[int]:

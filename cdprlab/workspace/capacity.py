@@ -39,7 +39,7 @@ def best_tensions(W: Array, w_e: Array, low: Array, high: Array, *, at_high: boo
 
     s = tension_margins(W, w_e, low, high, at_high=at_high)
     kept = s[:, None]
-    tau, found, _ = polygons(*map(plain, (W, w_e, low + kept, high - kept if at_high else high + 0 * kept)), CENTROID)
+    tau, found, _ = polygons(*map(plain, (W, w_e, low + kept, high - at_high * kept)), CENTROID)
     for k in np.flatnonzero(found == TOO_REDUNDANT):
         tau[k] = margin_by_program(W[k], w_e[k], low, high, at_high)[1]
     return s, tau

@@ -1,13 +1,12 @@
 """Which poses are judged: grids of positions, planes among them, random and evenly spread samples."""
 
 from collections.abc import Mapping
-from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_number, as_seed, checked, frozen, frozen_dataclass
+from ..arrays import Array, as_array, as_number, as_seed, checked, frozen_dataclass
 from ..errors import InvalidInput, quoted
 from ..robot.pose import Pose
 
@@ -68,10 +67,10 @@ class PoseGrid:
             raise InvalidInput(f"values must be {len(self)}, one a pose, got {quoted(values)}")
         return np.asarray(values).reshape(self.shape)
 
-    @cached_property
+    @property
     def step(self) -> Array:
         """Between neighbors along each axis [m]."""
-        return frozen(np.array([places[1] - places[0] for places in self.axes.values()]))
+        return np.array([places[1] - places[0] for places in self.axes.values()])
 
     @property
     def cell(self) -> float:

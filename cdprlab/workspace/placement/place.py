@@ -61,7 +61,7 @@ def place_bases(robot: Robot, poses: Pose, wrenches: ArrayLike, *, tipping: bool
     as_count(evaluations, "evaluations")
     duty = _checked(robot, poses, wrenches, tipping)
     search = Search(robot, duty, evaluations)
-    if search.value(search.here) >= margin:
+    if search.at(search.here)[0] >= margin:
         return robot
     proven = why_impossible(robot, duty)
     if proven:

@@ -109,9 +109,7 @@ def _ways(robot: Robot, k: int) -> Array:
 def _normals(d: int, load: Array) -> Array:
     """(q, d) unit normals of the polytope around a ball, one of them along the force that is needed."""
     corners = np.array(list(product(np.linspace(-1, 1, 5), repeat=d)))
-    force = np.zeros(d)
-    force[:min(d, load.size)] = -load[:d]
-    normals = np.concatenate([corners, [force]])
+    normals = np.vstack([corners, np.append(-load[:d], np.zeros(d))[:d]])
     normals = normals[normals.any(axis=1)]
     return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
 

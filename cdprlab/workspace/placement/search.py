@@ -1,5 +1,7 @@
 """A pattern search for base poses that serve, where bases must not stand, and what is in the way of the best."""
 
+from operator import itemgetter
+
 import numpy as np
 
 from ...arrays import Array
@@ -9,6 +11,10 @@ from ...robot.pose import Pose
 from ..capacity import standing_margin
 from .program import UNREACHABLE, Duty, worst_margin
 
+Found = tuple[float, Array]
+"""The worst margin of a placement, and the placement."""
+
+_VALUE = itemgetter(0)
 _SMALLEST_STEP = 0.02
 """[m, rad] Finer than a mobile base is driven."""
 
@@ -24,42 +30,34 @@ class Search:
         self.free = np.array([base.speed_max > 0 for base in robot.bases])     # θ, ρ₁, ρ₂ of each
         self.here = np.zeros(self.free.sum())
 
-    def value(self, x: Array) -> float:
-        """The worst margin at a placement; far below 0 where it is blocked."""
+    def at(self, x: Array) -> Found:
+        """The worst margin at a placement, far below 0 where it is blocked, and the placement."""
         self.tried += 1
         placed = self.moved(x)
         blocked = overlap(placed, self.duty.poses)
-        if blocked > 0:
-            return UNREACHABLE * (1 + blocked)
-        return worst_margin(placed, self.duty)[0]
+        return (UNREACHABLE * (1 + blocked) if blocked > 0 else worst_margin(placed, self.duty)[0]), x
 
-    def best(self, demand: float) -> tuple[float, Array]:
+    def best(self, demand: float) -> Found:
         """The best placement found, from the most promising start first; ends at one that meets the demand."""
-        starts = [self.here, *(layout[self.free]
-                               for layout in _layouts(self.robot, self.duty.poses))]
-        values = [self.value(start) for start in starts]
-        found = (-np.inf, starts[0])
-        for i in np.argsort(values)[::-1]:
+        layouts = [layout[self.free] for layout in _layouts(self.robot, self.duty.poses)]
+        starts = sorted(map(self.at, [self.here, *layouts]), key=_VALUE, reverse=True)
+        found = starts[0]
+        for start in starts:
             if found[0] < demand:
-                found = max(found, self.climb(starts[i], values[i], demand),
-                            key=lambda end: end[0])
+                found = max(found, self.climb(start, demand), key=_VALUE)
         return found
 
-    def climb(self, start: Array, value: float, demand: float) -> tuple[float, Array]:
+    def climb(self, best: Found, demand: float) -> Found:
         """Pattern search uphill: one coordinate at a time, the step halved where none helps."""
-        x, best = start, value
         step = 0.25 * _span(self.robot, self.duty.poses)
-        while step > _SMALLEST_STEP and best < demand and self.tried < self.evaluations:
-            here = best
-            for move in step * np.eye(len(x)):
-                x, best = max(((x, best),
-                               *((there, self.value(there)) for there in (x + move, x - move))),
-                              key=lambda end: end[1])
-                if best >= demand:
-                    break
-            if best <= here + 1e-9:
+        while step > _SMALLEST_STEP and best[0] < demand and self.tried < self.evaluations:
+            here = best[0]
+            for move in step * np.eye(len(self.here)):
+                if best[0] < demand:
+                    best = max(best, self.at(best[1] + move), self.at(best[1] - move), key=_VALUE)
+            if best[0] <= here + 1e-9:
                 step /= 2
-        return best, x
+        return best
 
     def moved(self, x: Array) -> Robot:
         """The bases moved from where the robot has them: θ about their own centers, ρ along their present axes."""
@@ -87,8 +85,7 @@ def _layouts(robot: Robot, poses: Pose) -> list[Array]:
 def _span(robot: Robot, poses: Pose) -> float:
     """How far apart things are on the floor [m]."""
     floor = robot.dimension - 1
-    places = np.concatenate([np.array([base.position[:floor] for base in robot.bases]),
-                             poses.position[:, :floor]])
+    places = np.vstack([*(base.position[:floor] for base in robot.bases), poses.position[:, :floor]])
     return max(float(np.ptp(places, axis=0).max()), 0.5)
 
 
@@ -99,12 +96,11 @@ def overlap(robot: Robot, poses: Pose) -> float:
     radii = np.array([np.linalg.norm(base.footprint, axis=1).max(initial=0.05)
                       for base in robot.bases])
     apart = np.linalg.norm(centers[:, None] - centers, axis=-1) - radii[:, None] - radii
-    body = float(np.linalg.norm(robot.platform.size[:floor]) / 2 + np.linalg.norm(robot.platform.center[:floor]))
-    carried = [i for i, k in enumerate(robot.base_indices) if k >= 0]
-    masts = robot.exit_points[carried, :floor]
+    body = np.linalg.norm(robot.platform.size[:floor]) / 2 + np.linalg.norm(robot.platform.center[:floor])
+    masts = robot.exit_points[np.array(robot.base_indices) >= 0, :floor]
     clear = np.linalg.norm(poses.position[:, None, :floor] - masts, axis=-1) - body
     pairs = apart[np.triu_indices(len(centers), 1)]
-    return max(0.0, -float(np.concatenate([pairs, clear.ravel()]).min(initial=0.0)))
+    return -float(np.concatenate([pairs, clear.ravel()]).min(initial=0.0))
 
 
 # --- why it found none ------------------------------------------------------------------------------
@@ -136,8 +132,8 @@ def _tipping(robot: Robot, worst: Duty) -> str:
     W, load = wrench_matrix(robot, pose), worst.loads[0, 0]
     stands = {name: standing_margin(robot, W, load, rows.matrix, -rows.offset)
               for name, rows in tipping_rows(robot, pose).items()}
-    name = min(stands, key=lambda base: stands[base])
-    what = (f"base {name!r} tips, a moment of {-stands[name]:.4g} N m too much about an edge of its footprint at least"
-            if stands[name] < 0 else "one base or another tips, whichever is relieved")
+    name, spare = min(stands.items(), key=itemgetter(1))
+    what = (f"base {name!r} tips, a moment of {-spare:.4g} N m too much about an edge of its footprint at least"
+            if spare < 0 else "one base or another tips, whichever is relieved")
     return (f"the cables could within their limits, but {what}; let bases weigh more or stand wider, ask for fewer "
             "poses, or ask of the cables alone with tipping=False")
