@@ -54,9 +54,8 @@ def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
     if COMPILES:
         _, found, _ = polygons(*map(plain, (W, w_e, low[None], high[None])), NOTHING)
         inside, many = np.asarray(found == FOUND), np.asarray(found == TOO_REDUNDANT)
-    if many.any():
-        s = tension_margins(W[many], w_e[many], low, high)
-        inside[many] = balanced(s, W[many], w_e[many], np.zeros((1, 1, w_e.shape[1])), low, high)
+    s = tension_margins(W[many], w_e[many], low, high)
+    inside[many] = balanced(s, W[many], w_e[many], np.zeros((1, 1, w_e.shape[1])), low, high)
     return inside
 
 

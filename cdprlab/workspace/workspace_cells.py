@@ -41,7 +41,8 @@ class WorkspaceCells:
 
         Those of `refine` hold for a workspace without details smaller than the first grid's cells.
         """
-        size = sizes(self.lower, self.upper)
+        edges = self.upper - self.lower
+        size = np.prod(edges, axis=1, where=edges > 0)   # over the axes that are not held
         least = float(size[self.verdict == 1].sum())
         return least, least + float(size[self.verdict == 0].sum())
 
@@ -58,12 +59,6 @@ class WorkspaceCells:
     def _cells(self, verdict: int) -> Array:
         chosen = self.verdict == verdict
         return np.stack([self.lower[chosen], self.upper[chosen]], axis=1)
-
-
-def sizes(lower: Array, upper: Array) -> Array:
-    """(N,) length, area or volume of cells (N, k), over the axes that are not held."""
-    edges = upper - lower
-    return np.asarray(np.prod(edges, axis=1, where=edges > 0))
 
 
 def halved(lower: Array, upper: Array, axis: int | Indices) -> tuple[Array, Array]:
