@@ -231,8 +231,8 @@ def _check_size(vector: Array, name: str, other: Array) -> None:
 def _inertia(values: ArrayLike, d: int) -> Array:
     """A rigid body's inertia: (3, 3) from three principal values, six or a matrix; in the plane one number [kg m²].
 
-    >>> _inertia([1, 2, 3, 0, 0, 0.5], 3)[1]
-    array([0. , 2. , 0.5])
+    >>> _inertia([2, 3, 3, 0, 0, 0.5], 3)[1]
+    array([0. , 3. , 0.5])
     """
     if d == 2:
         return as_array(values, "inertia", (), "kg m²", positive=True, location=("inertia",))
