@@ -88,13 +88,11 @@ class Localization:
         if not len(points) or not len(self.segments):
             return self.pose
         predicted, prior, segments = self.pose, np.linalg.inv(self.covariance), self._facing()
-        H = prior
         gate = np.clip(_NEAR + 3 * self.deviation[:2].max(), _NEAR, _FAR)
         for _ in range(_ROUNDS):
             off, arms = self._offsets(points, segments)
             e = np.linalg.norm(off, axis=1)
-            near = e < gate
-            weight = near / np.maximum(1.0, e / _DOUBTFUL) / _BEAM**2
+            weight = (e < gate) / np.maximum(1.0, e / _DOUBTFUL) / _BEAM**2
             # ∂e/∂q
             slope = np.column_stack([off, cross(arms, off)]) / np.maximum(e, 1e-9)[:, None]
             weighted = (slope * weight[:, None]).T
@@ -109,7 +107,7 @@ class Localization:
 
     def unexpected(self, points: Scan) -> Array:
         """(u, 2) those scanned points, in the vehicle's frame, that are nowhere near the map's edges."""
-        if not len(points) or not len(self.segments):
+        if not len(self.segments):
             return points
         return points[np.linalg.norm(self._offsets(points, self.segments)[0], axis=1) > UNEXPECTED]
 
