@@ -113,7 +113,6 @@ class InvalidInput(CdprError, ValueError):
 
     def __init__(self, message: str, location: Location = ()) -> None:
         super().__init__(message)
-        self.message: str = self.args[0]
         self.location = location
 
 
@@ -123,7 +122,7 @@ def under(*prefix: str | int) -> Iterator[None]:
     try:
         yield
     except InvalidInput as error:
-        raise InvalidInput(error.message, (*prefix, *error.location)) from None
+        raise InvalidInput(str(error), (*prefix, *error.location)) from None
 
 
 class WorldError(InvalidInput):
