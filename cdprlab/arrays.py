@@ -206,8 +206,7 @@ def as_seed(value: Any) -> int:
 
 def seeds(seed: int, count: int) -> list[int]:
     """Seeds of so many draws that have nothing to do with each other, from one."""
-    drawn: list[int] = np.random.SeedSequence(as_seed(seed)).generate_state(count).tolist()
-    return drawn
+    return np.random.SeedSequence(as_seed(seed)).generate_state(count).tolist()
 
 
 def data_frame(columns: Mapping[str, Any]) -> Any:

@@ -29,21 +29,22 @@ def plot_job(job: Job) -> Figure:
     """
     with house_style():
         figure = Figure(figsize=(12.0, 11.0), layout="constrained")
-        axes = figure.subplots(5, 1, sharex=True, height_ratios=[1.2, 0.8, 1.5, 0.8, 1.0])
-        _show_phases(axes, job)
-        _draw(axes[0], job.time, job.poses.position, "platform [m]", "xyz", AXIS_STYLES)
-        axes[1].plot(job.time, 1e3 * job.position_errors, color=INK)
-        axes[1].set(ylabel="error [mm]", ylim=(0, None))
+        panels = figure.subplots(5, 1, sharex=True, height_ratios=[1.2, 0.8, 1.5, 0.8, 1.0])
+        platform, error, tension, bases, wheels = panels
+        _show_phases(panels, job)
+        _draw(platform, job.time, job.poses.position, "platform [m]", "xyz", AXIS_STYLES)
+        error.plot(job.time, 1e3 * job.position_errors, color=INK)
+        error.set(ylabel="error [mm]", ylim=(0, None))
         for limit in (job.world.robot.tension_min.min(), job.world.robot.tension_max.max()):
-            mark_level(axes[2], limit)
+            mark_level(tension, limit)
         cables = range(job.lengths.shape[1])
-        _draw(axes[2], job.time[1:], job.measured_tensions[1:], "tension [N]",
+        _draw(tension, job.time[1:], job.measured_tensions[1:], "tension [N]",
               [f"{i + 1}" for i in cables], [cable_style(i) for i in cables], linewidth=1.2)
-        _draw_bases(axes[3], job)
-        mark_level(axes[4], 0.0, TIPS)
-        _draw(axes[4], job.time[1:], least_edge_loads(job.wheels[1:]), "least edge load [N]",
+        _draw_bases(bases, job)
+        mark_level(wheels, 0.0, TIPS)
+        _draw(wheels, job.time[1:], least_edge_loads(job.wheels[1:]), "least edge load [N]",
               [base.name for base in job.world.robot.bases], BASE_STYLES)
-        axes[4].set(xlabel="time [s]", xlim=(0, job.time[-1]))
+        wheels.set(xlabel="time [s]", xlim=(0, job.time[-1]))
         figure.suptitle(f"{job.world.title} · {job.task.replace('_', ' ')} · {job.method} control · {job.state}",
                         x=0.01, ha="left", fontsize=13, color=INK)
         figure.alt_text = _caption(job) + " " + "; ".join(f"{name}: {value}" for name, value in job.table().items())
