@@ -73,11 +73,12 @@ def pair_pose(world: World) -> tuple[Array, float]:
     if len(bases) != 2 or bases[0].name != ACTIVE:
         raise InvalidInput(f"a pair is a base {ACTIVE!r} and one it tows, in this order; there are "
                            f"{', '.join(base.name for base in bases) or 'none'}")
-    off = bases[1].position - bases[0].position
+    active, passive = bases
+    off = passive.position - active.position
     spacing, heading = float(np.linalg.norm(off)), float(np.arctan2(off[1], off[0]))
     if max(abs(np.sin((base.heading - heading) / 2)) for base in bases) > 1e-6:
         raise InvalidInput("coupled bases stand one behind the other and look along their line")
-    return np.array([*(bases[0].position + bases[1].position) / 2, heading]), spacing
+    return np.array([*(active.position + passive.position) / 2, heading]), spacing
 
 
 def moved_pair(world: World, pose: ArrayLike) -> World:

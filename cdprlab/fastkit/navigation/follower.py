@@ -49,20 +49,21 @@ class Follower:
         unexpected : (u, 2) points in its frame that are not on the map
         period : [s]
         """
-        while self.aim < len(self.way) - 1 and self.vehicle.way(self.way[self.aim], pose) < _AHEAD:
+        vehicle, last = self.vehicle, len(self.way) - 1
+        while self.aim < last and vehicle.way(self.way[self.aim], pose) < _AHEAD:
             self.aim += 1
-        wish = self.vehicle.within_limits(_GAIN * relative(self.way[self.aim], pose))
+        wish = vehicle.within_limits(_GAIN * relative(self.way[self.aim], pose))
         # Slow enough to stop at the end, v = √(2 a s).
-        left = self.vehicle.way(self.way[-1], pose) + 0.01 * (len(self.way) - 1 - self.aim)
-        speed = max(np.linalg.norm(wish[:2]), self.vehicle.arm * abs(wish[2]), 1e-9)
+        left = vehicle.way(self.way[-1], pose) + 0.01 * (last - self.aim)
+        speed = max(np.linalg.norm(wish[:2]), vehicle.arm * abs(wish[2]), 1e-9)
         wish = wish * min(1.0, np.sqrt(1.6 * _ACCELERATION * left) / speed)
-        most = _ACCELERATION * period * np.array([1, 1, 1 / self.vehicle.arm])
+        most = _ACCELERATION * period * np.array([1, 1, 1 / vehicle.arm])
         wish = self.twist + np.clip(wish - self.twist, -most, most)
         here = np.zeros(3)
-        least = np.minimum(STOP_DISTANCE, self.vehicle.distances(here, unexpected) - 1e-4)
+        least = np.minimum(STOP_DISTANCE, vehicle.distances(here, unexpected) - 1e-4)
         for share in (1.0, 0.5, 0.2, 0.0):
             self.twist = share * wish
-            then = self.vehicle.distances(moved(here, np.outer(_HORIZON, self.twist)),
+            then = vehicle.distances(moved(here, np.outer(_HORIZON, self.twist)),
                                           unexpected)
             if (then >= least).all():
                 break

@@ -154,9 +154,9 @@ class _Lattice:
         """Seconds between neighbors, (nodes, nodes)."""
         index = np.arange(self.free.size).reshape(self.free.shape)
         wide = 1 + np.clip(1 - (self.room[:, 0] - self.margin) / _WIDE, 0, 1)
-        along = _STEP / self.vehicle.speed_max[1:].min()
-        about = 2 * np.pi / _HEADINGS / min(self.vehicle.speed_max[0],
-                                            self.vehicle.speed_max[2] / self.vehicle.arm)
+        spin, forward, across = self.vehicle.speed_max
+        along = _STEP / min(forward, across)
+        about = 2 * np.pi / _HEADINGS / min(spin, across / self.vehicle.arm)
         turns = (self.room >= self.margin).all(axis=1)
         edges = []
         for step in ((0, 1, 0), (0, 0, 1), (0, 1, 1), (0, 1, -1), (1, 0, 0)):

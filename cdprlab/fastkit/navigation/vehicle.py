@@ -53,10 +53,10 @@ class Vehicle:
         base = robot.base(ACTIVE)
         if not (base.speed_max > 0).all():
             raise InvalidInput(f"base {ACTIVE!r} is to drive the pair, but a zero speed limit holds it")
-        half = np.abs(np.concatenate([b.footprint for b in robot.bases])).max(axis=0)
-        if not 2 * half[0] <= spacing <= _LONGEST:
-            raise InvalidInput(f"coupled bases are {2 * half[0]:g} to {_LONGEST:g} m apart, got {spacing:g} m")
-        length, width = spacing + 2 * float(half[0]), 2 * float(half[1])
+        half, across = np.abs(np.concatenate([b.footprint for b in robot.bases])).max(axis=0).tolist()
+        if not 2 * half <= spacing <= _LONGEST:
+            raise InvalidInput(f"coupled bases are {2 * half:g} to {_LONGEST:g} m apart, got {spacing:g} m")
+        length, width = spacing + 2 * half, 2 * across
         # On opposite corners two scanners of 270 degrees look all around, and see nothing of
         # the bases.
         scanners = (Scanner(-length / 2, width / 2, 0.75 * np.pi, beams=beams),

@@ -38,8 +38,8 @@ def plot_journey(journey: Journey) -> Figure:
         scan.plot(*carried(pose, journey.scans[-1]).T, ".", color=VERMILION, markersize=3, zorder=5,
                   label="scanned points")
         reach = pair.scanners[0].range + pair.length / 2
-        scan.set(xlim=(pose[0] - reach, pose[0] + reach),
-                 ylim=(pose[1] - 0.75 * reach, pose[1] + 0.75 * reach),
+        x, y, _ = pose
+        scan.set(xlim=(x - reach, x + reach), ylim=(y - 0.75 * reach, y + 0.75 * reach),
                  title="last scan, as believed")
         scan.legend(loc="lower right", fontsize=8)
         errors.plot(journey.time, 1e3 * np.linalg.norm(journey.errors[:, :2], axis=1), color=BLUE, label="error")
@@ -60,17 +60,17 @@ def plot_journey(journey: Journey) -> Figure:
 @checked
 def draw_hall(axes: Axes, hall: Hall, vehicle: Vehicle | None = None) -> None:
     """What stands there, and, with a vehicle, how far inflation reaches: the pair's middle line stays out of it."""
-    low, high = hall.bounds
+    x, y = hall.bounds.T
     if vehicle is not None:
         axes.contourf(OccupancyGrid.of(hall).clearance.T, levels=(-1, vehicle.width / 2), colors=[_SHADE],
-                      origin="lower", extent=(low[0], high[0], low[1], high[1]), zorder=0)
+                      origin="lower", extent=(*x, *y), zorder=0)
         axes.plot([], [], "s", color=_SHADE, markersize=9,
                   label="inflated by half the pair's width")
     for outline, seen in zip(hall.outlines, hall.seen):
         axes.add_patch(Polygon(outline, facecolor=GREY if seen else "none", edgecolor=INK, linewidth=0.8,
                                hatch=None if seen else "////", zorder=2))
-    x, y = np.transpose([low - 0.15, high + 0.15])
-    axes.set(xlim=x, ylim=y, aspect="equal", xlabel="x [m]", ylabel="y [m]")
+    around = np.array([-0.15, 0.15])
+    axes.set(xlim=x + around, ylim=y + around, aspect="equal", xlabel="x [m]", ylabel="y [m]")
     axes.grid(False)
 
 
