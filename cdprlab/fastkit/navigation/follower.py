@@ -63,8 +63,7 @@ class Follower:
         least = np.minimum(STOP_DISTANCE, vehicle.distances(here, unexpected) - 1e-4)
         for share in (1.0, 0.5, 0.2, 0.0):
             self.twist = share * wish
-            then = vehicle.distances(moved(here, np.outer(_HORIZON, self.twist)),
-                                          unexpected)
+            then = vehicle.distances(moved(here, np.outer(_HORIZON, self.twist)), unexpected)
             if (then >= least).all():
                 break
         self.blocked = share == 0.0
