@@ -113,10 +113,10 @@ class Localization:
 
     def _facing(self) -> Array:
         """(s, 2, 2) edges that some scanner sees from outside: the far side of a wall is nearly as near as its face."""
-        start, along = self.segments[:, 0], self.segments[:, 1] - self.segments[:, 0]
-        off = carried(self.pose, self.eyes)[:, None] - start
-        before = (cross(off, along) > 0).any(axis=0)
-        return self.segments[before] if before.any() else self.segments
+        segments = self.segments
+        off = carried(self.pose, self.eyes)[:, None] - segments[:, 0]
+        before = (cross(off, segments[:, 1] - segments[:, 0]) > 0).any(axis=0)
+        return segments[before] if before.any() else segments
 
     def _offsets(self, points: Array, segments: Array) -> tuple[Array, Array]:
         """(h, 2) from the nearest edge to each point, and from the vehicle's middle to it, in the world [m]."""

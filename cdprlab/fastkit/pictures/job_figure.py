@@ -28,6 +28,7 @@ def plot_job(job: Job) -> Figure:
     job : Job
     """
     with house_style():
+        robot = job.world.robot
         figure = Figure(figsize=(12.0, 11.0), layout="constrained")
         panels = figure.subplots(5, 1, sharex=True, height_ratios=[1.2, 0.8, 1.5, 0.8, 1.0])
         platform, error, tension, bases, wheels = panels
@@ -35,7 +36,7 @@ def plot_job(job: Job) -> Figure:
         _draw(platform, job.time, job.poses.position, "platform [m]", "xyz", AXIS_STYLES)
         error.plot(job.time, 1e3 * job.position_errors, color=INK)
         error.set(ylabel="error [mm]", ylim=(0, None))
-        for limit in (job.world.robot.tension_min.min(), job.world.robot.tension_max.max()):
+        for limit in (robot.tension_min.min(), robot.tension_max.max()):
             mark_level(tension, limit)
         cables = range(job.lengths.shape[1])
         _draw(tension, job.time[1:], job.measured_tensions[1:], "tension [N]",
@@ -43,7 +44,7 @@ def plot_job(job: Job) -> Figure:
         _draw_bases(bases, job)
         mark_level(wheels, 0.0, TIPS)
         _draw(wheels, job.time[1:], least_edge_loads(job.wheels[1:]), "least edge load [N]",
-              [base.name for base in job.world.robot.bases], BASE_STYLES)
+              [base.name for base in robot.bases], BASE_STYLES)
         wheels.set(xlabel="time [s]", xlim=(0, job.time[-1]))
         figure.suptitle(f"{job.world.title} · {job.task.replace('_', ' ')} · {job.method} control · {job.state}",
                         x=0.01, ha="left", fontsize=13, color=INK)
