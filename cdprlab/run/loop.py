@@ -2,8 +2,10 @@
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
 
 from ..arrays import Array, as_answer
 from ..errors import Recording
@@ -36,11 +38,18 @@ class Command(ABC):
         """
         self.engine, self.substeps = engine, substeps
         m = engine.world.robot.n_cables
+        self._row = np.zeros(m * len(self.asks) + 1)
         return {name: ((m,), _UNITS[name]) for name in self.asks} | {"feasible": ((), "")}
 
     @abstractmethod
-    def step(self, wish: Any) -> Sequence[float]:
+    def step(self, wish: Any) -> Array:
         """Advance the engine by one control step; returns what was asked for in it, and whether it is feasible."""
+
+    def told(self, asked: Array, feasible: bool) -> Array:
+        """What `step` returns, one row after the other in the same array."""
+        self._row[:-1] = asked
+        self._row[-1] = feasible
+        return self._row
 
     def cut(self, cables: list[int]) -> None:  # noqa: B027  (few commands have to know)
         """These cables have just been cut: ask nothing more of them."""
@@ -54,7 +63,7 @@ class TensionCommand(Command):
     def __init__(self, controller: Controller, distributor: Distributor) -> None:
         self.controller, self.distributor = controller, distributor
 
-    def step(self, wish: Reference) -> Sequence[float]:
+    def step(self, wish: Reference) -> Array:
         engine = self.engine
         state = engine.state()
         now = state.time
@@ -63,7 +72,7 @@ class TensionCommand(Command):
         tensions = self.distributor.tensions(engine.wrench_matrix, wanted, now)
         # Judged already, or sent as they are, even where they push: no step() asks again.
         engine.pull(tensions, self.substeps)
-        return *tensions.tolist(), self.distributor.found
+        return self.told(tensions, self.distributor.found)
 
 
 class LengthCommand(Command):
@@ -71,8 +80,8 @@ class LengthCommand(Command):
 
     asks = ("commanded_lengths",)
 
-    def step(self, wish: Array) -> Sequence[float]:
-        return *wish.tolist(), self.engine.bring(wish, self.substeps)
+    def step(self, wish: Array) -> Array:
+        return self.told(wish, self.engine.bring(wish, self.substeps))
 
 
 class StretchedLengths(Command):
@@ -87,9 +96,9 @@ class StretchedLengths(Command):
     def __init__(self, distributor: Distributor) -> None:
         self.distributor = distributor
 
-    def step(self, wish: tuple[Reference, Robot | None]) -> Sequence[float]:
+    def step(self, wish: tuple[Reference, Robot | None]) -> Array:
         wound = self.wound(*wish)
-        return *self.wanted.tolist(), *wound.tolist(), self.engine.bring(wound, self.substeps)
+        return self.told(np.concatenate([self.wanted, wound]), self.engine.bring(wound, self.substeps))
 
     def wound(self, reference: Reference, robot: Robot | None = None) -> Array:
         """(m,) rope that the winches let out where the ``wanted`` tensions stretch it [m]."""
@@ -139,13 +148,13 @@ def fly(engine: Simulator, command: Command, wishes: Iterable[Any],
 
     def flown(cut_short: str = "", _: Any = None) -> Record:
         if len(seen) <= len(asked):   # its end is not kept yet: it was not the record that was disturbed
-            seen.keep_numbers(engine.sample())
+            seen.append(engine.sample())
         return record(Flight(seen, asked, time.perf_counter() - began, cut_short))
 
     with Recording(flown):
-        see, sample, keep, step = seen.keep_numbers, engine.sample, asked.keep_numbers, command.step
-        for wish in wishes:
-            if not len(seen):
+        see, sample, keep, step = seen.append, engine.sample, asked.append, command.step
+        for k, wish in enumerate(wishes):
+            if k == 0:
                 see(sample())
             keep(step(wish))
             see(sample())

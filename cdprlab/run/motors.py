@@ -105,9 +105,9 @@ class Motors:
         return {**self.engine.columns(), "driven_tensions": ((m,), "N"), "driven_torques": ((m,), "N m"),
                 "driven_speeds": ((m,), "rad/s"), "short": ((), "")}
 
-    def sample(self) -> list[float]:
+    def sample(self) -> Array:
         """The engine's, and what the motors gave."""
-        return [*self.engine.sample(), *self._given.tolist()]
+        return np.concatenate([self.engine.sample(), self._given])
 
     def _keep(self, tensions: Array, torques: Array, speed: Array, missing: Any) -> None:
         short = np.abs(missing) > 1e-9 * (1 + np.abs(torques))

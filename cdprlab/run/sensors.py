@@ -191,11 +191,11 @@ class Belief:
         true = self.engine.columns()
         return {**true, **{f"sensed_{name.removeprefix('measured_')}": kind for name, kind in true.items()}}
 
-    def sample(self) -> list[float]:
+    def sample(self) -> Array:
         """The engine's, and what is known."""
         state = self.state()
-        known = (state.position, state.rotation, state.twist, state.lengths, state.tensions)
-        return [*self.engine.sample(), *np.concatenate(known, axis=None).tolist()]
+        return np.concatenate((self.engine.sample(), state.position, state.rotation, state.twist, state.lengths,
+                               state.tensions), axis=None)
 
     # --- sensors ----------------------------------------------------------------------------------
     def _sense(self, true: State, sensors: Sensors) -> State:

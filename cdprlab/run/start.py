@@ -161,15 +161,20 @@ def run(world: World, task: str = "default",
             warn(f"the winches do not hold the platform where it starts: {start.reason}", CdprWarning, stacklevel=2)
     drive = None if base_speeds is None else _Drive(engine, base_speeds, period)
 
+    wanted: Iterable[Any] = map(Reference, *(path.rows(slice(1, None)) if ahead else reference))
+    if drive is None and isinstance(command, LengthCommand):
+        wanted = cable_lengths(robot, path.pose[1:])
+    stretched, pushed = isinstance(command, StretchedLengths), callable(external_wrench)
+
     def wishes() -> Iterator[Any]:
         """What is asked for, step after step, and what else happens as each begins."""
         if wound:
             _hang(engine, body, command, path.rows(0))
-        if external_wrench is not None and not callable(external_wrench):
+        if external_wrench is not None and not pushed:
             engine.push(external_wrench)
-        wanted: Iterable[Any] = map(Reference, *(path.rows(slice(1, None)) if ahead else reference))
-        if drive is None and isinstance(command, LengthCommand):
-            wanted = cable_lengths(robot, path.pose[1:])
+        if not (cuts or pushed or stretched or drive or progress):
+            yield from wanted
+            return
         for k, wish in enumerate(wanted):
             if progress is not None and k % max(1, steps // 100) == 0:
                 progress(k, steps)
@@ -177,10 +182,10 @@ def run(world: World, task: str = "default",
             if k in cuts:
                 for cut_off in (engine.cut, distributor.cut, command.cut):
                     cut_off(cuts[k])
-            if callable(external_wrench):
+            if pushed:
                 now = k * period
                 engine.push(as_answer(external_wrench(now), "external_wrench", robot.n_dof, "N, N m", now))
-            if isinstance(command, StretchedLengths):
+            if stretched:
                 wish = wish, stand
             elif ahead and stand is not None:
                 wish = cable_lengths(stand, wish.pose)

@@ -1,7 +1,6 @@
 """Two commands of winches with motors: velocity control, and torque control behind their friction."""
 
 from abc import abstractmethod
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar
 
@@ -112,7 +111,7 @@ class TorqueControl(WinchControl):
             self.motors.believed = replace(self.motors.believed, **self.friction._asdict())
         return asked
 
-    def step(self, wish: Reference) -> Sequence[float]:
+    def step(self, wish: Reference) -> Array:
         engine, W = self.engine, self.engine.wrench_matrix
         state = State(0.0, engine.carrying, engine.position, engine.rotation, engine.twist,
                       engine.tensions)
@@ -126,7 +125,7 @@ class TorqueControl(WinchControl):
             W = engine.carrying.pattern.basis(engine.rotation) @ W
             wanted = self.paid(engine.directions) - wish.twist @ W, -wish.acceleration @ W
             self.motors.pull(tau, self.substeps, wanted)
-        return *tau.tolist(), self.feasible
+        return self.told(tau, self.feasible)
 
 
 @checked
@@ -167,7 +166,7 @@ class VelocityControl(WinchControl):
         self.wanted = self.wanted if found is None else found
         return lengths if self.elasticity is None else self.elasticity.unstrained(lengths, self.wanted)
 
-    def step(self, wish: Reference) -> Sequence[float]:
+    def step(self, wish: Reference) -> Array:
         engine: Any = self.engine
         ropes = engine.rope_lengths
         missing = self.wound(wish) - ropes
@@ -181,7 +180,7 @@ class VelocityControl(WinchControl):
         wound = ropes + kept * self.period
         reached = (self.motors or engine).bring(wound, self.substeps) and (kept == rates).all()
         self.feasible = bool(reached) and self.feasible
-        return *self.wanted.tolist(), *wound.tolist(), self.feasible
+        return self.told(np.concatenate([self.wanted, wound]), self.feasible)
 
 
 def winch_control(control: str | WinchControl) -> WinchControl:

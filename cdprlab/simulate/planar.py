@@ -13,7 +13,8 @@ length zero to a reel, a static body whose speed (a conveyor belt's: it goes now
 along the rope what the joint would correct: what remains is l(t + dt) ≤ the winch's length.
 """
 
-from functools import cache
+from functools import cache, partial
+from struct import Struct
 from typing import Any
 
 import numpy as np
@@ -50,7 +51,12 @@ class PlanarSimulator(Simulator):
         self._order = order if cables == "length" else ()
         self._iterations = rounds if solver_iterations is None else as_count(solver_iterations, "solver_iterations")
         # What every step is written into: the platform and the cables as `sample` tells them, and W.
-        self._seen, self._W = np.zeros(9 + world.robot.n_cables), np.zeros((3, world.robot.n_cables))
+        m = world.robot.n_cables
+        self._seen, self._W = np.zeros(9 + 2 * m), np.zeros((3, m))
+        # Of a few numbers `Struct` makes an array quicker than numpy.
+        self._pulls: Any = self._seen[-m:]
+        self._pack = Struct(f"{m}d").pack_into
+        self._over_pulleys = world.robot.pulleys.size > 0
         self._space: PlanarSpace | None = None
         self.reset()
 
@@ -59,20 +65,26 @@ class PlanarSimulator(Simulator):
     def place(self, start: Pose) -> None:
         self.close()
         self.bases = PlanarBases(self.world.robot, self.dt)
-        self._pulls = [0.0] * self.world.robot.n_cables
+        self._pulls[:] = 0.0
+        self._kept: Array | None = None
         # A new space: nothing of the last run, such as an impulse kept for the solver's start,
         # stays behind.
         self.space = self._space = PlanarSpace(self._pymunk, self.world, start, self._iterations, self._order)
         self.space.place_bases(self.bases, self.dt)
+        # What is asked every step: most of it is always the same, and written into.
+        robot, bases = self.world.robot, self.bases
+        self._see = partial(self._compiled.look, self.space.motion, self.dt, 20 * self._extent,
+                            robot.platform.center_of_mass, bases.exits, robot.anchor_points, bases.pulleys,
+                            self._seen[:-robot.n_cables], self._W)
         self._look()
 
     def pull(self, tensions: Array, substeps: int) -> None:
         pulls = np.array(tensions, dtype=float)
         pulls[list(self.cut_cables)] = 0.0
+        self._pulls[:] = pulls
         for _ in range(substeps):
             self._load(pulls)
             self._advance()
-        self._pulls = pulls.tolist()
 
     def reel(self, lengths: Array) -> None:
         if self.cables == "elastic":
@@ -88,14 +100,14 @@ class PlanarSimulator(Simulator):
         self._compiled.reel(space.motion, lengths, dt, self._W, self.bases.reel_velocities, space.velocities)
         space.write_velocities()
         self._advance()
-        self._pulls = [rope.impulse / dt for rope in space.ropes]
+        self._pack(self._pulls, 0, *[rope.impulse / dt for rope in space.ropes])
         for cable in self.cut_cables:
             self._pulls[cable] = 0.0
 
     def sever(self, cable: int) -> None:
         if self.space.ropes:
             self.space.space.remove(self.space.ropes[cable])
-        self._pulls[cable] = 0.0
+        self._pulls[cable], self._kept = 0.0, None
 
     def drive(self, speeds: ArrayLike) -> Array:
         driven = super().drive(speeds)
@@ -111,7 +123,7 @@ class PlanarSimulator(Simulator):
 
     @property
     def exit_velocities(self) -> Array:  # type: ignore[override]
-        return self.bases.reel_velocities
+        return frozen(self.bases.reel_velocities.copy())
 
     @property
     def whole_wrenches(self) -> Array:  # type: ignore[override]
@@ -119,10 +131,12 @@ class PlanarSimulator(Simulator):
 
     @property
     def _row(self) -> Array:  # type: ignore[override]
-        return frozen(np.array(self.sample()))
+        if self._kept is None:
+            self._kept = frozen(self._seen.copy())
+        return self._kept
 
-    def sample(self) -> list[float]:
-        return self._seen.tolist() + self._pulls
+    def sample(self) -> Array:
+        return self._seen
 
     # --- every step
     def _load(self, pulls: Array) -> None:
@@ -131,7 +145,7 @@ class PlanarSimulator(Simulator):
         if self.pushed is not None:
             wrench += self.pushed
         fx, fy, moment = wrench.tolist()
-        x, y = (self.rotation @ self.world.robot.platform.center_of_mass).tolist()
+        x, y = (self._seen[2:6].reshape(2, 2) @ self.world.robot.platform.center_of_mass).tolist()
         self.space.body.force, self.space.body.torque = (fx, fy), moment + y * fx - x * fy
 
     def _advance(self) -> None:
@@ -146,18 +160,18 @@ class PlanarSimulator(Simulator):
 
     def _look(self) -> None:
         """Where the platform is about to be, and the cables there."""
-        space, bases, robot = self.space, self.bases, self.world.robot
-        space.read_motion()
-        if not self._compiled.look(space.motion, self.dt, 20 * self._extent, robot.platform.center_of_mass, bases.exits,
-                                   robot.anchor_points, bases.pulleys, self._seen, self._W):
+        self._kept = None
+        self.space.read_motion()
+        if not self._see():
             if not self.lengths.all() and np.isfinite(self.position).all():
                 self.jump_off()
             self.diverge()
-        if bases.pulleys.size:
+        if self._over_pulleys:
             # A rope on a pulley pulls as a straight one as long would, from the end of which its reel stands.
-            anchors = self.position + robot.anchor_points @ self.rotation.T
-            bases.lead(anchors + self.lengths[:, None] * self.directions)
-            space.place_reels(bases)
+            place, turn, _, lengths, _ = np.split(self._seen, (2, 6, 9, 9 + len(self._pulls)))
+            anchors = place + self.world.robot.anchor_points @ turn.reshape(2, 2).T
+            self.bases.lead(anchors + lengths[:, None] * self._W[:2].T)
+            self.space.place_reels(self.bases)
 
 
 @cache

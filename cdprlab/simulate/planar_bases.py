@@ -21,6 +21,7 @@ class PlanarBases:
     reel_velocities : (m, 2) theirs as points of the bases, other ones where a base turns [m/s]
     pulleys : (m or 0, 3) as `Robot.pulleys` has them, now
     frames : none leans
+    Arrays that change are written into, but for the poses.
     """
 
     frames = None
@@ -28,8 +29,8 @@ class PlanarBases:
     def __init__(self, robot: Robot, dt: float) -> None:
         self._robot, self._dt = robot, dt
         self.poses = frozen(np.array([base.pose for base in robot.bases]).reshape(-1, 3))
-        self.exits = self.reels = robot.exit_points
-        self.pulleys = robot.pulleys
+        self.exits, self.pulleys = robot.exit_points.copy(), robot.pulleys.copy()
+        self.reels, self.reel_velocities = self.exits, np.zeros_like(self.exits)
         self.drive(np.zeros(self.poses.size))
 
     def drive(self, speeds: ArrayLike) -> Array:
@@ -43,10 +44,10 @@ class PlanarBases:
 
     def advance(self) -> None:
         """One step on."""
-        self.poses, self.exits = frozen(self.poses + self.rates * self._dt), self.exits_ahead
+        self.poses, self.exits[:] = frozen(self.poses + self.rates * self._dt), self.exits_ahead
         if self.pulleys.size and self.rates[:, 2].any():
             names = (base.name for base in self._robot.bases)
-            self.pulleys = self._robot.with_bases(dict(zip(names, self.poses))).pulleys
+            self.pulleys[:] = self._robot.with_bases(dict(zip(names, self.poses))).pulleys
         self._aim()
 
     def lead(self, reels: Array) -> None:
@@ -54,7 +55,7 @@ class PlanarBases:
         spins = np.append(self.rates[:, 2], 0.0)[list(self._robot.base_indices)]
         x, y = (reels - self.exits).T
         self.reels = reels
-        self.reel_velocities = self.exit_velocities + np.stack([-spins * y, spins * x], axis=1)
+        self.reel_velocities[:] = self.exit_velocities + np.stack([-spins * y, spins * x], axis=1)
 
     def _aim(self) -> None:
         """What the present speeds, in the bases' own axes, come to in the world."""
@@ -67,7 +68,6 @@ class PlanarBases:
             for cable, k, place in zip(self._robot.cables, self._robot.base_indices, self.exits)])
         # What stands still does so exactly, not to rounding.
         self.exit_velocities = self.moving * (self.exits_ahead - self.exits) / self._dt
+        self.reel_velocities[:] = self.exit_velocities
         if self.pulleys.size:
             self.lead(self.reels)
-        else:
-            self.reels, self.reel_velocities = self.exits, self.exit_velocities

@@ -146,17 +146,19 @@ class Simulator(ABC):
     def bring(self, lengths: Array, substeps: int) -> bool:
         """What `wind` does with (m,) numbers, which it keeps; a loop asks for nothing else."""
         before, after, reached = self.paid_out, lengths, True
+        wishes = lengths.tolist()
         # Mostly all ropes together change by less than any one of them may.
-        if not (math.hypot(*(lengths - before).tolist()) < self._surely * substeps and min(lengths.tolist()) > 0):
-            if not ((lengths > 0) & (lengths < np.inf)).all():
-                raise InvalidInput(f"rope lengths must be {len(before)} positive numbers [m], "
-                                   f"got {quoted(lengths.tolist())}")
+        if not (math.dist(wishes, before.tolist()) < self._surely * substeps and min(wishes) > 0):
+            if not 0 < min(wishes) <= max(wishes) < math.inf:
+                raise InvalidInput(f"rope lengths must be {len(before)} positive numbers [m], got {quoted(wishes)}")
             # A winch exactly at its limit must not fail by rounding.
             farthest = self._most * substeps + 1e-9
             after = np.clip(lengths, before - farthest, before + farthest)
             reached = bool((after == lengths).all())
-        for k in range(1, substeps + 1):
-            held = after if k == substeps else before + k / substeps * (after - before)
+        ways = [after]
+        if substeps > 1:
+            ways = [before + k / substeps * (after - before) for k in range(1, substeps)] + ways
+        for held in ways:
             self.reel(held)
             self.paid_out = held
             if self.strongest is not None:
@@ -240,7 +242,8 @@ class Simulator(ABC):
 
     @property
     def wrench_matrix(self) -> Array:
-        return self.world.robot.pattern.project(self.whole_wrenches, self.rotation)
+        robot, W = self.world.robot, self.whole_wrenches
+        return W if len(W) == robot.n_dof else robot.pattern.project(W, self.rotation)
 
     @property
     def drawn(self) -> Array:
@@ -292,10 +295,9 @@ class Simulator(ABC):
         """What the winches have let out of each rope, None where there are none [m]."""
         return frozen(self.paid_out.copy()) if self.is_wound else None
 
-    def sample(self) -> list[float]:
+    def sample(self) -> Array:
         """Position, rotation (row by row), twist, lengths and tensions as one row of a log."""
-        row: list[float] = self._row.tolist()
-        return row
+        return self._row
 
     def columns(self) -> dict[str, tuple[tuple[int, ...], str]]:
         """Name → shape and unit of what `sample` gives, in its order."""
