@@ -44,8 +44,7 @@ class ComputedTorque:
     kp: Gain = 100.0
     kd: Gain = 100.0
     ki: Gain = 0.0
-    _known: dict[str, tuple[Any, ...]] = field(default_factory=dict, init=False, repr=False)
-    _integral: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
+    _known: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def _law(self) -> Callable[..., Array]:   # looked up once: an import in the loop takes 1 % of it
@@ -53,37 +52,38 @@ class ComputedTorque:
 
         return computed_torque
 
+    @cached_property
+    def _integrates(self) -> bool:
+        return bool(np.any(self.ki))
+
     def __call__(self, t: float, state: State, reference: Reference) -> Array:
         robot, wanted = state.robot, reference.pose
-        known = self._known.get(robot.motion_pattern)
-        if known is None or known[-1] is not robot.platform or robot.motion_pattern == "2R3T":
-            known = self._known[robot.motion_pattern] = self._constants(robot, state.rotation)
-        constants, K_i, _ = known
-        if K_i is not None:
-            constants = *constants[:2], K_i @ self._integrated(t, state, wanted), *constants[3:]
-        wrench = self._law(*constants, robot.gravity, state.position, state.rotation, state.twist,
-                           wanted.position, wanted.rotation, reference.twist,
-                           reference.acceleration)
+        gains, body = self._known.get(robot.motion_pattern, (None, None))
+        if body is not robot.platform or robot.motion_pattern == "2R3T":
+            gains, body = self._known[robot.motion_pattern] = self._gains(robot, state.rotation), robot.platform
+        K_p, K_d, K_i, inertia = gains
+        z = K_i @ self._integrated(t, state, wanted) if self._integrates else K_i[0]
+        wrench = self._law(K_p, K_d, z, body.mass, inertia, body.center_of_mass, robot.gravity,
+                           state.position, state.rotation, state.twist, wanted.position, wanted.rotation,
+                           reference.twist, reference.acceleration)
         return wrench if robot.n_dof == 6 else wrench @ robot.pattern.basis(state.rotation)
 
     def _integrated(self, t: float, state: State, wanted: Pose) -> Array:
         """∫e dt until now; a time before the last one begins a new one."""
         error = pose_error(state.pose, wanted)
-        since = t - self._integral.get("time", np.inf)
-        total = self._integral["total"] + since * error if since >= 0 else np.zeros_like(error)
-        self._integral.update(time=t, total=total)
+        before, total = self._known.get("integral", (np.inf, 0.0))
+        total = total + (t - before) * error if t >= before else np.zeros_like(error)
+        self._known["integral"] = t, total
         return total
 
-    def _constants(self, robot: Robot, rotation: Array) -> tuple[Any, ...]:
-        """What the law takes first, S K Sᵀ being gains in world axes, with which a platform may turn; K_i; its body."""
+    def _gains(self, robot: Robot, rotation: Array) -> tuple[Array, ...]:
+        """S K Sᵀ, gains in world axes, with which a platform may turn; and the inertia as the law takes it."""
         gains = self.kp, self.kd, self.ki
         if not set(map(np.shape, gains)) <= {(), (robot.n_dof,)}:
             raise InvalidInput(f"kp, kd and ki must be numbers or {robot.n_dof} of them for a "
                                f"{robot.motion_pattern} robot, got shapes {[*map(np.shape, gains)]}")
-        S, body = robot.pattern.basis(rotation), robot.platform
-        K_p, K_d, K_i = ((gain * S) @ S.T for gain in gains)
-        return ((K_p, K_d, 0 * K_i[0], body.mass, np.atleast_2d(body.inertia), body.center_of_mass),
-                K_i if K_i.any() else None, body)
+        S = robot.pattern.basis(rotation)
+        return *((gain * S) @ S.T for gain in gains), np.atleast_2d(robot.platform.inertia)
 
 
 @frozen_dataclass

@@ -24,11 +24,6 @@ _SIZES = {"m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3}, "rad": {"rad": 1.0, "mrad": 1
 """Unit of the library → units that a file may have, and their size."""
 
 
-_BESIDES = ("estimated_twist", "sensed_length", "sensed_tension", "motor_torque", "motor_speed", "base_pose",
-            "commanded_length")
-"""Quantities that a run does not always have; its fields are their plurals."""
-
-
 @checked
 def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None = None,
              world: World | None = None) -> Run:
@@ -85,8 +80,8 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
     poses, reference, estimates = (_poses(told[f"{whose}position"], told[f"{whose}rotation"], robot.pattern.turns)
                                    for whose in ("", "reference_", "estimated_"))
     fields: dict[str, Any] = {field: frozen(told[name]) for name, (field, _) in QUANTITIES.items()
-                              if "." not in field and name in known
-                              and (name not in _BESIDES or np.isfinite(told[name]).any())}
+                              if "." not in field and name in known   # what has a default, a run need not have
+                              and not (hasattr(Run, field) and np.isnan(told[name]).all())}
     if "estimated_twists" in fields:
         fields["estimates"] = estimates
     if "base_poses" in fields:

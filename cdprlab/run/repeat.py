@@ -131,18 +131,15 @@ def repeat(world: World, runs: int, task: str = "default", *,
     if not {*sizes} <= {*signature(perturbed).parameters} - {"world", "seed"}:
         raise InvalidInput(f"errors must be sizes as `perturbed` takes them, got {quoted(sizes)}")
     drawn = seeds(seed, runs)
-    calls = {}
-    for k, one in enumerate(drawn):
-        robot = real or perturbed(world, **sizes, seed=one)
-        calls[k] = world, task, robot, sensors and replace(sensors, seed=one), how
+    calls = [(world, task, real or perturbed(world, **sizes, seed=one), sensors and replace(sensors, seed=one), how)
+             for one in drawn]
     kept = Checkpoint(checkpoint, "repeat", world, task, errors, real, sensors, how) if checkpoint is not None else None
-    rows = {k: row for k in calls if kept and (row := kept.load(drawn[k]))}
-    waiting = [k for k in calls if k not in rows]
+    rows = {k: row for k, one in enumerate(drawn) if kept and (row := kept.load(one))}
+    waiting = [k for k in range(runs) if k not in rows]
 
     def found(cut_short: str = "", flown: Any = None) -> Any:
-        done = [rows[k] for k in calls if k in rows]
-        columns: dict[str, Any] = {name: frozen(np.array([row[name] for row in done])) for name in _COLUMNS}
-        return Repetition(world, **columns, cut_short=cut_short) if done else flown
+        columns: dict[str, Any] = {name: frozen(np.array([rows[k][name] for k in sorted(rows)])) for name in _COLUMNS}
+        return Repetition(world, **columns, cut_short=cut_short) if rows else flown
 
     with Recording(found):
         # The answers first: a generator of joblib's that is not asked to its end complains.
@@ -165,9 +162,7 @@ def _flown(world: World, task: str, real: World, sensors: Sensors | None, how: d
         flown = run(world, task, real=real, sensors=sensors, **how)
     except SimulationDiverged:
         nothing = np.full(robot.n_cables, np.nan)
-        return {"final_errors": np.full(robot.n_dof, np.nan), "largest_errors": np.nan,
-                "smallest_tensions": nothing, "largest_tensions": nothing, "slack": True, "overstretched": True}
-    low, high = (bound(flown.measured_tensions, axis=0) for bound in (np.min, np.max))
-    return {"final_errors": flown.errors[-1], "largest_errors": flown.position_errors.max(),
-            "smallest_tensions": low, "largest_tensions": high, "slack": (low <= SLACK).any(),
-            "overstretched": (high > robot.tension_max * (1 + 1e-6)).any()}
+        return dict(zip(_COLUMNS, (np.full(robot.n_dof, np.nan), np.nan, nothing, nothing, True, True)))
+    low, high = flown.measured_tensions.min(axis=0), flown.measured_tensions.max(axis=0)
+    return dict(zip(_COLUMNS, (flown.errors[-1], flown.position_errors.max(), low, high, (low <= SLACK).any(),
+                               (high > robot.tension_max * (1 + 1e-6)).any())))

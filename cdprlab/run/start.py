@@ -159,10 +159,22 @@ def run(world: World, task: str = "default",
                                     robot.tension_min, robot.tension_max)
         if not start.feasible:
             warn(f"the winches do not hold the platform where it starts: {start.reason}", CdprWarning, stacklevel=2)
-    drive = None if base_speeds is None else _Drive(engine, base_speeds, period)
+    base_poses: list[Array] = []
+
+    def drive(now: float) -> Robot:
+        """Set the coming step's base speeds; returns the robot with its bases where they will be at the step's end."""
+        stands, speeds = engine.robot, base_speeds
+        if callable(speeds):
+            speeds = as_answer(speeds(now), "base_speeds", 3 * len(stands.bases), "rad/s, m/s", now)
+        driven = engine.drive(speeds).reshape(-1, 3)
+        base_poses.append(engine.base_poses)
+        return stands.with_bases({
+            base.name: (*(base.position + base.rotation[:2, :2] @ speed[1:] * period), base.heading + speed[0] * period)
+            for base, speed in zip(stands.bases, driven)})
+
 
     wanted: Iterable[Any] = map(Reference, *(path.rows(slice(1, None)) if ahead else reference))
-    if drive is None and isinstance(command, LengthCommand):
+    if base_speeds is None and isinstance(command, LengthCommand):
         wanted = cable_lengths(robot, path.pose[1:])
     stretched, pushed = isinstance(command, StretchedLengths), callable(external_wrench)
 
@@ -172,18 +184,18 @@ def run(world: World, task: str = "default",
             _hang(engine, body, command, path.rows(0))
         if external_wrench is not None and not pushed:
             engine.push(external_wrench)
-        if not (cuts or pushed or stretched or drive or progress):
+        if not (cuts or pushed or stretched or progress) and base_speeds is None:
             yield from wanted
             return
         for k, wish in enumerate(wanted):
+            now = k * period
             if progress is not None and k % max(1, steps // 100) == 0:
                 progress(k, steps)
-            stand = None if drive is None else drive.step()
+            stand = None if base_speeds is None else drive(now)
             if k in cuts:
                 for cut_off in (engine.cut, distributor.cut, command.cut):
                     cut_off(cuts[k])
             if pushed:
-                now = k * period
                 engine.push(as_answer(external_wrench(now), "external_wrench", robot.n_dof, "N, N m", now))
             if stretched:
                 wish = wish, stand
@@ -199,8 +211,8 @@ def run(world: World, task: str = "default",
                      time=frozen(times[:flown_steps]),
                      real_time_factor=flown_steps * period / flight.elapsed, dt=dt, control_period=period,
                      settings=settings,
-                     base_poses=None if drive is None else
-                     frozen(np.reshape(drive.poses[:flown_steps], (flown_steps, len(robot.bases), 3))))
+                     base_poses=None if base_speeds is None else
+                     frozen(np.reshape(base_poses[:flown_steps], (flown_steps, len(robot.bases), 3))))
         carried = run.commanded_tensions
         if run.motor_torques is not None:
             carried = seen["driven_tensions"][1:]
@@ -231,29 +243,6 @@ def run(world: World, task: str = "default",
     finally:
         if simulator is None:
             body.close()
-
-
-class _Drive:
-    """Mobile bases driven during a run: their speeds, asked for at each step, and where they have been.
-
-    speeds : (3p,) or t → (3p,); period : control step [s]
-    """
-
-    def __init__(self, engine: Simulator, speeds: Any, period: float) -> None:
-        self.engine, self.speeds, self.period = engine, speeds, period
-        self.poses: list[Array] = []
-
-    def step(self) -> Robot:
-        """Set the coming step's speeds; returns the robot with its bases where they will be at the step's end."""
-        now, robot, speeds = len(self.poses) * self.period, self.engine.robot, self.speeds
-        if callable(speeds):
-            speeds = as_answer(speeds(now), "base_speeds", 3 * len(robot.bases), "rad/s, m/s", now)
-        driven = self.engine.drive(speeds).reshape(-1, 3)
-        self.poses.append(self.engine.base_poses)
-        return robot.with_bases({
-            base.name: (*(base.position + base.rotation[:2, :2] @ speed[1:] * self.period),
-                        base.heading + speed[0] * self.period)
-            for base, speed in zip(robot.bases, driven)})
 
 
 def _hang(engine: Any, body: Simulator, command: Command, begin: Reference) -> None:

@@ -42,9 +42,8 @@ class WinchControl(Command):
     name: ClassVar[str]
     asks: tuple[str, ...] = ("commanded_tensions",)
     feasible: bool
-
-    def __init__(self, standing: bool = True, toward: float = 0.0) -> None:
-        self.standing, self.toward = standing, toward
+    standing = True
+    toward = 0.0
 
     @abstractmethod
     def cables(self, world: World, asked: str = "tension") -> str:
@@ -62,14 +61,12 @@ class WinchControl(Command):
     def distribute(self, W: Array, wrench: Array) -> Array | None:
         """(m,) tensions that exert a (n,) wrench and keep the bases standing where they are now; None without any."""
         engine = self.engine
-        rows, offsets = [np.zeros((0, self.low.size))], [np.zeros(0)]
-        for footing in self.footings:
-            turn = turned_to(engine.base_poses[footing.base, 2], engine.world.robot.dimension)
-            edges = footing.rows(engine.directions, turn, engine.shifts)
-            rows.append(edges.matrix)
-            offsets.append(edges.offset + _RESERVE)
-        tau, reason = standing_tensions(W, -wrench, self.low, self.high, np.concatenate(rows),
-                                        np.concatenate(offsets), toward=self.toward)
+        d, m = engine.world.robot.dimension, self.low.size
+        edges = [footing.rows(engine.directions, turned_to(engine.base_poses[footing.base, 2], d), engine.shifts)
+                 for footing in self.footings]
+        rows = np.concatenate([np.zeros((0, m)), *(edge.matrix for edge in edges)])
+        offsets = np.concatenate([np.zeros(0), *(edge.offset for edge in edges)]) + _RESERVE
+        tau, reason = standing_tensions(W, -wrench, self.low, self.high, rows, offsets, toward=self.toward)
         return None if reason else tau
 
     def paid(self, directions: Array) -> Array:
@@ -97,7 +94,7 @@ class TorqueControl(WinchControl):
 
     def __init__(self, kp: float = 900.0, kd: float = 60.0, *, standing: bool = True,
                  toward: Annotated[float, "[N] ≥ 0"] = 0.0, friction: Friction | None = None) -> None:
-        super().__init__(standing, toward)
+        self.standing, self.toward = standing, toward
         self.law, self.friction = ComputedTorque(kp, kd), friction
 
     def cables(self, world: World, asked: str = "tension") -> str:
@@ -144,7 +141,6 @@ class VelocityControl(WinchControl):
     asks = ("commanded_tensions", "commanded_lengths")
 
     def __init__(self, gain: Annotated[float, "[1/s] ≥ 0"] = 20.0) -> None:
-        super().__init__()
         self.gain = gain
 
     def cables(self, world: World, asked: str = "tension") -> str:

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..mechanics.statics import wrench_matrix
-from ..robot import Base
 from ..robot.parts import DECK_HEIGHT
 from ..robot.pose import Pose
 from ..world import World
@@ -41,43 +40,62 @@ class PlanarSpace:
     """
 
     def __init__(self, pymunk: Any, world: World, start: Pose, iterations: int, order: Sequence[int]) -> None:
-        self._pymunk, self._batch, robot, platform = pymunk, pymunk.batch, world.robot, world.robot.platform
+        robot, platform, batch = world.robot, world.robot.platform, pymunk.batch
         space = self.space = pymunk.Space()
         space.gravity, space.iterations = (0.0, -robot.gravity), iterations
         body = self.body = pymunk.Body(robot.mass, float(platform.inertia))
         body.position = (start.position + start.rotation @ platform.center_of_mass).tolist()
         body.angle = float(start.angle)
-        space.add(body, self._solid(body, platform.center - platform.center_of_mass + _CORNERS * platform.size))
+        space.add(body)
+
+        def add_solid(body: Any, corners: ArrayLike) -> None:
+            shape = pymunk.Poly(body, np.asarray(corners, dtype=float).tolist())
+            shape.friction = _FRICTION
+            space.add(shape)
+
+        def add_rope(anchor: Array) -> Any:
+            """From a reel of its own to a point of the platform seen from its center of mass."""
+            reel = pymunk.Body(body_type=pymunk.Body.STATIC)
+            space.add(reel)
+            rope = pymunk.SlideJoint(reel, body, (0, 0), anchor.tolist(), 0.0, 0.0)
+            rope.error_bias = 0.0
+            return rope
+
+        add_solid(body, platform.center - platform.center_of_mass + _CORNERS * platform.size)
         if robot.motion_pattern == "1T":
             # The cables control x alone: a rail along x carries the rest.
             body.moment, height = math.inf, float(start.position[1])
-            rail = pymunk.GrooveJoint(space.static_body, body, (-1e3, height),
-                                      (1e3, height), (0, 0))
+            rail = pymunk.GrooveJoint(space.static_body, body, (-1e3, height), (1e3, height), (0, 0))
             rail.error_bias = 0.0
             space.add(rail)
-        ground, floor = space.static_body, world.scene.floor_height
-        space.add(self._solid(ground,
-                              [(x, floor + y) for x in (-1e3, 1e3) for y in (-1.0, 0.0)]))
+        floor = world.scene.floor_height
+        add_solid(space.static_body, [(x, floor + y) for x in (-1e3, 1e3) for y in (-1.0, 0.0)])
         for box in world.scene.boxes:
-            space.add(self._solid(ground,
-                                  box.position + _CORNERS * box.size @ box.pose.rotation.T))
-        self._bases = [self._base_body(base) for base in robot.bases]
-        self.ropes = [self._rope(anchor) for anchor in robot.anchor_points - platform.center_of_mass] if order else []
+            add_solid(space.static_body, box.position + _CORNERS * box.size @ box.pose.rotation.T)
+        # Kinematic: bases drive as told and no cable moves them. Their decks, over the footprint, are solid.
+        self._bases = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in robot.bases]
+        for base, deck in zip(robot.bases, self._bases):
+            space.add(deck)
+            if len(base.footprint):
+                left, right = sorted(base.footprint[:, 0].tolist())
+                add_solid(deck, [(left, 0.0), (right, 0.0), (right, DECK_HEIGHT), (left, DECK_HEIGHT)])
+        self.ropes = [add_rope(anchor) for anchor in robot.anchor_points - platform.center_of_mass] if order else []
         space.add(*[self.ropes[i] for i in order])
         # What is read and set every step, in one call each, in the engine's order: what moves,
         # then what does not, as it was added. Setting the reels one by one would take twice the
         # time.
-        fields = pymunk.batch.BodyFields
+        fields = batch.BodyFields
         motion = fields.POSITION | fields.ANGLE | fields.VELOCITY | fields.ANGULAR_VELOCITY
         # A flag works out its value whenever it is asked.
-        self._motion, self._velocity = SimpleNamespace(value=motion.value), SimpleNamespace(value=fields.VELOCITY.value)
-        self._seen, self._set = pymunk.batch.Buffer(), pymunk.batch.Buffer()
-        self._batch.get_space_bodies(space, self._motion, self._seen)
+        told, velocity = SimpleNamespace(value=motion.value), SimpleNamespace(value=fields.VELOCITY.value)
+        self._seen, given = batch.Buffer(), batch.Buffer()
+        self._read = partial(batch.get_space_bodies, space, told, self._seen)
+        self._read()
         self.motion = np.frombuffer(self._seen.float_buf(), count=6)
         # The platform, the ground, bases (which `place_bases` drives) and reels.
         self.velocities = np.zeros(2 * (2 + len(self._bases) + len(self.ropes)))
-        self._set.set_float_buf(self.velocities)
-        self.write_velocities = partial(self._batch.set_space_bodies, space, self._velocity, self._set)
+        given.set_float_buf(self.velocities)
+        self.write_velocities = partial(batch.set_space_bodies, space, velocity, given)
 
     def clear(self) -> None:
         """Take everything out of the space. pymunk aborts where Python frees a body while pymunk frees its space."""
@@ -100,7 +118,7 @@ class PlanarSpace:
     def read_motion(self) -> None:
         """Bring `motion` up to date."""
         self._seen.clear()
-        self._batch.get_space_bodies(self.space, self._motion, self._seen)
+        self._read()
 
     def contact_force(self, dt: float) -> float:
         """Sum of the normal forces on the platform during the last step [N]."""
@@ -108,29 +126,6 @@ class PlanarSpace:
         self.body.each_arbiter(lambda arbiter: forces.append(
             abs(arbiter.total_impulse.dot(arbiter.contact_point_set.normal)) / dt))
         return sum(forces)
-
-    def _base_body(self, base: Base) -> Any:
-        """Kinematic: it drives as told and no cable moves it. Its deck, over the footprint, is solid."""
-        body = self._pymunk.Body(body_type=self._pymunk.Body.KINEMATIC)
-        self.space.add(body)
-        if len(base.footprint):
-            left, right = sorted(base.footprint[:, 0].tolist())
-            self.space.add(self._solid(body, [(left, 0.0), (right, 0.0), (right, DECK_HEIGHT),
-                                              (left, DECK_HEIGHT)]))
-        return body
-
-    def _rope(self, anchor: Array) -> Any:
-        """From a reel of its own to a point of the platform seen from its center of mass."""
-        reel = self._pymunk.Body(body_type=self._pymunk.Body.STATIC)
-        self.space.add(reel)
-        rope = self._pymunk.SlideJoint(reel, self.body, (0, 0), anchor.tolist(), 0.0, 0.0)
-        rope.error_bias = 0.0
-        return rope
-
-    def _solid(self, body: Any, corners: ArrayLike) -> Any:
-        shape = self._pymunk.Poly(body, np.asarray(corners, dtype=float).tolist())
-        shape.friction = _FRICTION
-        return shape
 
 
 def solving_order(world: World) -> tuple[tuple[int, ...], int]:
@@ -142,26 +137,22 @@ def solving_order(world: World) -> tuple[tuple[int, ...], int]:
     follows whom, not on who begins: of few ropes every order is tried, at every pose where a
     task starts or ends.
     """
-    robot, ropes = world.robot, range(world.robot.n_cables)
+    robot, m = world.robot, world.robot.n_cables
     weights = np.array([robot.mass, robot.mass, float(robot.platform.inertia)])[:robot.n_dof]
-    steps = []
-    for pose in (world.pose, *(end for task in world.tasks.values()
-                               for end in (task.start, task.end))):
+    projections = []
+    for pose in (world.pose, *(end for task in world.tasks.values() for end in (task.start, task.end))):
         rows = wrench_matrix(robot, pose).T
         if robot.n_dof == 3:   # moments about the center of mass
             x, y = pose.rotation @ robot.platform.center_of_mass
             rows = rows - np.outer(x * rows[:, 1] - y * rows[:, 0], [0.0, 0.0, 1.0])
         rows = rows / np.sqrt(weights)
         lengths = np.maximum((rows**2).sum(axis=1), 1e-12)[:, None, None]
-        steps.append(np.eye(robot.n_dof) - rows[:, :, None] * rows[:, None, :] / lengths)
-    projections = np.array(steps)                                          # (poses, m, n, n)
-    orders = ([(0, *rest) for rest in permutations(ropes[1:])]
-              if len(ropes) <= _MOST_ORDERED else
-              [tuple(ropes)])
-    rates = [float(np.abs(np.linalg.eigvals(reduce(np.matmul, np.moveaxis(projections[:, order], 1, 0)))).max())
+        projections.append(np.eye(robot.n_dof) - rows[:, :, None] * rows[:, None, :] / lengths)
+    orders = [(0, *rest) for rest in permutations(range(1, m))] if m <= _MOST_ORDERED else [tuple(range(m))]
+    rates = [max(np.abs(np.linalg.eigvals(reduce(np.matmul, pose[list(order)]))).max() for pose in projections)
              for order in orders]
     best = int(np.argmin(np.round(rates, 6)))
     if rates[best] > 1 - 1e-9:   # fewer ropes than freedoms: some error is nobody's
-        return orders[best], _MOST_ITERATIONS if len(ropes) >= robot.n_dof else 30
+        return orders[best], _MOST_ITERATIONS if m >= robot.n_dof else 30
     rounds = math.ceil(math.log(1e-6) / math.log(max(rates[best], 1e-6)))
     return orders[best], min(max(rounds, 10), _MOST_ITERATIONS)

@@ -274,20 +274,22 @@ class Simulator(ABC):
         return cables_at(self.robot, pose)
 
     @property
+    def pose(self) -> Pose:
+        return Pose.of(self.position, self.rotation)
+
+    @property
     def shifts(self) -> Array | None:
         """(m, d) from exit to tangent points, None where no cable has a pulley [m]."""
         robot = self.robot
-        if not robot.pulleys.size:
-            return None
-        return tangent_points(robot, Pose.of(self.position, self.rotation)) - robot.exit_points
+        return tangent_points(robot, self.pose) - robot.exit_points if robot.pulleys.size else None
 
     def hanging_lengths(self) -> Array:
         """(m,) rope lengths at which the robot hangs where it is: stretching ropes are wound shorter."""
         if self.elasticity is None:
             return self.lengths
         robot = self.robot
-        held = distribute_tensions(self.wrench_matrix, gravity_wrench(robot, Pose.of(self.position, self.rotation)),
-                                   robot.tension_min, robot.tension_max, "relaxed")
+        held = distribute_tensions(self.wrench_matrix, gravity_wrench(robot, self.pose), robot.tension_min,
+                                   robot.tension_max, "relaxed")
         return self.elasticity.unstrained(self.lengths, held.tensions)
 
     @property
@@ -309,10 +311,9 @@ class Simulator(ABC):
 
     def state(self) -> State:
         """The present state."""
-        return State(self.time, self.robot, self.position, self.rotation, self.twist,
-                     self.tensions,
-                     self.world.scene, self.rope_lengths, tuple(self.boxes) if self.boxes else (),
-                     self.lengths, self.bases.frames)
+        return State(self.time, self.robot, self.position, self.rotation, self.twist, self.tensions,
+                     self.world.scene, self.rope_lengths, tuple(self.boxes) if self.boxes else (), self.lengths,
+                     self.bases.frames)
 
     def diverge(self) -> None:
         """Raise SimulationDiverged, which names the cable that pulls hardest."""
@@ -326,7 +327,7 @@ class Simulator(ABC):
     def jump_off(self) -> None:
         """Raise SimulationDiverged, which names the cable that cannot lie on its pulley."""
         cable = int(self.lengths.argmin())
-        reason = why_no_direction(self.robot, Pose.of(self.position, self.rotation))
+        reason = why_no_direction(self.robot, self.pose)
         raise SimulationDiverged(f"at t = {self.time:.4g} s {reason or f'cable {cable + 1} jumped off its pulley'}",
                                  self.time, cable + 1)
 
@@ -345,5 +346,4 @@ def cable_indices(cables: ArrayLike, m: int) -> list[int]:
     given = as_array(cables, "cables to cut", (), batch=True).ravel()
     if not np.isin(given, range(m)).all():
         raise InvalidInput(f"cables to cut are given by index, 0 to {m - 1}, got {quoted(cables)}")
-    indices: list[int] = given.astype(int).tolist()
-    return indices
+    return [int(index) for index in given]

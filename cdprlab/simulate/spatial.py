@@ -10,7 +10,6 @@ import numpy as np
 from ..arrays import Array, as_count, as_number, checked, frozen
 from ..errors import CdprWarning, InvalidInput
 from ..mechanics.cables import Cables, straight_lengths
-from ..robot import Robot
 from ..robot.pose import Pose
 from ..world import World
 from .boxes import Boxes
@@ -66,7 +65,12 @@ class SpatialSimulator(Simulator):
             warn(f"the platform of {robot.mass:g} kg feels its cables' tips of {tips:g} kg together; "
                  "use cables=\"force\" or a smaller tip_mass", CdprWarning, stacklevel=3)
         self._tip_mass, self._bodies = tip_mass, bodies
-        self.bullet, self._frame = Bullet.connect(), _BodyFrame(robot)
+        self.bullet, inertia = Bullet.connect(), robot.platform.inertia
+        # Bullet's body frame: at the center of mass, along the principal axes of inertia.
+        self._axes = np.eye(3)
+        if np.count_nonzero(inertia - np.diag(np.diag(inertia))):
+            axes = np.linalg.eigh(inertia)[1]
+            self._axes = axes * np.sign(np.linalg.det(axes))   # right-handed
         # Threshold 0: the default ends the iterations early, at a moment that depends on the
         # motion.
         self.bullet.setPhysicsEngineParameter(
@@ -80,7 +84,10 @@ class SpatialSimulator(Simulator):
         ties = 0 if cables == "force" else robot.n_cables
         self._pack = Struct(f"{13 + 3 * ties}d").pack_into
         self.platform = self._add_platform()
-        self._add_scene()
+        floor = self.bullet.createCollisionShape(self.bullet.GEOM_PLANE)
+        self.bullet.createMultiBody(0, floor, basePosition=[0, 0, world.scene.floor_height])
+        for box in world.scene.boxes:
+            self.bullet.add_box(box.size, box.position, box.yaw)
         self.boxes = Boxes(self.bullet, self.platform)
         self.bases = SpatialBases(self.bullet, robot, tip_mass)
         self._legs: Legs | None = None
@@ -93,7 +100,8 @@ class SpatialSimulator(Simulator):
         self.boxes.release()
         if self._legs is not None:
             self._legs.remove()
-        b.resetBasePositionAndOrientation(self.platform, *self._frame.body_pose(start))
+        center = start.position + start.rotation @ robot.platform.center_of_mass
+        b.resetBasePositionAndOrientation(self.platform, center.tolist(), quaternion_of(start.rotation @ self._axes))
         b.resetBaseVelocity(self.platform, [0, 0, 0], [0, 0, 0])
         self._legs = None if self.cables == "force" else self._add_legs(start)
         self.whole_wrenches = np.zeros((6, robot.n_cables))
@@ -214,9 +222,9 @@ class SpatialSimulator(Simulator):
             self.bases.look()
         forces = () if self._legs is None else self._legs.forces()
         self._pack(self._told, 0, *place, *quaternion, *linear, *angular, *chain.from_iterable(forces))
-        robot, frame, bases = self.world.robot, self._frame, self.bases
-        row, W = self._platform_and_cables(self._told, frame.axes, frame.center, bases.exits, robot.anchor_points,
-                                           bases.pulleys, self.whole_wrenches, substeps)
+        robot, bases = self.world.robot, self.bases
+        row, W = self._platform_and_cables(self._told, self._axes, robot.platform.center_of_mass, bases.exits,
+                                           robot.anchor_points, bases.pulleys, self.whole_wrenches, substeps)
         carried = row[self._tensions]
         if beside is not None:
             carried += beside
@@ -241,56 +249,26 @@ class SpatialSimulator(Simulator):
     # ---------------------------------------------------------------------------------
     def _add_platform(self) -> int:
         b, body = self.bullet, self.world.robot.platform
-        offset, turn = self._frame.to_body(body.center), quaternion_of(self._frame.axes.T)
+        place = (body.center - body.center_of_mass) @ self._axes
         shape = b.createCollisionShape(b.GEOM_BOX, halfExtents=(body.size / 2).tolist(),
-                                       collisionFramePosition=offset.tolist(),
-                                       collisionFrameOrientation=turn)
+                                       collisionFramePosition=place.tolist(),
+                                       collisionFrameOrientation=quaternion_of(self._axes.T))
         platform = b.createMultiBody(body.mass, shape)
+        principal = self._axes.T @ body.inertia @ self._axes
         # Bullet's default damping of 0.04 would triple the tracking error.
-        b.changeDynamics(platform, -1, localInertiaDiagonal=self._frame.principal.tolist(),
-                         linearDamping=0,
+        b.changeDynamics(platform, -1, localInertiaDiagonal=principal.diagonal().tolist(), linearDamping=0,
                          angularDamping=0, activationState=b.ACTIVATION_STATE_DISABLE_SLEEPING)
         return int(platform)
-
-    def _add_scene(self) -> None:
-        b, scene = self.bullet, self.world.scene
-        floor = b.createCollisionShape(b.GEOM_PLANE)
-        b.createMultiBody(0, floor, basePosition=[0, 0, scene.floor_height])
-        for box in scene.boxes:
-            self.bullet.add_box(box.size, box.position, box.yaw)
 
     def _add_legs(self, start: Pose) -> Legs:
         robot, world = self.world.robot, self.world
         anchors = start.position + robot.anchor_points @ start.rotation.T
         places = [world.pose.position, start.position]
-        places += [end.position for task in world.tasks.values()
-                   for end in (task.start, task.end)]
+        places += [end.position for task in world.tasks.values() for end in (task.start, task.end)]
         middle = np.mean(places, axis=0)   # of where the platform is to be
         carried = self.bases.build(anchors, middle) if self._bodies else {}
         legs = [carried[i] if i in carried else
                 fixed_leg(self.bullet, robot.exit_points[i], anchors[i], middle, self._tip_mass)
                 for i in range(robot.n_cables)]
-        return Legs(self.bullet, legs, self.platform,
-                    np.array([self._frame.to_body(b) for b in robot.anchor_points]))
-
-
-class _BodyFrame:
-    """Bullet's body frame: at the center of mass, along the principal axes of inertia."""
-
-    def __init__(self, robot: Robot) -> None:
-        platform = robot.platform
-        if np.count_nonzero(platform.inertia - np.diag(np.diag(platform.inertia))):
-            self.principal, axes = np.linalg.eigh(platform.inertia)
-            self.axes = axes * np.sign(np.linalg.det(axes))  # right-handed
-        else:
-            self.principal, self.axes = np.diag(platform.inertia).copy(), np.eye(3)
-        self.center = platform.center_of_mass
-
-    def to_body(self, point: Array) -> Array:
-        """A point of the platform frame in the body frame [m]."""
-        return self.axes.T @ (point - self.center)
-
-    def body_pose(self, pose: Pose) -> tuple[list[float], list[float]]:
-        """Position and quaternion of the body where the platform is at a pose."""
-        position = pose.position + pose.rotation @ self.center
-        return position.tolist(), quaternion_of(pose.rotation @ self.axes)
+        pivots = (robot.anchor_points - robot.platform.center_of_mass) @ self._axes
+        return Legs(self.bullet, legs, self.platform, pivots)
