@@ -124,6 +124,6 @@ def described(controller: Any) -> str:
     """
     name = getattr(controller, "__name__", type(controller).__name__)
     if isinstance(controller, ComputedTorque | LengthControl):
-        gains = {key: getattr(controller, key, None) for key in ("kp", "kd", "ki")}
-        name += f"({', '.join(f'{key}={gain.tolist()}' for key, gain in gains.items() if gain is not None)})"
+        gains = [key for key in ("kp", "kd", "ki") if hasattr(controller, key)]
+        name += f"({', '.join(f'{key}={getattr(controller, key).tolist()}' for key in gains)})"
     return str(name)

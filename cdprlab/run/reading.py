@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from csv import Error, reader
 from pathlib import Path
 from typing import Any
@@ -58,7 +58,11 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
               **dict.fromkeys(("tension", "length", "torque", "speed"), m)}
     known = {name: (widths[name.rpartition("_")[2]], unit) for name, (_, unit) in QUANTITIES.items() if name != "error"}
     table = _table(file)
-    given = _as_saved(table) if columns is None else columns
+    given: Any = columns
+    if columns is None:   # "position_1 [m]", "position_2 [m]", … are "position [m]"
+        given = {}
+        for heading in table:
+            given.setdefault(re.sub(r"_\d+(?= \[|$)", "", heading), []).append(heading)
     count = len(next(iter(table.values())))
     told = {name: np.full((count, width), np.nan) for name, (width, _) in known.items()}
     for key, heading in given.items():
@@ -129,19 +133,10 @@ def _table(file: Path) -> dict[str, Array]:
     return table
 
 
-def _as_saved(headings: Iterable[str]) -> dict[str, list[str]]:
-    """"position [m]" → "position_1 [m]", "position_2 [m]", …"""
-    columns: dict[str, list[str]] = {}
-    for heading in headings:
-        columns.setdefault(re.sub(r"_\d+(?= \[|$)", "", heading), []).append(heading)
-    return columns
-
-
 def _poses(position: Array, rotation: Array, turns: bool) -> Pose:
     """Poses some of which are not known: their numbers are NaN."""
-    angles = np.nan_to_num(rotation)
-    turned = Pose(np.zeros_like(position), angles) if position.shape[1] == 3 else Pose(
-        np.zeros_like(position), angle=angles[:, 0])
+    angles, nowhere = np.nan_to_num(rotation), np.zeros_like(position)
+    turned = Pose(nowhere, angles) if position.shape[1] == 3 else Pose(nowhere, angle=angles[:, 0])
     matrices = turned.rotation.copy()
     if turns:
         matrices[np.isnan(rotation).any(axis=1)] = np.nan

@@ -1,7 +1,7 @@
 """What a controller may know: its own model of the robot, and what sensors tell of the one that flies."""
 
 from collections import deque
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -85,16 +85,6 @@ class Observer:
         z = np.exp(-self._speed * elapsed)
         self.pose = self.pose.displaced((1 - z**2) * error)
         self.twist = self.twist + (1 - z)**2 / elapsed * error
-
-
-class _Sample(NamedTuple):
-    """What is measured at one instant, and how far the pose then is from the observer's."""
-
-    time: float
-    pose: Pose
-    lengths: Array
-    tensions: Array
-    error: Array
 
 
 class Belief:
@@ -204,24 +194,24 @@ class Belief:
         if not self.engine.steps:   # at home all is known from the start
             self._rng, self._fitted = np.random.default_rng(sensors.seed), self._home
             self._observer = Observer(robot, self._home, sensors.observer_frequency)
-            self._measured = self._look(true, sensors, robot)
+            self._measured, _ = self._look(true, sensors, robot)
             self._observer.pose = self._measured.pose
-            self._samples, self._taken = deque[_Sample](), 1
+            self._samples, self._taken = deque[tuple[State, Array]](), 1
         else:
             self._observer.predict(self.carrying, self._wrench, self.period)
             if sensors.rate is None or now >= self._taken / sensors.rate - _SOON:
                 self._taken += 1
                 self._samples.append(self._look(true, sensors, robot))
-            while self._samples and self._samples[0].time + sensors.delay <= now + _SOON:
-                arrived = self._samples.popleft()
-                self._observer.correct(arrived.error, arrived.time - self._measured.time)
+            while self._samples and self._samples[0][0].time + sensors.delay <= now + _SOON:
+                arrived, error = self._samples.popleft()
+                self._observer.correct(error, arrived.time - self._measured.time)
                 self._measured = arrived
         seen = self._measured
-        return true._replace(robot=robot, position=seen.pose.position, rotation=seen.pose.rotation,
-                             twist=frozen(self._observer.twist), tensions=seen.tensions,
-                             lengths=seen.lengths)
+        return true._replace(robot=robot, position=seen.position, rotation=seen.rotation,
+                             twist=frozen(self._observer.twist), tensions=seen.tensions, lengths=seen.lengths)
 
-    def _look(self, true: State, sensors: Sensors, robot: Robot) -> _Sample:
+    def _look(self, true: State, sensors: Sensors, robot: Robot) -> tuple[State, Array]:
+        """What is measured now, and how far the pose then is from the observer's."""
         m, n, normal = robot.n_cables, robot.n_dof, self._rng.normal
         lengths = self.engine.lengths + self._read_too_much + sensors.length_noise * normal(size=m)
         if sensors.quantization:
@@ -233,5 +223,5 @@ class Belief:
         size = np.repeat([sensors.position_noise, sensors.rotation_noise], [n - turns, turns])
         pose = moved(robot, pose, size * normal(size=n))
         tensions = true.tensions + sensors.tension_noise * normal(size=m)
-        return _Sample(true.time, pose, frozen(lengths), frozen(tensions),
-                       pose_error(self._observer.pose, pose))
+        return true._replace(position=pose.position, rotation=pose.rotation, lengths=frozen(lengths),
+                             tensions=frozen(tensions)), pose_error(self._observer.pose, pose)

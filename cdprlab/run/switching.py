@@ -1,5 +1,6 @@
 """Cable configurations put to work: a sequence followed in the engine, by a robot that is a little off."""
 
+from itertools import groupby
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from ..arrays import Flags, as_count, checked, frozen, seeds
 from ..configurations.measured import hanging_position
 from ..configurations.sequence import ConfigurationSequence
-from ..configurations.winding import Winding, winding_plan
+from ..configurations.winding import winding_plan
 from ..errors import SimulationDiverged
 from ..mechanics.trajectory import Reference
 from ..robot.pose import Pose
@@ -52,16 +53,17 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
         engine.reset(Pose(hanging))
         while not engine.bring(plan.lengths[0], 1):
             pass
-        dt, settings = engine.dt, {"slack": float(slack), "speed": float(speed),
-                                   "reeling": float(reeling)}
+        dt, settings = engine.dt, {"slack": float(slack), "speed": float(speed), "reeling": float(reeling)}
+        velocity = np.gradient(plan.positions, dt, axis=0)
+        still = np.zeros_like(velocity)
+        planned = Reference(Pose(plan.positions), np.hstack([velocity, still]),
+                            np.hstack([np.gradient(velocity, dt, axis=0), still]))
 
         def record(flight: Flight) -> Run:
             steps = flight.steps
-            return Run.of(flight, _motion(plan, dt), at_end=True, world=world, real=real, task="sequence",
-                          method="cable_configurations",
-                          cables="length", time=frozen(plan.time[:steps]),
-                          real_time_factor=steps * dt / flight.elapsed, dt=dt,
-                          control_period=dt, settings=settings)
+            return Run.of(flight, planned, at_end=True, world=world, real=real, task="sequence",
+                          method="cable_configurations", cables="length", time=frozen(plan.time[:steps]),
+                          real_time_factor=steps * dt / flight.elapsed, dt=dt, control_period=dt, settings=settings)
 
         return fly(engine, LengthCommand(), plan.lengths, record)
 
@@ -105,29 +107,16 @@ def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *,
         real = perturbed(world, exit_points=exit_error, lengths=length_error, seed=drawn)
         try:
             run = follow_sequence(world, sequence, slack=slack, speed=speed, reeling=reeling, real=real)
-            found.append(_judged(run, plan))
         except SimulationDiverged:
             found.append(Trial(np.inf, np.inf, np.inf))
+            continue
+        out = int(np.argmin(plan.taut.all(axis=1)))
+        taut, planned = taut_cables(run)[out:], plan.taut[out:]
+        found.append(Trial(float(run.position_errors[out:].max()), _longest(taut.sum(axis=1) < 3) * run.dt,
+                           _longest((taut & ~planned).any(axis=1)) * run.dt))
     return found
 
 
-def _judged(run: Run, plan: Winding) -> Trial:
-    out = int(np.argmin(plan.taut.all(axis=1)))
-    taut, planned = taut_cables(run)[out:], plan.taut[out:]
-    return Trial(float(run.position_errors[out:].max()),
-                 _longest(np.sum(taut, axis=1) < 3) * run.dt,
-                 _longest(np.any(taut & ~planned, axis=1)) * run.dt)
-
-
-def _longest(true: Any) -> int:
+def _longest(true: Flags) -> int:
     """Length of the longest row of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], true.astype(int), [0]])))
-    return int((edges[1::2] - edges[::2]).max(initial=0))
-
-
-def _motion(plan: Winding, dt: float) -> Reference:
-    """The planned motion, its velocity and acceleration by differences."""
-    velocity = np.gradient(plan.positions, dt, axis=0)
-    still = np.zeros_like(velocity)
-    return Reference(Pose(plan.positions), np.hstack([velocity, still]),
-                     np.hstack([np.gradient(velocity, dt, axis=0), still]))
+    return max((len(list(row)) for value, row in groupby(true) if value), default=0)

@@ -55,7 +55,7 @@ class WinchControl(Command):
         margin = _MARGIN if robot.winch else 0.0
         self.low, self.high = robot.tension_min + margin, robot.tension_max - margin
         self.footings = footings(robot) if self.standing else []
-        self.motors = engine if isinstance(engine, Motors) else None
+        self.motors, self.wanted = engine if isinstance(engine, Motors) else None, np.zeros(robot.n_cables)
         return super().start(engine if self.motors is None else engine.engine, substeps)
 
     def distribute(self, W: Array, wrench: Array) -> Array | None:
@@ -146,12 +146,6 @@ class VelocityControl(WinchControl):
     def cables(self, world: World, asked: str = "tension") -> str:
         return asked if asked in WOUND else "length" if world.robot.elasticity is None else "elastic"
 
-    def start(self, engine: Any, substeps: int) -> Columns:   # a Simulator, or what is believed of one
-        robot = engine.world.robot
-        self.elasticity = robot.elasticity if engine.cables == "elastic" else None
-        self.fastest, self.wanted = robot.speed_max, np.zeros(robot.n_cables)
-        return super().start(engine, substeps)
-
     def wound(self, wish: Reference) -> Array:
         """(m,) rope let out where what holds platform and load as they should be stretches it [m]."""
         engine = self.engine
@@ -159,8 +153,10 @@ class VelocityControl(WinchControl):
         found = self.distribute(W, inverse_dynamics(engine.carrying, wish.pose.rotation, wish.twist,
                                                     wish.acceleration))
         self.feasible = found is not None
-        self.wanted = self.wanted if found is None else found
-        return lengths if self.elasticity is None else self.elasticity.unstrained(lengths, self.wanted)
+        if found is not None:
+            self.wanted = found
+        elastic = engine.world.robot.elasticity if engine.cables == "elastic" else None
+        return lengths if elastic is None else elastic.unstrained(lengths, self.wanted)
 
     def step(self, wish: Reference) -> Array:
         engine: Any = self.engine
@@ -172,7 +168,7 @@ class VelocityControl(WinchControl):
         robot, turn = engine.world.robot, wish.pose.rotation
         after = engine.cables_at(moved(robot, wish.pose, way @ robot.pattern.basis(turn))).lengths
         rates = (after - before) / self.period + self.paid(directions) + self.gain * missing
-        kept = np.clip(rates, -self.fastest, self.fastest)
+        kept = np.clip(rates, -robot.speed_max, robot.speed_max)
         wound = ropes + kept * self.period
         reached = (self.motors or engine).bring(wound, self.substeps) and (kept == rates).all()
         self.feasible = bool(reached) and self.feasible

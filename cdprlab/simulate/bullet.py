@@ -41,12 +41,6 @@ class Bullet(NamedTuple):
         found = getattr(self.engine, name)
         return partial(found, physicsClientId=self.client) if callable(found) else found
 
-    @classmethod
-    def connect(cls) -> Bullet:
-        """A new, empty one."""
-        engine = import_pybullet()
-        return cls(engine, engine.connect(engine.DIRECT))   # with options it would print them
-
     def placed(self, body: int, link: int = -1) -> tuple[Array, Array]:
         """Center of mass [m] and rotation of a link, or of a body's base (−1)."""
         place, turn = (self.getBasePositionAndOrientation(body) if link < 0 else

@@ -17,6 +17,8 @@ the same problem with C = 1 / (dt (k dt / 4 + d / 2)): no dt makes them unstable
 long as their damping lets them.
 """
 
+from functools import partial
+
 import numpy as np
 
 from ..arrays import Array
@@ -33,10 +35,10 @@ class RopeLaw:
         from ..compiled.complementarity import rope_tensions
 
         body = robot.platform
-        self._solve = rope_tensions
-        self._body = body.mass, np.atleast_2d(body.inertia), body.center_of_mass, robot.gravity
-        self._ropes = dt, *((0.0, 0.0) if elasticity is None else (elasticity.axial_stiffness,
-                                                                   elasticity.damping))
+        self._solve = partial(rope_tensions, body.mass, np.atleast_2d(body.inertia), body.center_of_mass, robot.gravity)
+        self._ropes = dt, 0.0, 0.0
+        if elasticity is not None:
+            self._ropes = dt, elasticity.axial_stiffness, elasticity.damping
         self._last = np.ones(robot.n_cables)
 
     def __call__(self, W: Array, rotation: Array, twist: Array, lengths: Array, now: Array,
@@ -48,6 +50,5 @@ class RopeLaw:
             rotation, twist, lengths : at present
         now, wound : (m,) let out now and by the step's end [m]; push : external wrench at P
         """
-        self._last = self._solve(*self._body, rotation, twist, push, W, lengths, now, wound,
-                                 *self._ropes, self._last)
+        self._last = self._solve(rotation, twist, push, W, lengths, now, wound, *self._ropes, self._last)
         return self._last

@@ -13,7 +13,7 @@ from ..mechanics.cables import Cables, straight_lengths
 from ..robot.pose import Pose
 from ..world import World
 from .boxes import Boxes
-from .bullet import Bullet, quaternion_of
+from .bullet import Bullet, import_pybullet, quaternion_of
 from .legs import Legs, fixed_leg
 from .simulator import Simulator
 from .spatial_bases import SpatialBases
@@ -65,7 +65,8 @@ class SpatialSimulator(Simulator):
             warn(f"the platform of {robot.mass:g} kg feels its cables' tips of {tips:g} kg together; "
                  "use cables=\"force\" or a smaller tip_mass", CdprWarning, stacklevel=3)
         self._tip_mass, self._bodies = tip_mass, bodies
-        self.bullet, inertia = Bullet.connect(), robot.platform.inertia
+        engine, inertia = import_pybullet(), robot.platform.inertia
+        self.bullet = Bullet(engine, engine.connect(engine.DIRECT))   # with options it would print them
         # Bullet's body frame: at the center of mass, along the principal axes of inertia.
         self._axes = np.eye(3)
         if np.count_nonzero(inertia - np.diag(np.diag(inertia))):
@@ -90,7 +91,7 @@ class SpatialSimulator(Simulator):
             self.bullet.add_box(box.size, box.position, box.yaw)
         self.boxes = Boxes(self.bullet, self.platform)
         self.bases = SpatialBases(self.bullet, robot, tip_mass)
-        self._legs: Legs | None = None
+        self._legs = Legs(self.bullet, [], self.platform, np.zeros((0, 3)))
         self.reset()
 
     # --- the interface
@@ -98,12 +99,12 @@ class SpatialSimulator(Simulator):
     def place(self, start: Pose) -> None:
         b, robot = self.bullet, self.world.robot
         self.boxes.release()
-        if self._legs is not None:
-            self._legs.remove()
+        self._legs.remove()
         center = start.position + start.rotation @ robot.platform.center_of_mass
         b.resetBasePositionAndOrientation(self.platform, center.tolist(), quaternion_of(start.rotation @ self._axes))
         b.resetBaseVelocity(self.platform, [0, 0, 0], [0, 0, 0])
-        self._legs = None if self.cables == "force" else self._add_legs(start)
+        if self.cables != "force":
+            self._legs = self._add_legs(start)
         self.whole_wrenches = np.zeros((6, robot.n_cables))
         self._read(1)
 
@@ -121,14 +122,14 @@ class SpatialSimulator(Simulator):
             self._apply(self.pushed)
         if self._bodies:
             self.bases.steer(self.dt * substeps)
-        legs, beside = self._legs, None
-        if legs is None:
-            self._apply(self.world.robot.pattern.basis(self.rotation) @ (self.wrench_matrix @ tensions))
+        beside = None
+        if self.cables == "force":
+            self._apply(self.whole_wrenches @ tensions)
             beside = tensions
         elif self.bases.pulleys.size:
-            beside = self._pull_over_pulleys(legs, tensions)
+            beside = self._pull_over_pulleys(tensions)
         else:
-            legs.pull(tensions)
+            self._legs.pull(tensions)
         self.bullet.engine.stepSimulation(self.bullet.client)
         self.steps += substeps
         self._read(substeps, beside)
@@ -140,7 +141,7 @@ class SpatialSimulator(Simulator):
         m, row = self.world.robot.n_cables, self._row.copy()
         row[cable - m] = 0.0
         self._row = frozen(row)
-        if self._legs is not None:
+        if self.cables != "force":
             self._legs.cut(cable)
 
     def contact_force(self) -> float:
@@ -181,14 +182,14 @@ class SpatialSimulator(Simulator):
 
     # --- every step
     # -------------------------------------------------------------------------------
-    def _pull_over_pulleys(self, legs: Legs, tensions: Array) -> Array:
+    def _pull_over_pulleys(self, tensions: Array) -> Array:
         """Pull with τ u: the legs with τ (u · u_leg); the rest, τ u − τ (u · u_leg) u_leg, acts at the anchor points.
 
         A base feels −τ u along the same line. Returns what the rest is of the tensions, (m,) [N].
         """
         u, ways = self.directions, self._legs_pull
         shares = (u * ways).sum(axis=1)
-        legs.pull(tensions * shares)
+        self._legs.pull(tensions * shares)
         rest = tensions[:, None] * (u - shares[:, None] * ways)
         arms = self._anchors - self.position
         self._apply(np.concatenate([rest.sum(axis=0), np.cross(arms, rest).sum(axis=0)]))
@@ -220,8 +221,7 @@ class SpatialSimulator(Simulator):
             self.diverge()
         if self._bodies:
             self.bases.look()
-        forces = () if self._legs is None else self._legs.forces()
-        self._pack(self._told, 0, *place, *quaternion, *linear, *angular, *chain.from_iterable(forces))
+        self._pack(self._told, 0, *place, *quaternion, *linear, *angular, *chain.from_iterable(self._legs.forces()))
         robot, bases = self.world.robot, self.bases
         row, W = self._platform_and_cables(self._told, self._axes, robot.platform.center_of_mass, bases.exits,
                                            robot.anchor_points, bases.pulleys, self.whole_wrenches, substeps)

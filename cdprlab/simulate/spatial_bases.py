@@ -147,10 +147,10 @@ class SpatialBases:
         """
         loads = {}
         for base, body, frame in zip(self._robot.bases, self.bodies, self.frames):
-            feet = np.insert(base.footprint, 2, 0.0, axis=1) - base.center_of_mass
+            feet = base.footprint - base.center_of_mass[:2]
             force = np.zeros(len(feet))
             for contact in self._bullet.getContactPoints(bodyA=body, linkIndexA=_BODY):
-                point = (contact[5] - frame[:, 3]) @ frame[:, :3]
+                point = (contact[5] - frame[:, 3]) @ frame[:, :2]
                 # Bullet divides a substep's impulse by the whole step.
                 force[((feet - point)**2).sum(axis=1).argmin()] += contact[9] * substeps
             loads[base.name] = force
