@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..arrays import Array, as_count, checked, data_frame, frozen, lasting
+from ..arrays import Array, Progress, as_count, checked, data_frame, frozen, lasting
 from ..errors import InvalidInput
 from ..mechanics.dynamics import inverse_dynamics
 from ..mechanics.statics import wrench_matrix
@@ -95,7 +95,7 @@ class TensionComparison:
 def compare_tensions(world: World, task: str = "default",
                      methods: str | Sequence[str] | None = None, *,
                      time_step: Annotated[float, "[s] > 0"] | None = None,
-                     progress: Callable[[int, int], Any] | None = None) -> TensionComparison:
+                     progress: Progress | None = None) -> TensionComparison:
     """Each method's tensions for W τ = M a + C v − f_g along a task's reference, without an engine.
 
     world, task : what moves, and one of its tasks' names

@@ -78,10 +78,10 @@ class Repetition:
         d = min(self.world.robot.dimension, self.final_errors.shape[1])
         words = {}
         for name, values in (("mean", self.mean), ("spread", self.spread)):
-            words[f"final position error, {name}"] = ", ".join(f"{1e3 * value:.3f}" for value in values[:d]) + " mm"
-            if len(values) > d:
-                words[f"final rotation error, {name}"] = ", ".join(
-                    f"{1e3 * value:.3f}" for value in values[d:]) + " mrad"
+            milli = [f"{1e3 * value:.3f}" for value in values]
+            words[f"final position error, {name}"] = f"{', '.join(milli[:d])} mm"
+            if milli[d:]:
+                words[f"final rotation error, {name}"] = f"{', '.join(milli[d:])} mrad"
         return words | {
             "tracking error, largest": f"{1e3 * np.nanmax(self.largest_errors):.3f} mm",
             "tensions": f"{self.smallest_tension:.1f} to {self.largest_tension:.1f} N",

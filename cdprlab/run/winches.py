@@ -67,7 +67,8 @@ class WinchControl(Command):
         rows = np.concatenate([np.zeros((0, m)), *(edge.matrix for edge in edges)])
         offsets = np.concatenate([np.zeros(0), *(edge.offset for edge in edges)]) + _RESERVE
         tau, reason = standing_tensions(W, -wrench, self.low, self.high, rows, offsets, toward=self.toward)
-        return None if reason else tau
+        self.feasible = not reason
+        return tau if self.feasible else None
 
     def paid(self, directions: Array) -> Array:
         """(m,) −B_b q̇_b, what driving bases draw of the cables [m/s]."""
@@ -114,7 +115,6 @@ class TorqueControl(WinchControl):
                       engine.tensions)
         wrench = self.law(state.time, state, wish)
         found = self.distribute(W, wrench)
-        self.feasible = found is not None
         tau = solver_for("relaxed", len(W), self.low, self.high)(W, -wrench)[0] if found is None else found
         if self.motors is None:
             engine.pull(tau, self.substeps)
@@ -152,7 +152,6 @@ class VelocityControl(WinchControl):
         self.there = _, lengths, W = engine.cables_at(wish.pose)
         found = self.distribute(W, inverse_dynamics(engine.carrying, wish.pose.rotation, wish.twist,
                                                     wish.acceleration))
-        self.feasible = found is not None
         if found is not None:
             self.wanted = found
         elastic = engine.world.robot.elasticity if engine.cables == "elastic" else None
@@ -160,14 +159,13 @@ class VelocityControl(WinchControl):
 
     def step(self, wish: Reference) -> Array:
         engine: Any = self.engine
-        ropes = engine.rope_lengths
-        missing = self.wound(wish) - ropes
+        ropes, wanted = engine.rope_lengths, self.wound(wish)
         directions, before, _ = self.there
         # J t as it is on the mean over the step: lengths that no pose has would strain redundant ropes.
         way = wish.twist * self.period + wish.acceleration * self.period**2 / 2
         robot, turn = engine.world.robot, wish.pose.rotation
         after = engine.cables_at(moved(robot, wish.pose, way @ robot.pattern.basis(turn))).lengths
-        rates = (after - before) / self.period + self.paid(directions) + self.gain * missing
+        rates = (after - before) / self.period + self.paid(directions) + self.gain * (wanted - ropes)
         kept = np.clip(rates, -robot.speed_max, robot.speed_max)
         wound = ropes + kept * self.period
         reached = (self.motors or engine).bring(wound, self.substeps) and (kept == rates).all()

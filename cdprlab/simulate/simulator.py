@@ -95,8 +95,7 @@ class Simulator(ABC):
         Returns (3p,) what they drive: clipped to each base's limits, 0 where a direction is
         held.
         """
-        driven: Array = self.bases.drive(speeds)
-        return driven
+        return np.asarray(self.bases.drive(speeds))
 
     # --- the interface
     # ----------------------------------------------------------------------------
@@ -149,7 +148,7 @@ class Simulator(ABC):
         wishes = lengths.tolist()
         # Mostly all ropes together change by less than any one of them may.
         if not (math.dist(wishes, before.tolist()) < self._surely * substeps and min(wishes) > 0):
-            if not 0 < min(wishes) <= max(wishes) < math.inf:
+            if not all(0 < wish < math.inf for wish in wishes):
                 raise InvalidInput(f"rope lengths must be {len(before)} positive numbers [m], got {quoted(wishes)}")
             # A winch exactly at its limit must not fail by rounding.
             farthest = self._most * substeps + 1e-9
@@ -252,8 +251,7 @@ class Simulator(ABC):
 
     @property
     def base_poses(self) -> Array:
-        poses: Array = self.bases.poses
-        return poses
+        return np.asarray(self.bases.poses)
 
     @property
     def robot(self) -> Robot:
