@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Annotated, Any, Literal
 from warnings import warn
 
@@ -31,6 +32,8 @@ from .winches import TorqueControl, VelocityControl, WinchControl
 
 Cuts = Mapping[float, ArrayLike]
 """Time [s] → the cables cut then, by index from 0."""
+
+caution = partial(warn, category=CdprWarning, stacklevel=2)
 
 _WOUND = 1e-9   # m: what rounding leaves of a rope's length
 
@@ -158,7 +161,7 @@ def run(world: World, task: str = "default",
         start = distribute_tensions(wrench_matrix(robot, job.start), gravity_wrench(robot, job.start),
                                     robot.tension_min, robot.tension_max)
         if not start.feasible:
-            warn(f"the winches do not hold the platform where it starts: {start.reason}", CdprWarning, stacklevel=2)
+            caution(f"the winches do not hold the platform where it starts: {start.reason}")
     base_poses: list[Array] = []
 
     def drive(now: float) -> Robot:
@@ -222,8 +225,8 @@ def run(world: World, task: str = "default",
             longer = seen["lengths"][1:] - let_out
             # By how much a cable that is held may be longer, or slack, than its rope: 1 mm and the stretch.
             allowed: Any = 1e-3
-            if cables == "elastic" and flown.robot.elasticity is not None:
-                stretch = seen["lengths"][1:] * run.measured_tensions / flown.robot.elasticity.axial_stiffness
+            if body.elasticity is not None:
+                stretch = seen["lengths"][1:] * run.measured_tensions / body.elasticity.axial_stiffness
                 allowed = 1e-3 + stretch.max(axis=1, keepdims=True)
             if not flight.cut_short:
                 bad = (longer > np.max(allowed)) & run.feasible[:, None]
@@ -238,7 +241,7 @@ def run(world: World, task: str = "default",
         engine.reset(job.start)
         return fly(engine, command, wishes(), record, substeps)
     except WinchOverrun as error:
-        warn(f"{error}: the run ends there", CdprWarning, stacklevel=2)
+        caution(f"{error}: the run ends there")
         return error.run
     finally:
         if simulator is None:
@@ -250,12 +253,11 @@ def _hang(engine: Any, body: Simulator, command: Command, begin: Reference) -> N
     lengths = (command.wound(begin) if isinstance(command, StretchedLengths | VelocityControl) else
                cable_lengths(engine.robot, begin.pose)) - getattr(engine, "offsets", 0.0)
     if np.abs(lengths - body.paid_out).max() > _WOUND:
-        elastic = body.world.robot.elasticity
-        stiffness = elastic.axial_stiffness if elastic and body.cables == "elastic" else None
+        stiffness = None if body.elasticity is None else body.elasticity.axial_stiffness
         try:
             engine.reset(equilibrium(body.robot, lengths, begin.pose, axial_stiffness=stiffness).pose)
         except (NoConvergence, InvalidInput) as error:
-            warn(f"the run begins where its task does, not at rest: {error}", CdprWarning, stacklevel=2)
+            caution(f"the run begins where its task does, not at rest: {error}")
         body.paid_out = lengths
 
 
@@ -277,9 +279,9 @@ def control_steps(dt: Annotated[float, "[s] > 0"],
 def _tell_longer(run: Run, bad: Any, let_out: Array, longer: Array) -> None:
     """Warn where a rope was first longer than it can be; bad : (N, m) where that is so."""
     for k, cable in np.argwhere(bad)[:1]:
-        warn(f"at t = {run.time[k]:.4g} s cable {cable + 1} spans {longer[k, cable]:.3g} m more than the "
+        caution(f"at t = {run.time[k]:.4g} s cable {cable + 1} spans {longer[k, cable]:.3g} m more than the "
              f"{let_out[k, cable]:.4g} m of its rope: something holds the platform, or the engine does not; "
-             "a smaller dt may help", CdprWarning, stacklevel=2)
+             "a smaller dt may help")
 
 
 def _tell_short(run: Run, short: Any) -> None:
@@ -287,9 +289,9 @@ def _tell_short(run: Run, short: Any) -> None:
     steps, torques, speeds = np.flatnonzero(short), run.motor_torques, run.motor_speeds
     if steps.size and torques is not None and speeds is not None:
         k = steps[0]
-        warn(f"at t = {run.time[k]:.4g} s the motor of cable {short[k]} could not do what was asked of it: it gave "
+        caution(f"at t = {run.time[k]:.4g} s the motor of cable {short[k]} could not do what was asked of it: it gave "
              f"{torques[k, short[k] - 1]:.3g} N m at {speeds[k, short[k] - 1]:.3g} rad/s; "
-             f"{steps.size} of {short.size} steps are like that", CdprWarning, stacklevel=2)
+             f"{steps.size} of {short.size} steps are like that")
 
 
 def _mistrust(run: Run, commanded: Array) -> None:
@@ -300,8 +302,8 @@ def _mistrust(run: Run, commanded: Array) -> None:
         asked, carried = commanded[k, cable], run.measured_tensions[k, cable]
         remedy = ("no cable can: let the method keep its limits, infeasible=\"relax\"" if asked < 0 else
                   "do not trust it; cables=\"force\" or a smaller dt may help")
-        warn(f"at t = {run.time[k]:.4g} s cable {cable + 1} was to carry {asked:.4g} N and carried {carried:.4g} N: "
-             f"{remedy}", CdprWarning, stacklevel=2)
+        caution(f"at t = {run.time[k]:.4g} s cable {cable + 1} was to carry {asked:.4g} N and carried {carried:.4g} N: "
+             f"{remedy}")
 
 
 def _cut_steps(cut: Cuts, m: int, steps: int, period: float) -> dict[int, list[int]]:

@@ -37,6 +37,7 @@ class WinchControl(Command):
 
     standing : whether tipping rows are in the quadratic program
     toward : tension the distribution stays near, 0 for the least norm [N]
+    friction : that the motors are believed to have; default: the winches' own
     """
 
     name: ClassVar[str]
@@ -44,6 +45,7 @@ class WinchControl(Command):
     feasible: bool
     standing = True
     toward = 0.0
+    friction: Friction | None = None
 
     @abstractmethod
     def cables(self, world: World, asked: str = "tension") -> str:
@@ -56,6 +58,8 @@ class WinchControl(Command):
         self.low, self.high = robot.tension_min + margin, robot.tension_max - margin
         self.footings = footings(robot) if self.standing else []
         self.motors, self.wanted = engine if isinstance(engine, Motors) else None, np.zeros(robot.n_cables)
+        if self.motors is not None and self.friction is not None:
+            self.motors.believed = replace(self.motors.believed, **self.friction._asdict())
         return super().start(engine if self.motors is None else engine.engine, substeps)
 
     def distribute(self, W: Array, wrench: Array) -> Array | None:
@@ -101,12 +105,6 @@ class TorqueControl(WinchControl):
     def cables(self, world: World, asked: str = "tension") -> str:
         if asked in WOUND:
             raise InvalidInput(f"torque control commands tension or force, not the cables' {quoted(asked)}")
-        return asked
-
-    def start(self, engine: Any, substeps: int) -> Columns:   # a Simulator, or what is believed of one
-        asked = super().start(engine, substeps)
-        if self.motors is not None and self.friction is not None:
-            self.motors.believed = replace(self.motors.believed, **self.friction._asdict())
         return asked
 
     def step(self, wish: Reference) -> Array:

@@ -61,7 +61,7 @@ class Bullet(NamedTuple):
             [0, 0, 0],
             parentFrameOrientation=quaternion_of(ra.T @ rb)))
 
-    def add_chain(self, links: list[Link], joints: list[float], position: Array | None = None,
+    def add_chain(self, links: list[Link], joints: list[float], position: list[float] = ORIGIN,
                   turn: list[float] = STRAIGHT) -> int:
         """One body of these links, without motors, damping or a limit of its joints' speeds.
 
@@ -70,8 +70,7 @@ class Bullet(NamedTuple):
         n = len(links)
         mass, shapes, places, turns, parents, kinds, axes = map(list, zip(*links))
         body = int(self.createMultiBody(
-            0, -1, basePosition=ORIGIN if position is None else position.tolist(),
-            baseOrientation=turn,
+            0, -1, basePosition=position, baseOrientation=turn,
             linkMasses=mass, linkCollisionShapeIndices=shapes, linkVisualShapeIndices=[-1] * n,
             linkPositions=places,
             linkOrientations=turns, linkInertialFramePositions=[ORIGIN] * n,

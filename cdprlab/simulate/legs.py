@@ -76,7 +76,7 @@ def fixed_leg(bullet: Bullet, exit_point: Array, anchor: Array, middle: Array, t
     """
     aim = turn_z_to(middle - exit_point)
     return bullet.add_chain(leg_links(bullet, tip_mass, 0, 0, ORIGIN, STRAIGHT),
-                            leg_joints(bullet, aim, anchor - exit_point), exit_point, aim), 2
+                            leg_joints(bullet, aim, anchor - exit_point), exit_point.tolist(), aim), 2
 
 
 def leg_links(bullet: Bullet, tip_mass: float, first: int, parent: int, place: list[float],
