@@ -117,6 +117,6 @@ def try_errors(world: World, sequence: ConfigurationSequence, trials: int, *,
     return found
 
 
-def _longest(true: Flags) -> int:
+def _longest(true: Any) -> int:
     """Length of the longest row of true values."""
     return max((len(list(row)) for value, row in groupby(true) if value), default=0)
