@@ -109,6 +109,8 @@ def test_plumb_cables_by_hand():
     taut = cl.sagging_cable([0.0, 3.0], 2.9, 0.5, ea)
     assert taut.force_at_exit[1] == pytest.approx(ea * (3 / 2.9 - 1) - w * 2.9 / 2, rel=1e-12)
     assert cl.sagging_cable([0.0, 0.0], 1.0, 0.5, ea).force_at_exit[1] == pytest.approx(-w / 2, rel=1e-12)
+    just = cl.sagging_cable([0.0, -3.0], 3.0, 0.5, ea)   # as long as its span: its weight stretches it to a small loop
+    assert just.force_at_anchor[1] == pytest.approx(-w * 9 * w / (4 * ea + 6 * w), rel=1e-9)
 
 
 @pytest.mark.parametrize(("span", "length", "density", "ea"), [

@@ -36,8 +36,7 @@ def position_sensitivity(exits: Triangle, position: Annotated[Array, "(…, 3) [
     inverse = np.abs(np.linalg.inv(np.where(regular[..., None, None], center, np.eye(3))))
     growth = inverse @ radius
     regular &= np.abs(np.linalg.eigvals(growth)).max(axis=-1) < 1
-    bound = np.linalg.solve(np.where(regular[..., None, None], np.eye(3) - growth, np.eye(3)),
-                            inverse.sum(axis=-1)[..., None])
+    bound = np.linalg.solve(np.eye(3) - growth * regular[..., None, None], inverse.sum(axis=-1)[..., None])
     return np.where(regular, bound[..., 0].max(axis=-1), np.inf)
 
 

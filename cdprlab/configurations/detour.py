@@ -76,7 +76,7 @@ def _between(safe: Callable[[Array, Array], list[ConfigurationSequence]], S: Arr
     side /= np.linalg.norm(side)
     points = [S + share * way + offset * side for share, offset in product(_SHARES, _OFFSETS)]
     points = [V for V in points if _certain(regions, V)]
-    for V in sorted(points, key=lambda V: float(np.linalg.norm(V - S) + np.linalg.norm(G - V))):
+    for V in sorted(points, key=lambda V: np.linalg.norm(V - S) + np.linalg.norm(G - V)):
         if legs := list(product(safe(S, V), safe(V, G))):
             return min(starmap(_joined, legs), key=lambda sequence: sequence.score)
     return None

@@ -120,7 +120,7 @@ def _below(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None
         return None
     middle = points.mean(axis=0)
     off = points - middle
-    return middle, float(np.maximum(np.linalg.norm(off[:, :2], axis=1), np.abs(off[:, 2])).max())
+    return middle, np.maximum(np.linalg.norm(off[:, :2], axis=1), np.abs(off[:, 2])).max()
 
 
 def _below_three(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:

@@ -6,40 +6,35 @@ every coordinate, so that the range over boxes is found at their corners.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cache
 from itertools import product
 from typing import Annotated
 
 import numpy as np
 
-from ..arrays import Array, checked
+from ..arrays import Array, checked, frozen_dataclass
 from .configuration import HalfWidth, counterclockwise
 
 Triangle = Annotated[Array, "(3, 3) [m]"]
 """Three exit points."""
 
 
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Region:
     """The positions where a triplet holds a load, its exit points and the position known up to ± errors.
 
-    normals : (K, 3), one row for each condition and each corner of the exit points' boxes
-    offsets : (K,), so that the value is ``normals @ M − offsets``
-    spreads : (K,), what the position's own error adds or takes
-    firsts : the first row of each condition
+    normals : (K, 4, 3), of each condition, the sides' first, at each corner of the exit points' boxes
+    offsets : (K, 4), so that the value is ``normals @ M − offsets``
+    spreads : (K, 4), what the position's own error adds or takes
     """
 
     normals: Array
     offsets: Array
     spreads: Array
-    firsts: tuple[int, ...]
 
     def ranges(self, positions: Array) -> tuple[Array, Array]:
         """Lower and upper end of each condition's range at positions (…, 3): the sides', then the plane's (…, 4)."""
-        values = positions @ self.normals.T - self.offsets
-        return (np.minimum.reduceat(values - self.spreads, self.firsts, axis=-1),
-                np.maximum.reduceat(values + self.spreads, self.firsts, axis=-1))
+        values = np.tensordot(positions, self.normals, (-1, -1)) - self.offsets
+        return (values - self.spreads).min(axis=-2), (values + self.spreads).max(axis=-2)
 
     def certainty(self, positions: Array) -> tuple[Array, Array]:
         """Smallest lower and smallest upper end of the conditions' ranges at positions (…, 3): two arrays (…).
@@ -63,8 +58,8 @@ class Region:
             zeros = -begin / slope
         if (begin[slope == 0] <= 0).any():
             return None
-        first = float(max(0.0, zeros[slope > 0].max(initial=0.0)))
-        last = float(min(1.0, zeros[slope < 0].min(initial=1.0)))
+        first = float(zeros[slope > 0].max(initial=0.0))
+        last = float(zeros[slope < 0].min(initial=1.0))
         return (first, last) if first <= last else None
 
     def polygon(self, triangle: Array, height: float) -> Array:
@@ -73,8 +68,8 @@ class Region:
         triangle : (3, 2) of the exit points in plan, which holds it [m]
         height : z of the positions [m]
         """
-        corners, n = triangle, self.normals[:, :2]
-        c = self.offsets + self.spreads - self.normals[:, 2] * height
+        corners, n = triangle, self.normals[..., :2].reshape(-1, 2)
+        c = (self.offsets + self.spreads - self.normals[..., 2] * height).ravel()
         while len(corners) and (short := (corners @ n.T - c).min(axis=0)).min() < -_ON_EDGE:
             corners = _cut(corners, n[short.argmin()], c[short.argmin()])
         return corners
@@ -107,21 +102,12 @@ def region(exits: Triangle, exit_uncertainty: HalfWidth = 0.0, position_uncertai
     >>> region(corners).window(np.array([1, 1, 0.0]), np.array([1, 3, 0.0]))
     (0.0, 0.625)
     """
-    a = counterclockwise(exits)
-    # Only the plan view of two exit points enters a side.
-    shifts = _corners(4).reshape(-1, 2, 2) * exit_uncertainty
-    starts, ends = a[:, None, :2] + shifts[:, 0], np.roll(a, -1, axis=0)[:, None, :2] + shifts[:, 1]
-    x, y = np.moveaxis(ends - starts, -1, 0)
-    sides = np.stack([-y, x, 0 * x], axis=-1).reshape(-1, 3)
-    corners = a + _corners(9).reshape(-1, 3, 3) * exit_uncertainty
-    down = -np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals = np.concatenate([sides, down])
-    points = np.concatenate([np.pad(starts.reshape(-1, 2), ((0, 0), (0, 1))), corners[:, 0]])
-    return Region(normals, (normals * points).sum(axis=1), position_uncertainty * np.abs(normals).sum(axis=1),
-                  (0, *range(len(shifts), len(sides) + 1, len(shifts))))
+    corners = counterclockwise(exits) + exit_uncertainty * _CORNERS
+    edges = np.roll(corners, -1, axis=1) - corners
+    normals = np.concatenate([np.cross([0, 0, 1], edges), np.cross(edges[:, :1], edges[:, 2:])], axis=1)
+    return Region(normals, (normals * corners[:, [0, 1, 2, 0]]).sum(axis=-1),
+                  position_uncertainty * np.abs(normals).sum(axis=-1))
 
 
-@cache
-def _corners(n: int) -> Array:
-    """(2ⁿ, n) of ±1."""
-    return np.array(list(product((-1.0, 1.0), repeat=n)))
+_CORNERS = np.array([*product((-1.0, 1.0), repeat=9)]).reshape(-1, 3, 3)
+"""Of three exit points' boxes of half width 1."""

@@ -55,10 +55,6 @@ class ConfigurationSequence:
     safe: bool
     method: str = "stability"
 
-    def __post_init__(self) -> None:
-        for position, _ in self.steps:
-            frozen(position)
-
     @property
     def score(self) -> float:
         """Of the whole sequence."""
@@ -103,8 +99,7 @@ class _Way:
         return {chosen: window for chosen, window in windows.items() if window is not None}
 
     def at(self, share: float | Array) -> Array:
-        share = np.asarray(share)[..., None]
-        return (1 - share) * self.start + share * self.end  # exact at both ends
+        return frozen(self.start + np.multiply.outer(share, self.end - self.start))
 
     def grade(self, chosen: Configuration, places: Array) -> Array:
         """Of a configuration at places (…, 3), larger is better: min d / max d, or minus its sensitivity."""
@@ -149,7 +144,7 @@ class _Way:
             if abs(np.linalg.det(ways)) >= _EDGE:
                 share, along = np.linalg.solve(ways, a - self.start[:2])
                 if 0 <= share <= 1 and 0 <= along <= 1:
-                    return float(share)
+                    return share
         return np.nan
 
 
@@ -279,7 +274,7 @@ def _switch(way: _Way, old: Configuration, new: Configuration, first: float, las
     for _ in range(_ZOOMS):  # both grades are smooth: a grid, then finer ones around its best point
         shares = np.linspace(low, high, _GRID)
         grades = [way.grade(chosen, way.at(shares)) for chosen in (old, new)]
-        best = float(shares[np.minimum(*grades).argmax()])
+        best = shares[np.minimum(*grades).argmax()]
         width = (high - low) / (_GRID - 1)
         low, high = max(first, best - width), min(last, best + width)
     return best

@@ -73,7 +73,7 @@ def _pull_in(box: Intervals, low: float, high: float) -> float:
     for _ in range(4):
         ends = np.linspace(low, high, 33)
         proven = _out_of_reach(box, Intervals(np.full(32, low - 1.0), ends[1:]))
-        first = int(proven.argmin())        # the last one, which is the whole range, is not out of reach
+        first = proven.argmin()        # the last one, which is the whole range, is not out of reach
         low, high = ends[first], ends[first + 1]
     return low
 

@@ -1,12 +1,11 @@
 """A sequence of configurations as rope lengths over time: the chosen cables taut, the others let out by some slack."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 
-from ..arrays import Array, Flags, checked
+from ..arrays import Array, Flags, checked, frozen_dataclass
 from ..errors import InvalidInput
 from ..mechanics.cables import cable_lengths
 from ..mechanics.trajectory import PEAK_SPEED, rest_to_rest
@@ -15,7 +14,7 @@ from ..robot.pose import Pose
 from .sequence import ConfigurationSequence
 
 
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Winding:
     """What the winches do, one row a time step.
 

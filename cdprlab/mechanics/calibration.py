@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, checked, frozen, lasting
+from ..arrays import Array, as_array, checked, frozen, frozen_dataclass
 from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from ..robot.pose import Pose
@@ -30,8 +30,7 @@ Problem = Callable[[Array], tuple[Array, Array]]
 """Unknowns (K,) → what is left (k,), and its slopes (k, K)."""
 
 
-@lasting
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class Calibration:
     """What `calibrate` found: K unknowns in the order asked for, cable after cable, the platform's last.
 
@@ -93,7 +92,9 @@ def calibrate(robot: Robot, poses: Pose, lengths: ArrayLike,
     pulls = None if tensions is None else as_array(tensions, "tensions", shape, "N")
     if pulls is not None and not {*kinds} & {*_PLATFORM}:
         kinds += _PLATFORM
-    table = _table(robot)
+    # What is believed of each cable, as `length_slopes` orders it; radius 0 without pulley.
+    table = np.array([[*cable.exit_point, *cable.anchor_point, cable.length_offset,
+                       cable.pulley.radius if cable.pulley else 0.0] for cable in robot.cables])
     places, names = _chosen(robot, kinds)
     own = [k for k in places if k < table.size]
     sought = [k - table.size for k in places[len(own):]]
@@ -143,12 +144,6 @@ def length_slopes(robot: Robot, poses: Pose) -> Array:
     own = np.concatenate([exits, -u @ poses.rotation, np.stack([np.ones_like(lengths), (lengths - along) / radii],
                                                                axis=-1)], axis=-1)
     return (own[:, :, None] * np.eye(robot.n_cables)[:, :, None]).reshape(*lengths.shape, -1)
-
-
-def _table(robot: Robot) -> Array:
-    """(m, 2 d + 2): what is believed of each cable, as `length_slopes` orders it; radius 0 without pulley."""
-    return np.array([[*cable.exit_point, *cable.anchor_point, cable.length_offset,
-                      cable.pulley.radius if cable.pulley else 0.0] for cable in robot.cables])
 
 
 def _rebuilt(robot: Robot, table: Array) -> Robot:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, as_count, checked, common_batch, frozen, lasting
+from ..arrays import Array, as_array, as_count, checked, common_batch, frozen, frozen_dataclass, lasting
 from ..errors import InfeasibleTensions, InvalidInput
 from ..robot import STANDARD_GRAVITY, Robot
 from ..robot.pose import Pose, cross
@@ -33,8 +32,7 @@ _PRECISE = np.longdouble
 """A stiff cable's force is the small difference of span and length: where the machine has digits to spare, use them."""
 
 
-@lasting
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class SaggingCable:
     """A cable that hangs between its exit point A and its anchor point B, at rest.
 
@@ -289,14 +287,12 @@ def _hanging(span: Any, length: Any, weight: Any, ea: Any) -> tuple[Any, _Hung]:
         *(np.asarray(number, dtype=_PRECISE) for number in (*span, length, weight, ea)))
     chord = np.maximum(np.hypot(across, up), _TINY)
     excess = chord / length - 1
-    # Taut: T = EA (c / L − 1); sagging: c / L = 1 − (w L cos)² / 24 T². Plumb: exactly.
+    # Taut: T = EA (c / L − 1); sagging: c / L = 1 − (w L cos)² / 24 T².
     sag = (weight * length * across / chord)**2 / 24
-    with np.errstate(divide="ignore"):
-        tension = ea * np.maximum(excess, 0) + np.minimum(np.cbrt(sag * ea), np.sqrt(sag / np.abs(excess)))
-    plumb = np.where(np.abs(up) > length * (1 + weight * length / 2 / ea), np.sign(up) * ea * excess,
-                     up / (length / ea + 2 / weight))
+    with np.errstate(divide="ignore", invalid="ignore"):   # 0 / 0 of a plumb cable as long as its span
+        tension = ea * np.maximum(excess, 0) + np.fmin(np.cbrt(sag * ea), np.sqrt(sag / np.abs(excess)))
     span = np.stack([across, up])
-    force = np.stack([tension * across / chord, np.where(across == 0, plumb, tension * up / chord)])
+    force = tension / chord * span
     cable, share, least = _hung(force, length, weight, ea), np.array(1.0), np.finfo(_PRECISE).eps * (chord + length)
     for _ in range(_MOST_STEPS):
         way = span - cable.end

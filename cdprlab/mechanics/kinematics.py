@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from typing import Annotated, Any, Literal, overload
 
@@ -62,15 +63,14 @@ def base_jacobian(robot: Robot, pose: Pose, pivot: Pivot = "base") -> Array:
     >>> base_jacobian(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).shape
     (8, 0)
     """
-    directions, starts = cable_directions(robot, pose), tangent_points(robot, pose)
-    columns = np.zeros((*directions.shape[:-1], 3 * len(robot.bases)))
+    u = cable_directions(robot, pose)
+    starts = tangent_points(robot, pose)
+    columns = [np.zeros((*u.shape[:-1], 0))]
     for k, base in enumerate(robot.bases):
-        carried = np.equal(robot.base_indices, k)
-        u = directions[..., carried, :]
-        arms = starts[..., carried, :] - (base.origin if pivot == "base" else 0.0)
-        columns[..., carried, 3 * k] = -cross(arms[..., :2], u[..., :2])[..., 0]
-        columns[..., carried, 3 * k + 1:3 * k + 3] = -u @ base.rotation[:, :2]
-    return columns
+        arms = starts - (base.origin if pivot == "base" else 0.0)
+        moves = np.concatenate([cross(arms[..., :2], u[..., :2]), u @ base.rotation[:, :2]], axis=-1)
+        columns.append(np.where(np.equal(robot.base_indices, k)[:, None], -moves, 0.0))
+    return np.concatenate(columns, axis=-1)
 
 
 @overload
@@ -114,13 +114,11 @@ def forward_kinematics(robot: Robot, lengths: ArrayLike, guess: Pose,
         if batch:
             raise InvalidInput(f"all_solutions takes one guess and one set of lengths, got a batch of shape {batch}")
         return _assemblies(robot, measured, guess, tolerance)
-    position = np.array(np.broadcast_to(guess.position, (*batch, robot.dimension)))
-    rotation = np.array(np.broadcast_to(guess.rotation,
-                                        (*batch, robot.dimension, robot.dimension)))
-    measured = np.broadcast_to(measured, (*batch, robot.n_cables))
+    position = guess.position + np.zeros((*batch, 1))
+    rotation = guess.rotation + np.zeros((*batch, 1, 1))
+    measured = measured + np.zeros((*batch, 1))
     for index in np.ndindex(batch):
-        found = _fit_pose(robot, measured[index],
-                          Pose.of(position[index], rotation[index]), tolerance)
+        found = _fit_pose(robot, measured[index], Pose.of(position[index], rotation[index]), tolerance)
         position[index], rotation[index] = found.position, found.rotation
     return Pose.of(position, rotation)
 
@@ -153,9 +151,21 @@ def moved(robot: Robot, start: Pose, x: Array) -> Pose:
 def moved_rates(robot: Robot, start: Pose, x: Array) -> Array:
     """∂t/∂ẋ (n, n) of the twist t at `moved`, in the rows there: ω = J_l(r) ṙ of the turn r = S_ω x, in the plane ṙ."""
     S, d = robot.pattern.basis(start.rotation), robot.dimension
-    rates = np.eye(len(S))
+    rates, rows = np.eye(len(S)), S
     rates[d:, d:] = rotation_vector_jacobian(S[d:] @ x)
-    return robot.pattern.basis(moved(robot, start, x).rotation).T @ rates @ S
+    if robot.motion_pattern == "2R3T":   # no other pattern's rows turn along
+        rows = robot.pattern.basis(moved(robot, start, x).rotation)
+    return rows.T @ rates @ S
+
+
+def seen_from(robot: Robot, start: Pose) -> Callable[[Array], tuple[Pose, Cables]]:
+    """x → the pose at `moved`, and its cables; looked at once, however many ask of the same x."""
+    @cache
+    def seen(x: bytes) -> tuple[Pose, Cables]:
+        pose = moved(robot, start, np.frombuffer(x))
+        return pose, cables_at(robot, pose)
+
+    return lambda x: seen(x.tobytes())
 
 
 def _assemblies(robot: Robot, lengths: Array, guess: Pose, tolerance: float) -> list[Pose]:
@@ -182,15 +192,13 @@ def _assemblies(robot: Robot, lengths: Array, guess: Pose, tolerance: float) -> 
 
 
 def _fit_pose(robot: Robot, lengths: Array, start: Pose, tolerance: float) -> Pose:
-    @cache   # the slope is asked where the lengths were
-    def cables(x: bytes) -> Cables:
-        return cables_at(robot, moved(robot, start, np.frombuffer(x)))
+    near = seen_from(robot, start)
 
     def residuals(x: Array) -> Array:
-        return cables(x.tobytes()).lengths - lengths
+        return near(x)[1].lengths - lengths
 
     def slopes(x: Array) -> Array:
-        return -cables(x.tobytes()).wrench_matrix.T @ moved_rates(robot, start, x)
+        return -near(x)[1].wrench_matrix.T @ moved_rates(robot, start, x)
 
     # Fewer cables than freedoms leave "lm" without a square problem.
     method = "lm" if robot.n_cables >= robot.n_dof else "trf"
@@ -207,4 +215,4 @@ def _fit_pose(robot: Robot, lengths: Array, start: Pose, tolerance: float) -> Po
         raise NoConvergence(f"no pose near the guess has these cable lengths: cable {worst + 1} is off by "
                             f"{left[worst]:.3g} m, allowed {tolerance:g} m; check the lengths, start nearer, or "
                             "pass tolerance=inf for the least-squares pose", left)
-    return moved(robot, start, x)
+    return near(x)[0]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -12,10 +11,10 @@ from ..arrays import Array, as_array, checked, frozen, lasting
 from ..errors import InvalidInput, NoConvergence
 from ..robot import Robot
 from ..robot.pose import Pose
-from .cables import cable_lengths, check_dimension
-from .kinematics import jacobian, moved, moved_rates
+from .cables import check_dimension
+from .kinematics import moved_rates, seen_from
 from .optimization import least_squares
-from .statics import gravity_wrench, wrench_matrix
+from .statics import gravity_wrench
 
 _TAUT = 1e-6
 """[m] a cable that much shorter than its length is slack."""
@@ -64,22 +63,24 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
     if robot.gravity <= 0:
         raise InvalidInput("without gravity nothing hangs: the robot's gravity must be positive [m/s²]")
     weight, n = robot.mass * robot.gravity, robot.n_dof
-    stiffness = 0.0 if axial_stiffness is None else axial_stiffness / weight
-    at = partial(moved, robot, guess)
+    stiffness = (axial_stiffness or 0.0) / weight   # 0 of cables that do not stretch
+    near = seen_from(robot, guess)
 
     # Forces and energies are those of a weight of 1 N.
     def over(x: Array) -> Array:
-        return cable_lengths(robot, at(x)) - allowed
+        return near(x)[1].lengths - allowed
 
     def stretched(x: Array) -> Array:
         return stiffness * np.maximum(over(x) / allowed, 0.0)
 
     def energy(x: Array) -> float:
-        center = at(x).position + at(x).rotation @ robot.platform.center_of_mass
+        pose = near(x)[0]
+        center = pose.position + pose.rotation @ robot.platform.center_of_mass
         return float(center[-1] + stretched(x) @ np.maximum(over(x), 0.0) / 2)
 
     def missed(x: Array, pulls: Array) -> Array:
-        return wrench_matrix(robot, at(x)) @ pulls + gravity_wrench(robot, at(x)) / weight
+        pose, cables = near(x)
+        return cables.wrench_matrix @ pulls + gravity_wrench(robot, pose) / weight
 
     def slope(x: Array) -> Array:
         return -missed(x, stretched(x)) @ moved_rates(robot, guess, x)
@@ -89,13 +90,13 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
         x = minimize(energy, np.zeros(n), jac=slope, method="BFGS").x
     else:
         kept = {"type": "ineq", "fun": lambda x: -over(x),
-                "jac": lambda x: -jacobian(robot, at(x)) @ moved_rates(robot, guess, x)}
+                "jac": lambda x: near(x)[1].wrench_matrix.T @ moved_rates(robot, guess, x)}
         x = minimize(energy, np.zeros(n), jac=slope, constraints=[kept], method="SLSQP",
                      options={"maxiter": 1000, "ftol": 1e-14}).x
         # The program says which cables carry; equilibrium and their lengths then say exactly where.
         taut = over(x) > -_TAUT
         if taut.any():
-            pulls[taut] = nnls(wrench_matrix(robot, at(x))[:, taut], -missed(x, pulls))[0]
+            pulls[taut] = nnls(near(x)[1].wrench_matrix[:, taut], -missed(x, pulls))[0]
         carrying = pulls > _STILL   # one that carries but rounding might end up pushing
 
     def tensions(z: Array) -> Array:
@@ -111,4 +112,4 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
     if not (np.abs(unrest(z)).max() <= _STILL and (stiffness or longer.max() <= _TAUT) and tensions(z).min() >= 0):
         raise NoConvergence("no pose near the guess is at rest on cables of these lengths; check the lengths, or start "
                             "nearer to where the load should hang", longer)
-    return AtRest(at(z[:n]), frozen(weight * tensions(z)))
+    return AtRest(near(z[:n])[0], frozen(weight * tensions(z)))

@@ -203,13 +203,10 @@ def _tensions(robot: Robot, pose: Pose, tensions: ArrayLike) -> Array:
 
 def _swing(robot: Robot, pose: Pose, u: Array, tau: Array, lengths: Array) -> Array:
     """(…, m, d, d) G with τ du = −G db as anchor points (…, m, d) move: v vᵀ and n nᵀ as `stiffness` has them."""
-    across = np.eye(robot.dimension) - u[..., :, None] * u[..., None, :]
-    if not robot.pulleys.size:
-        return across * (tau / lengths)[..., None, None]
     away, radii, axes = -exits_from_anchors(robot, pose), robot.pulleys[:, 0], robot.pulleys[:, 1:]
-    straight = straight_lengths(away, robot.pulleys)
-    G = across * (tau / straight)[..., None, None]
-    if robot.dimension == 3:   # in the plane wheels do not swivel
+    straight = straight_lengths(away, robot.pulleys) if robot.pulleys.size else lengths
+    G = (np.eye(robot.dimension) - u[..., :, None] * u[..., None, :]) * (tau / straight)[..., None, None]
+    if robot.pulleys.size and robot.dimension == 3:   # in the plane wheels do not swivel
         aside = np.cross(axes, away)   # x n
         x = np.where(radii > 0, np.linalg.norm(aside, axis=-1), 1.0)
         other = tau * (np.linalg.norm(np.cross(axes, u), axis=-1) / x - 1 / straight) / x**2
@@ -229,7 +226,7 @@ def _weight(robot: Robot, mass: float) -> Array:
 
 def _edges(base: Base) -> tuple[Array, Array]:
     """(k, d) a point and (k, 3 or 1) the axis of each edge, seen from the base; positive moments tip outwards."""
-    if base.center_of_mass.shape[0] == 2:
+    if base.center_of_mass.size == 2:
         outward = np.sign(base.footprint[:, 0] - base.footprint[::-1, 0])
         return base.footprint, -outward[:, None]
     contacts = np.pad(base.footprint, ((0, 0), (0, 1)))

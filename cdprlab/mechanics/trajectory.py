@@ -7,7 +7,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, as_array, checked, frozen, frozen_dataclass, lasting
+from ..arrays import Array, as_array, checked, frozen_dataclass, lasting
 from ..errors import InvalidInput
 from ..robot.pose import (
     Pose,
@@ -50,10 +50,7 @@ class Trajectory:
     start: Pose
     end: Pose
     duration: float
-    coefficients: Array
-
-    def __post_init__(self) -> None:
-        frozen(self.coefficients)
+    coefficients: Annotated[Array, "(6, n)"]
 
     def __call__(self, t: ArrayLike) -> Reference:
         times = as_array(t, "t", (), "s", batch=True)

@@ -34,7 +34,7 @@ class Pulley:
     axis: Annotated[Array, "(d,)"]
 
     def __post_init__(self) -> None:
-        size = float(np.linalg.norm(self.axis))
+        size = np.linalg.norm(self.axis)
         if abs(size - 1) > _UNIT:
             raise InvalidInput("axis of a pulley must be a unit vector, the way the cable travels towards its exit "
                                f"point, got {self.axis.tolist()}, of length {size:.4g}", ("axis",))
@@ -127,12 +127,12 @@ class Base:
     @property
     def rotation(self) -> Array:
         """(d, d) from the base's frame to the world."""
-        return turned_to(self.heading, self.center_of_mass.shape[0])
+        return turned_to(self.heading, self.center_of_mass.size)
 
     @property
     def origin(self) -> Array:
         """(d,) of the base's frame in the world; spatial bases stand at z = 0 [m]."""
-        return np.concatenate([self.position, np.zeros(self.center_of_mass.shape[0] - 2)])
+        return np.concatenate([self.position, np.zeros(self.center_of_mass.size - 2)])
 
     def to_world(self, points: ArrayLike) -> Array:
         """(…, d) points of the base's frame in the world [m]."""
@@ -264,7 +264,8 @@ def _counter_clockwise(points: Array, d: int) -> Array:
     # Along every edge all other corners lie on one side.
     edges, on_it = np.roll(points, -1, axis=0) - points, np.eye(len(points), dtype=bool)
     sides = cross(edges[:, None], points - points[:, None])[~(on_it | np.roll(on_it, 1, axis=1))]
-    if len(points) < 3 or not ((sides > 0).all() or (sides < 0).all()):
+    left, right = (sides > 0).all(), (sides < 0).all()
+    if len(points) < 3 or not (left or right):
         raise InvalidInput("footprint must be the corners of a convex polygon in order, at least 3 contacts "
                            "and none on an edge", ("footprint",))
-    return points if (sides > 0).all() else frozen(np.roll(points[::-1], 1, axis=0))
+    return points if left else frozen(np.roll(points[::-1], 1, axis=0))

@@ -115,14 +115,12 @@ class Robot:
     @cached_property
     def tension_max(self) -> Array:
         """(m,) the smaller of the cable's limit and what the winch gives [N]."""
-        most = np.inf if self.winch is None else self.winch.tension_max
-        return frozen(np.minimum(self._of_cables("tension_max"), most))
+        return frozen(np.minimum(self._of_cables("tension_max"), getattr(self.winch, "tension_max", np.inf)))
 
     @cached_property
     def speed_max(self) -> Array:
         """(m,) largest |l̇|, the smaller of the cable's and the winch's [m/s]."""
-        most = np.inf if self.winch is None else self.winch.speed_max
-        return frozen(np.minimum(self._of_cables("speed_max"), most))
+        return frozen(np.minimum(self._of_cables("speed_max"), getattr(self.winch, "speed_max", np.inf)))
 
     @cached_property
     def length_offsets(self) -> Array:

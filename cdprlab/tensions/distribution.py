@@ -45,17 +45,16 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, te
     if max(W.ndim - 1, w_e.ndim, low.ndim, high.ndim) > 1:
         batch = common_batch(W=W.shape[:-2], w_e=w_e.shape[:-1], tension_min=low.shape[:-1],
                              tension_max=high.shape[:-1])
-    _check_order(low, high)
-    tensions: Array
-    reasons: Any
-    if batch:
-        tensions, reasons = method_named(method, options).solve(
-            flat(batch, W, 2), flat(batch, w_e),
-            *(flat(() if low.ndim == high.ndim == 1 else batch, limit) for limit in (low, high)), **options)
-        tensions, reasons = tensions.reshape(*batch, m), reasons.reshape(batch)
-    else:
-        tensions, reasons = solver_for(method, n, low, high, **options)(W, w_e)
-    return checked_distribution(W, w_e, low, high, tensions, reasons, method)
+    crossed = low > high
+    if crossed.any():
+        at = tuple(np.argwhere(crossed)[0])
+        least, most = (np.broadcast_to(limit, crossed.shape)[at] for limit in (low, high))
+        raise InvalidInput(f"tension limits are crossed at cable {at[-1] + 1}: {least:g} N > {most:g} N")
+    if not batch:
+        return checked_distribution(W, w_e, low, high, *solver_for(method, n, low, high, **options)(W, w_e), method)
+    limits = (flat(() if low.ndim == high.ndim == 1 else batch, limit) for limit in (low, high))
+    tensions, reasons = method_named(method, options).solve(flat(batch, W, 2), flat(batch, w_e), *limits, **options)
+    return checked_distribution(W, w_e, low, high, tensions.reshape(*batch, m), reasons.reshape(batch), method)
 
 
 def _limits(value: ArrayLike, name: str, m: int) -> Array:
@@ -66,12 +65,3 @@ def _limits(value: ArrayLike, name: str, m: int) -> Array:
     if given.shape[-1:] not in ((), (1,)):
         raise InvalidInput(f"{name} must be a number or {m} numbers [N], got shape {given.shape}")
     return np.broadcast_to(given, (*given.shape[:-1], m))
-
-
-def _check_order(low: Array, high: Array) -> None:
-    crossed = low > high
-    if crossed.any():
-        low, high = np.broadcast_arrays(low, high)
-        at = tuple(np.argwhere(crossed)[0])
-        raise InvalidInput(f"tension limits are crossed at cable {at[-1] + 1}: "
-                           f"{float(low[at]):g} N > {float(high[at]):g} N")

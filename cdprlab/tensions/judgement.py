@@ -35,7 +35,7 @@ class TensionDistribution:
     margin: Any
     method: str
     _problem: tuple[Array, ...] = field(repr=False)
-    _said: Any = field(repr=False)
+    _said: Texts = field(repr=False)
 
     @cached_property
     def complete(self) -> Any:
@@ -46,20 +46,15 @@ class TensionDistribution:
         if self.method not in METHODS or not METHODS[self.method].complete:
             return False
         silent = np.array(~np.asarray(self.feasible))
-        silent[silent] = [not text.startswith(PROOFS) for text in self._texts[silent]]
+        silent[silent] = [not text.startswith(PROOFS) for text in self._said]
         return ~silent if silent.ndim and silent.any() else not silent.any()
-
-    @property
-    def _texts(self) -> Texts:
-        """(…) what the method said of each wrench."""
-        return np.broadcast_to(np.array(self._said, dtype=object), np.shape(self.feasible))
 
     @cached_property
     def reason(self) -> Any:
         """'' when feasible, else why not; an array in a batch. An incomplete method adds what the LP says."""
         texts = np.full(np.shape(self.feasible), "", dtype=object)
         bad = ~np.asarray(self.feasible)
-        said = self._texts[bad]
+        said = self._said.copy()
         answers = [*zip(self.tensions[bad], self.residual[bad], np.asarray(self.margin)[bad], *self._problem[2:])]
         for k in np.flatnonzero(said == ""):
             said[k] = shortfall(*answers[k])
@@ -103,10 +98,12 @@ def checked_distribution(W: Array, w_e: Array, low: Array, high: Array, tensions
     str or (…) of str
     """
     tensions, residual, margin, feasible = weigh(W, w_e, low, high, tensions)
+    batch, said = feasible.shape, np.array([], dtype=object)
     problem: tuple[Array, ...] = ()
     if not feasible.all():   # those without tensions, copied: (k, n, m), (k, n), (k, m), (k, m)
-        batch, bad = feasible.shape, ~feasible.ravel()
+        bad = ~feasible.ravel()
         problem = (flat(batch, W, 2)[bad], *(flat(batch, part)[bad] for part in (w_e, low, high)))
-    if tensions.ndim == 1:
+        said = np.broadcast_to(np.array(reasons, dtype=object), batch)[~feasible]
+    if not batch:
         feasible, margin = bool(feasible), float(margin)
-    return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method, problem, reasons)
+    return TensionDistribution(frozen(tensions), feasible, frozen(residual), margin, method, problem, said)

@@ -57,8 +57,11 @@ def flat(batch: tuple[int, ...], part: Array, own: int = 1) -> Array:
 
 
 def tension_scale(w_e: Array, low: Array) -> Array:
-    """(m,) 1 + |w_e|∞ + τ_min of one wrench: what tolerances of its tensions are shares of [N]."""
-    return np.asarray(1 + np.abs(w_e).max() + low)
+    """(…, m) 1 + |w_e|∞ + τ_min: what tolerances of tensions are shares of [N].
+
+    w_e : (…, n); low : (m,)
+    """
+    return np.asarray(1 + np.abs(w_e).max(axis=-1, keepdims=True) + low)
 
 
 def forgiven(w_e: Array, low: Array) -> Array:
@@ -66,13 +69,7 @@ def forgiven(w_e: Array, low: Array) -> Array:
 
     w_e : (…, n); low : (m,)
     """
-    return np.asarray(TOLERANCE / 2 * (1 + np.abs(w_e).max(axis=-1, keepdims=True) + low))
-
-
-def limits_kept(tensions: Array, w_e: Array, low: Array, high: Array) -> bool:
-    """Whether one wrench's tensions keep the limits to the law's tolerance."""
-    room = np.minimum(tensions - low, high - tensions)
-    return bool((room >= -TOLERANCE * tension_scale(w_e, low)).all())
+    return TOLERANCE / 2 * tension_scale(w_e, low)
 
 
 def shortfall(tensions: Array, residual: Array, margin: float, low: Array, high: Array) -> str:
@@ -80,7 +77,7 @@ def shortfall(tensions: Array, residual: Array, margin: float, low: Array, high:
     if not np.isfinite(tensions).all():
         return NOT_FINITE
     if margin < 0:
-        worst = int(np.minimum(tensions - low, high - tensions).argmin())
+        worst = np.minimum(tensions - low, high - tensions).argmin()
         return (f"cable {worst + 1} would need {tensions[worst]:.4g} N, allowed {low[worst]:g} to "
                 f"{high[worst]:g} N")
     return f"the wrench is missed by {np.abs(residual).max():.3g} N or N m"

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Flags
 from ..compiled import FIXED
-from .law import limits_kept, shortfall, tension_scale, weigh
+from .law import shortfall, tension_scale, weigh
 
 INFEASIBLE = "no tensions within the limits balance the wrench"
 UNREACHABLE = "the cables cannot exert this wrench at any tension: it lies outside the range of W"
@@ -34,7 +34,7 @@ BatchSolver = Callable[..., Answers]
 class Method(NamedTuple):
     """One family of distributions.
 
-    solve : a BatchSolver
+    solve : a BatchSolver; its keyword-only arguments are the method's options
     build : ``(n, tension_min, tension_max, **options) → Solver``; checks its options, allocates
         once
     complete : whether it finds a distribution whenever one exists
@@ -45,13 +45,6 @@ class Method(NamedTuple):
     build: Callable[..., Solver]
     complete: bool
     summary: str
-
-    def options(self) -> tuple[str, ...]:
-        """Names of the options that ``solve`` and ``build`` take."""
-        import inspect
-
-        parameters: Any = inspect.signature(self.solve).parameters.values()
-        return tuple(p.name for p in parameters if p.kind is p.KEYWORD_ONLY)
 
 
 def vectorized(solve: BatchSolver, *, complete: bool, summary: str) -> Method:
@@ -87,9 +80,7 @@ def sharpened(W: Array, w_e: Array, low: Array, high: Array, tau: Array) -> Arra
     held = at_low | at_high
     sharp = np.where(at_low, low, np.where(at_high, high, tau))
     sharp[~held] = np.linalg.lstsq(W[:, ~held], -w_e - W[:, held] @ sharp[held])[0]
-    clipped = np.clip(tau, low, high)
-    better = np.abs(W @ sharp + w_e).max() <= np.abs(W @ clipped + w_e).max()
-    return sharp if better and limits_kept(sharp, w_e, low, high) else tau
+    return sharp if weigh(W, w_e, low, high, sharp).feasible else tau
 
 
 def fixed_cables(low: Array, high: Array) -> Flags:

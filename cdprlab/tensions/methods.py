@@ -53,10 +53,9 @@ def method_named(name: str, options: dict[str, Any]) -> Method:
     """Raises InvalidInput for an unknown method, or an option that it does not take."""
     if not isinstance(name, str) or name not in METHODS:
         raise InvalidInput(f"unknown tension method {quoted(name)}; there are {', '.join(METHODS)}")
-    if options:
-        known = METHODS[name].options()
-        unknown = [option for option in options if option not in known]
-        if unknown:
-            raise InvalidInput(f"method {quoted(name)} takes no option {quoted(unknown[0])}; "
-                               f"it takes {', '.join(known) if known else 'none'}")
+    known = METHODS[name].solve.__kwdefaults__ or {}
+    unknown = [option for option in options if option not in known]
+    if unknown:
+        raise InvalidInput(f"method {quoted(name)} takes no option {quoted(unknown[0])}; "
+                           f"it takes {', '.join(known) or 'none'}")
     return METHODS[name]

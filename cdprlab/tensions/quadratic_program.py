@@ -35,7 +35,11 @@ class LeastNorm:
         tau, kept = self.no_limit_active(W, w_e, self.low, self.high)
         if not kept:
             tau = self.least(*self.program(W, w_e))
-        return self.by_independent_rows(W, w_e) if tau is None else (tau, "")
+        if tau is not None:
+            return tau, ""
+        if not np.isfinite(w_e).all():
+            return np.full(self.low.size, np.nan), NOT_FINITE
+        return self.otherwise(W, w_e)
 
     def program(self, W: Array, w_e: Array) -> tuple[Array, Array, Array, Array, int, bool]:
         """What `least_quadratic` takes."""
@@ -43,11 +47,9 @@ class LeastNorm:
         self.b[:self.n] = -w_e
         return self.identity, np.zeros(self.low.size), self.C, self.b, self.n, True
 
-    def by_independent_rows(self, W: Array, w_e: Array) -> Solution:
+    def otherwise(self, W: Array, w_e: Array) -> Solution:
         """What is left when the program fails: dependent rows of W, a single point, or truly no solution."""
         nothing = np.full(W.shape[1], np.nan)
-        if not np.isfinite(w_e).all():
-            return nothing, NOT_FINITE
         rows, values, outside = independent_rows(W, -w_e)
         if outside > TOLERANCE * (1 + np.abs(w_e).max()):
             return nothing, (f"the cables cannot exert this wrench at any tension: W has rank {len(rows)} of "
@@ -66,7 +68,7 @@ def independent_rows(W: Array, values: Array) -> tuple[Array, Array, float]:
     W τ = values  ⇔  rows τ = reduced, if the last number is zero.
     """
     u, s, vt = np.linalg.svd(W, full_matrices=False)
-    rank = int((s > s[0] * max(W.shape) * np.finfo(float).eps).sum())
+    rank = np.linalg.matrix_rank(W)
     inside = u[:, :rank].T @ values
     outside = float(np.abs(values - u[:, :rank] @ inside).max(initial=0.0))
     return vt[:rank], inside / s[:rank], outside
