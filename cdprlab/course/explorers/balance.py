@@ -60,8 +60,9 @@ class EquilibriumExplorer(Explorer):
         self.axes = panels(figure, stacked=True)
 
     def draw(self, values: Values) -> None:
-        draw_panels(self.axes, self._robots[values["cables"]], *_load(values),
-                    self.state(values), self.motion(values))
+        with self.steady(*self.axes[1:]):
+            draw_panels(self.axes, self._robots[values["cables"]], *_load(values),
+                        self.state(values), self.motion(values))
 
     def numbers(self, values: Values) -> dict[str, Any]:
         state, motion = self.state(values), self.motion(values)

@@ -7,7 +7,8 @@ moves the sliders, `text` and `picture` answer.
 
 import csv
 import html
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial, wraps
 from itertools import chain
@@ -221,7 +222,9 @@ class Explorer(Shown):
             self.build(figure)
         self._figure = Picture(figure)
         self._start_values, self._start_text, self._seen = self.values, "", False
+        self.anew = True
         self._answer()
+        self.anew = False
 
     # --- what a subclass says -------------------------------------------------------------------------
     def build(self, figure: Figure) -> None:
@@ -272,7 +275,22 @@ class Explorer(Shown):
 
     def reset(self, **values: Any) -> None:
         """Back to the start, or to some values and else the start."""
+        self.anew = True
         self.set(**self._start_values | values)
+        self.anew = False
+
+    @contextmanager
+    def steady(self, *panels: Axes) -> Iterator[None]:
+        """While they are drawn: panels keep their limits, and so their ticks, where these hold the new ones amply."""
+        before = [(panel.get_xlim(), panel.get_ylim()) for panel in panels]
+        yield
+        for panel, kept in zip(panels, before):
+            new = np.sort([panel.get_xlim(), panel.get_ylim()])
+            low, high = np.sort(kept).T
+            holds = (new.T.clip(low, high) == new.T).all() and (high - low <= 2.1 * np.ptp(new,
+                                                                                           axis=1)).all()
+            if holds and not self.anew:
+                panel.set(xlim=kept[0], ylim=kept[1])
 
     def on_move(self, callback: Callable[[Values], Any]) -> Callable[[], None]:
         """Call ``callback(values)`` after every answer; returns what ends that."""
@@ -340,7 +358,10 @@ class Explorer(Shown):
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         if not self._seen:
-            self._seen, self._start_values, self._start_text = True, self.values, self.text
+            self._seen, self._start_values = True, self.values
+            if not self.mistake.value:
+                self.reset()   # the picture that later resets lead back to
+            self._start_text = self.text
             self._show_numbers()
         return super()._repr_mimebundle_(**options)
 

@@ -118,10 +118,12 @@ class TensionExplorer(Explorer):
                   if _balances(answer)}
         if values["method"] == BORDER:
             points[BORDER] = state.shown
-        draw_set(self._set, state.free, points,
-                 {name: bool(answer.feasible) for name, answer in state.found.items()},
-                 chosen=values["method"])
-        draw_tensions(self._bars, state.shown, low, high, values["method"].replace("_", " "))
+        if self.anew:
+            self._set.autoscale()
+        with self.steady(self._bars):
+            draw_set(self._set, state.free, points,
+                     {name: bool(answer.feasible) for name, answer in state.found.items()}, values["method"])
+            draw_tensions(self._bars, state.shown, low, high, values["method"].replace("_", " "))
 
     def numbers(self, values: Values) -> dict[str, Any]:
         """Every method in a row; the chosen one's tensions, and its reason where it has none."""

@@ -17,7 +17,7 @@ from ...errors import InvalidInput, quoted
 from ...robot import Robot
 from ...view.plots import Figure
 from ...view.style import BLUE, GREY, INK, ORANGE, VERMILION, cable_style
-from .panels import PLAN, draw_exit_points, drawn, label
+from .panels import PLAN, drawn, label
 
 CLASS_COLORS = {INSIDE: BLUE, UNCERTAIN: ORANGE, OUTSIDE: GREY}
 """Always beside the word itself."""
@@ -77,7 +77,10 @@ def plot_sequences(robot: Robot, sequences: Sequence[ConfigurationSequence], tit
 def draw_room(panel: Axes, robot: Robot, margin: float = _MARGIN) -> None:
     """Exit points with their numbers, axes in meters, ``margin`` around them [m]."""
     plan = robot.exit_points[:, :2]
-    draw_exit_points(panel, plan, fontsize=9)
+    panel.plot(*plan.T, "s", markersize=7, color=INK, zorder=4)
+    # At places in meters: words aside by points would be drawn anew at every move of an explorer.
+    for k, (x, y) in enumerate(plan + 0.65 * margin * np.sign(np.round(plan - plan.mean(axis=0), 9)), start=1):
+        panel.text(x, y, str(k), ha="center", va="center", color=INK, fontsize=9)
     (left, front), (right, back) = plan.min(axis=0) - margin, plan.max(axis=0) + margin
     panel.set(**PLAN, xlim=(left, right), ylim=(front, back))
 

@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, checked
@@ -88,9 +90,10 @@ def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array],
         mark, words = MARKS.get(name) or next(own), name.replace("_", " ")
         inside = feasible.get(name, True)
         xy = np.pad(places, ((0, 0), (0, 2 - r))).T
-        panel.plot(*xy, mark.marker, markersize=mark.size, markeredgecolor=mark.color,
-                   markerfacecolor=mark.color if inside and mark not in OWN else "none", markeredgewidth=1.6,
-                   alpha=0.9, zorder=5, label=words if inside else f"{words}, outside")
+        panel.add_artist(Line2D(*xy, linestyle="none", marker=mark.marker, markersize=mark.size,
+                                markeredgecolor=mark.color, markeredgewidth=1.6, alpha=0.9, zorder=5,
+                                markerfacecolor=mark.color if inside and mark not in OWN else "none",
+                                label=words if inside else f"{words}, outside"))
         if name == chosen and (places != places.clip(*frame)).any():
             panel.text(0.02, 0.02, f"{words}: beyond this picture", transform=panel.transAxes,
                        fontsize=9, color=INK, zorder=6, bbox=HALO)
@@ -132,13 +135,15 @@ def _frame(free: TensionSet, spots: Array) -> Array:
 
 def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
     middle, reach = frame.mean(axis=0), 0.5 * np.ptp(frame, axis=0).max()
+    lines, looks = [], []
     for i, row in enumerate(free.directions):
         look, size = cable_style(i), np.linalg.norm(row)
         for limit in (free.low[i], free.high[i]) if size > 1e-9 else ():
             foot = middle + row * (limit - free.least[i] - row @ middle) / size**2
+            lines.append(foot + np.outer([-9, 9], [-row[1], row[0]]) * reach / size)
+            looks.append(look)
             if np.linalg.norm(foot - middle) > 3 * reach:   # out of sight
                 continue
-            panel.axline(foot, foot + [-row[1], row[0]], **look._asdict(), linewidth=0.9, alpha=0.6)
             if len(free.corners) == 0 and limit == free.low[i] > free.least[i]:
                 # To where the limit is kept.
                 way = 0.16 * reach * row / size
@@ -146,6 +151,10 @@ def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
                 x, y = foot + 1.25 * way
                 panel.text(x, y, f"{i + 1} min", fontsize=9, color=INK, ha="center", va="center",
                            clip_on=True, bbox=HALO)
+    # As one collection they are drawn in a tenth of the time.
+    colors, dashes = zip(*looks)
+    panel.add_collection(LineCollection(lines, colors=colors, linestyles=dashes, linewidths=0.9, alpha=0.6),
+                         autolim=False)
     if len(free.corners):
         panel.fill(*free.corners.T, facecolor=GREY, alpha=0.22, edgecolor=INK, linewidth=2.0, zorder=3)
         for start, end in zip(free.corners, np.roll(free.corners, -1, axis=0)):
@@ -156,7 +165,10 @@ def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
         panel.set_title(f"Feasible tensions: {len(free.corners)} corners")
     else:
         panel.set_title("Empty: no tensions keep all limits")
-    show_square(panel, middle, reach / 1.15)
+    # Limits that hold amply stay, and new ones hold more: to draw ticks takes longer than all else.
+    kept, first = np.transpose([panel.get_xlim(), panel.get_ylim()]), panel.get_autoscale_on()
+    if first or (frame != frame.clip(*kept)).any() or np.ptp(kept, axis=0).max() > 6 * reach:
+        show_square(panel, middle, reach / 1.15 if first else 1.2 * reach)
     panel.set(xlabel="λ₁ [N], to the right Σ τ grows", ylabel="λ₂ [N], Σ τ stays")
     panel.locator_params(axis="x", nbins=6)
 
@@ -205,8 +217,9 @@ def draw_tensions(panel: Axes, tensions: Array, low: Array, high: Array, title: 
     # Words stand beyond a limit's mark, which would strike them through.
     ends = np.maximum(there, np.where(near & (high - there < 0.4 * top), high, low))
     draw_bars(panel, there, [*map(cable_style, range(m))], words, ends, broken != "")
-    for limits, cables in ((low, np.arange(m)), (high, np.flatnonzero(near))):
-        panel.vlines(limits[cables], cables + 0.6, cables + 1.4, color=INK, linewidth=2.2, zorder=5)
+    marks = [[(limits[k], k + 0.6), (limits[k], k + 1.4)]
+             for limits, cables in ((low, range(m)), (high, np.flatnonzero(near))) for k in cables]
+    panel.add_collection(LineCollection(marks, colors=INK, linewidths=2.2, zorder=5), autolim=False)
     bottom, right = min(there.min(), 0.0), high[near].max(initial=top)
     room = 1.0 if (tensions > high).any() else 0.5
     bar_panel(panel, m, round_up(right + room * (right - bottom)), bottom)
