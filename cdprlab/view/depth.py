@@ -44,7 +44,8 @@ class Blocks:
 
     def order(self) -> list[int]:
         """Which box is painted after which: the farthest first, but none before one that it may hide."""
-        heights = np.einsum("ifx,jcx->ifjc", self.normals, self.corners) - self.offsets[:, :, None, None]
+        heights = np.einsum("ifx,jcx->ifjc", self.normals, self.corners)
+        heights -= self.offsets[:, :, None, None]
         beyond = (heights > -_TOUCHING).all(axis=-1)
         # A face's plane that parts two boxes says which is on the eye's side: that one the
         # other cannot hide.

@@ -84,7 +84,8 @@ class RobotDrawing:
                  azimuth: float = 25.0, *, solid: bool = False, also: ArrayLike = ()) -> None:
         self.axes, self.robot, self.scene, self.solid = axes, robot, scene or EMPTY, solid
         d = robot.dimension
-        points = np.concatenate([landmarks(robot, self.scene, poses), np.reshape(also, (-1, d))])
+        points = np.concatenate([landmarks(robot, self.scene, poses),
+                                 np.reshape(also, (-1, d))])
         # The world's axes stand at the lowest corner, where they are in nobody's way: they show
         # directions.
         self._corner, self._arm = points.min(axis=0), 0.07 * diagonal(points)
@@ -144,14 +145,17 @@ class RobotDrawing:
             self._shadow.set_verts(flat(shadow))
         if tensions is not None:
             self.cables.set_color(tension_colors(tensions, self.limits) / 255)
-            self.cables.set_linestyle(["solid" if pull > 0 else SLACK_DASHES for pull in np.ravel(tensions)])
-        lines, wheels = strung(robot, pose, np.inf if tensions is None else tensions, rope_lengths)
+            self.cables.set_linestyle(["solid" if pull > 0 else SLACK_DASHES
+                                       for pull in np.ravel(tensions)])
+        lines, wheels = strung(robot, pose, np.inf if tensions is None else tensions,
+                               rope_lengths)
         self.cables.set_segments(self._in_sight(lines))
         self._wheels.set_segments(flat(wheels))
         for number, place in zip(self.numbers, flat(lines[self._places])):
             number.set_position(place)
         exits, anchors, trail = lines[:, 0], lines[:, -1], np.reshape(trail, (-1, d))
-        for marks, points in ((self._exits, exits), (self._anchors, anchors), (self._trail, trail)):
+        for marks, points in ((self._exits, exits), (self._anchors, anchors),
+                              (self._trail, trail)):
             marks.set_data(*self._in_sight(points).T)
         arms = np.stack([np.broadcast_to(pose.position, anchors.shape), anchors], axis=1)
         self._arms.set_segments(flat(arms[self._outside]))
@@ -166,17 +170,20 @@ class RobotDrawing:
         if self.robot.dimension == 3:
             blocks = Blocks(corners, self.view.eye)
             shades, seen = blocks.lightness, blocks.seen
-            order = [(k, f) for k in blocks.order() for f in np.argsort(seen[k]) if seen[k, f] or not self.solid]
+            order = [(k, f) for k in blocks.order() for f in np.argsort(seen[k])
+                     if seen[k, f] or not self.solid]
         k, f = np.transpose(order)
         colors = np.array([solid.color for solid in solids])[k]
-        fills, steel = np.clip(shades[k, f, None] * to_rgba_array(colors)[:, :3], 0, 1), colors == STEEL
+        fills = np.clip(shades[k, f, None] * to_rgba_array(colors)[:, :3], 0, 1)
+        steel = colors == STEEL
         shapes.set_verts(self.view.flat(faces[k, f]))
         shapes.set_facecolor(np.column_stack([fills, np.where(steel | self.solid, 1.0, 0.3)]))
         shapes.set_edgecolor(fills * np.where(steel, 1.0, 0.62)[:, None])
 
     def faces(self, order: float, **options: Any) -> Any:
         """A new collection of polygons; order : among the artists, later ones over earlier ones."""
-        return self.axes.add_collection(PolyCollection([], zorder=order, animated=True, **options), autolim=False)
+        return self.axes.add_collection(PolyCollection([], zorder=order, animated=True,
+                                                       **options), autolim=False)
 
     # --- what is where --------------------------------------------------------------------------------
     def _in_sight(self, points: Array) -> Array:
@@ -189,7 +196,8 @@ class RobotDrawing:
 
     def _place_axes(self, parts: tuple[Any, list[Any]], origin: Array, rotation: Array) -> None:
         lines, names = parts
-        start, tips, places = (self.view.flat(origin + far * self._arm * rotation.T) for far in (0, 1, _BEYOND))
+        start, tips, places = (self.view.flat(origin + far * self._arm * rotation.T)
+                               for far in (0, 1, _BEYOND))
         lines.set_segments(np.stack([start, tips], axis=1))
         for name, place in zip(names, places):
             name.set_position(place)
@@ -202,16 +210,15 @@ class RobotDrawing:
         else:
             # Room for a walk all around, and in the plane for labels beyond the last point.
             around = box_corners(np.ptp(self.points, axis=0), Pose(self.view.center))
-            seen = np.concatenate([Projection(around, azimuth).flat(around) for azimuth in range(-180, 180, 15)])
+            seen = np.concatenate([Projection(around, azimuth).flat(around)
+                                   for azimuth in range(-180, 180, 15)])
             reach = np.ptp(seen, axis=0) / 2 + 0.07 * np.ptp(seen, axis=0).max()
             self.axes.set_aspect("equal")
         middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
         across, up = np.transpose([middle - reach, middle + reach])
-        self.axes.set(xlim=across, ylim=up)
+        self.axes.set(xlim=across, ylim=up, xlabel="x [m]", ylabel="y [m]")
         if self.robot.dimension == 3:
             self.axes.set_axis_off()
-        else:
-            self.axes.set(xlabel="x [m]", ylabel="y [m]")
 
     def _make_artists(self) -> None:
         robot = self.robot
@@ -226,7 +233,8 @@ class RobotDrawing:
         self._outside = (beyond > 1e-6 * self.view.radius).any(axis=1)
         colors, dashes = zip(*map(cable_style, range(robot.n_cables)))
         self.cables = self._lines(colors, 2.0, 5, linestyles=list(dashes))
-        self._anchors, self._exits = self._marks("o", INK, 5.2, markersize=4), self._marks("o", INK, 6, markersize=5)
+        self._anchors = self._marks("o", INK, 5.2, markersize=4)
+        self._exits = self._marks("o", INK, 6, markersize=5)
         self.numbers = [] if self.solid else [self._text(str(k + 1), INK, 8, fontweight="bold")
                                                for k in range(robot.n_cables)]
         # In the plane the ticks show the world's.
@@ -234,20 +242,24 @@ class RobotDrawing:
         self._platform_axes = None if self.solid else self._make_axes("′", 2.6)
 
     def _lines(self, color: Any, width: float, order: float, **options: Any) -> Any:
-        return self.axes.add_collection(LineCollection([], colors=color, linewidths=width, zorder=order, animated=True,
+        return self.axes.add_collection(LineCollection([], colors=color, linewidths=width,
+                                                       zorder=order, animated=True,
                                                        **options), autolim=False)
 
     def _marks(self, kind: str, color: str, order: float, **options: Any) -> Any:
-        marks, = self.axes.plot([], [], kind, color=color, zorder=order, animated=True, **options)
+        marks, = self.axes.plot([], [], kind, color=color, zorder=order, animated=True,
+                                **options)
         return marks
 
     def _text(self, words: str, color: str, order: float, **options: Any) -> Any:
-        return self.axes.add_artist(Haloed(0, 0, words, color=color, fontsize=10, zorder=order, animated=True,
+        return self.axes.add_artist(Haloed(0, 0, words, color=color, fontsize=10, zorder=order,
+                                           animated=True,
                                            transform=self.axes.transData, **options))
 
     def _make_axes(self, mark: str, width: float) -> tuple[Any, list[Any]]:
         d = self.robot.dimension
-        names = [self._text(name + mark, color, 7.5) for name, color in zip("xyz"[:d], AXIS_COLORS)]
+        names = [self._text(name + mark, color, 7.5)
+                 for name, color in zip("xyz"[:d], AXIS_COLORS)]
         return self._lines(AXIS_COLORS[:d], width, 7), names
 
     def _label_places(self) -> tuple[range, list[int]]:
@@ -259,7 +271,8 @@ class RobotDrawing:
         chosen: list[int] = []
         placed = np.zeros((0, 2))
         for spots in self.view.flat(lines[:, 21:60:5]):
-            gaps = np.linalg.norm(spots[:, None] - placed, axis=-1).min(axis=1, initial=self.view.radius / 3)
+            gaps = np.linalg.norm(spots[:, None] - placed,
+                                  axis=-1).min(axis=1, initial=self.view.radius / 3)
             best = int(gaps.argmax())
             chosen.append(21 + 5 * best)
             placed = np.concatenate([placed, spots[best:best + 1]])

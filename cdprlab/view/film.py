@@ -58,7 +58,8 @@ def draw(state: State, width: int = 640, height: int = 480) -> Frame:
 
 
 @checked
-def save_film(run: Any, path: str | Path, seconds: float | None = None, fps: int = 12, width: int = 640) -> Path:
+def save_film(run: Any, path: str | Path, seconds: float | None = None, fps: int = 12,
+              width: int = 640) -> Path:
     """An animated GIF of a run, below ``LARGEST_FILE``.
 
     run : Run
@@ -83,7 +84,8 @@ def still(run: Any, path: str | Path, t: float = 0.0, width: int = 960) -> Path:
     path : ends in .png
     width : [pixels]
     """
-    return save_png(RunScreen(run, width).at(t), path, f"{_caption(run)} State at t = {t:.2f} s.")
+    return save_png(RunScreen(run, width).at(t), path,
+                    f"{_caption(run)} State at t = {t:.2f} s.")
 
 
 class RunScreen(Screen):
@@ -94,7 +96,8 @@ class RunScreen(Screen):
         `words` are shown
     """
 
-    def __init__(self, run: Any, width: int, scene: Scene | None = None, captioned: bool = False) -> None:
+    def __init__(self, run: Any, width: int, scene: Scene | None = None,
+                 captioned: bool = False) -> None:
         check_like(run)
         super().__init__(run.world.title, width, captioned)
         self.run, robot, scene = run, run.world.robot, scene or run.world.scene
@@ -102,7 +105,8 @@ class RunScreen(Screen):
         also = [landmarks(run.robot_at(k), scene) for k in some]
         with house_style():
             axes = robot_axes(self.figure, robot.dimension, 60 / HEIGHT, self.top)
-            self.drawing = RobotDrawing(axes, robot, scene, run.poses[some], solid=True, also=also)
+            self.drawing = RobotDrawing(axes, robot, scene, run.poses[some], solid=True,
+                                        also=also)
             self._draw_scale()
 
     def _draw_scale(self) -> None:
@@ -111,14 +115,17 @@ class RunScreen(Screen):
         taut = tau[tau > 0]   # the last row is measured at the end of its step: a cut cable is NaN there, and slack
         # A few extremes share the last color.
         low, high = np.percentile(taut, [0, 99.8]) if taut.size else (0.0, 1.0)
-        ticks = MaxNLocator(5, steps=[1, 2, 5, 10]).tick_values(low, max(high, low + 1e-3 * high))
+        round_numbers = MaxNLocator(5, steps=[1, 2, 5, 10])
+        ticks = round_numbers.tick_values(low, max(high, low + 1e-3 * high))
         self.drawing.limits = limits = ticks[0], ticks[-1]
         shades = tension_colors(np.linspace(max(limits[0], 1e-9), limits[1], 48), limits) / 255
         bar = self.figure.colorbar(ScalarMappable(Normalize(*limits), ListedColormap(shades)),
-                                   cax=self.figure.add_axes((0.22, 28 / HEIGHT, 0.46, 14 / HEIGHT)),
+                                   cax=self.figure.add_axes(
+                                       (0.22, 28 / HEIGHT, 0.46, 14 / HEIGHT)),
                                    orientation="horizontal", ticks=ticks)
         bar.outline.set_visible(False)
-        self.figure.text(0.02, 35 / HEIGHT, "cable tension [N]", color=INK, va="center", fontsize=10)
+        self.figure.text(0.02, 35 / HEIGHT, "cable tension [N]", color=INK, va="center",
+                         fontsize=10)
         grey: Any = np.array(SLACK_COLOR) / 255
         keys = [Line2D([], [], color=grey, linestyle=SLACK_DASHES, label="slack or cut"),
                 Line2D([], [], color=TRAIL, label="path of P so far")]
@@ -126,7 +133,7 @@ class RunScreen(Screen):
 
     def at(self, t: float) -> Frame:
         """(height, width, 3) the picture at a time of the run [s]."""
-        return self.show(float(self.run.time[index_at(self.run.time, t)]), self.move(t))
+        return self.show(self.run.time[index_at(self.run.time, t)], self.move(t))
 
     def move(self, t: float) -> str:
         """The robot at a time of the run [s]; returns what it does."""
@@ -164,7 +171,8 @@ def state_at(run: Any, k: int) -> State:
     """
     wound = run.commanded_lengths
     let_out = None if wound is None else wound[k - 1] if k else run.lengths[0]
-    return State(float(run.time[k]), run.robot_at(k), run.poses.position[k], run.poses.rotation[k], run.twists[k],
+    return State(float(run.time[k]), run.robot_at(k), run.poses.position[k],
+                 run.poses.rotation[k], run.twists[k],
                  run.measured_tensions[k], run.world.scene, let_out, run.boxes_at(k))
 
 
@@ -182,10 +190,12 @@ def picture_count(seconds: float, fps: int) -> int:
     24
     """
     rate = as_count(fps, "fps", maximum=1000)
-    return as_count(round(as_number(seconds, "seconds", "s", positive=True) * rate), "seconds × fps", 0, _MOST_PICTURES)
+    return as_count(round(as_number(seconds, "seconds", "s", positive=True) * rate),
+                    "seconds × fps", 0, _MOST_PICTURES)
 
 
-def save_gif(frames: Iterable[Frame], path: str | Path, period: float, description: str) -> Path:
+def save_gif(frames: Iterable[Frame], path: str | Path, period: float,
+             description: str) -> Path:
     """An animated GIF below ``LARGEST_FILE``: fewer colors, then fewer pictures, where it must be.
 
     frames : (height, width, 3) each
@@ -196,11 +206,12 @@ def save_gif(frames: Iterable[Frame], path: str | Path, period: float, descripti
     Raises InvalidInput for a bad path, before the first frame is drawn.
     """
     target = checked_path(path, ".gif")
-    pictures = [Image.fromarray(frame) for frame in frames]
-    length = round(100 * period * (len(pictures) - 1))
+    pictures = list(map(Image.fromarray, frames))
+    gaps = len(pictures) - 1
+    length = round(100 * period * gaps)
     for every, colors in _ECONOMIES:
         # GIF counts time in 10 ms, and players slow down what is shorter than two of them.
-        parts = min((len(pictures) - 1) // every, length // 2)
+        parts = min(gaps // every, length // 2)
         ticks = np.diff(np.linspace(0, length, parts + 1).round().astype(int))
         chosen = [pictures[i] for i in evenly(len(pictures), parts + 1)]
         palette = _palette(chosen, colors)
@@ -240,9 +251,12 @@ def _palette(frames: list[Image.Image], colors: int) -> Image.Image:
     """
     meaning = [*tension_colors(np.linspace(1e-9, 1, 24), (0.0, 1.0)).tolist(), SLACK_COLOR]
     meaning += map(ImageColor.getrgb, ("#FFFFFF", INK, TRAIL, *AXIS_COLORS))
-    sheet = Image.fromarray(np.concatenate([np.asarray(frames[i]) for i in evenly(len(frames), 4)]))
-    others = sheet.quantize(colors - len(meaning), method=Image.Quantize.MEDIANCUT).getpalette() or []
+    sheet = Image.fromarray(np.concatenate([np.asarray(frames[i])
+                                            for i in evenly(len(frames), 4)]))
+    others = sheet.quantize(colors - len(meaning),
+                            method=Image.Quantize.MEDIANCUT).getpalette() or []
     palette = Image.new("P", (1, 1))
     # White stays white, not tinted.
-    palette.putpalette([*np.ravel(meaning).tolist(), *(255 if value > 246 else value for value in others)])
+    palette.putpalette([*np.ravel(meaning).tolist(),
+                        *(255 if value > 246 else value for value in others)])
     return palette

@@ -29,7 +29,8 @@ _ROWS = 10
 
 def world_html(world: World) -> str:
     """The robot where it starts, cables colored by the tensions that hold it there, and the world's numbers."""
-    numbers = {"source": world.source, "tasks": ", ".join(world.tasks), "start": repr(world.pose),
+    numbers = {"source": world.source, "tasks": ", ".join(world.tasks),
+               "start": repr(world.pose),
                **_numbers(world.robot)}
     return _card(_name(world), numbers, lambda: _drawn(world.robot, world.pose, world.scene))
 
@@ -60,9 +61,11 @@ def distribution_html(distribution: TensionDistribution) -> str:
     rows = np.reshape(distribution.tensions, (-1, distribution.tensions.shape[-1]))
     no = distribution.reason if np.ndim(distribution.feasible) == 0 else "no"   # of many it would take long to say why
     shown = zip(rows[:_ROWS], np.ravel(distribution.margin), np.ravel(distribution.feasible))
-    cells = [[str(k), *(f"{tension:.1f}" for tension in row), f"{margin:.4g}", "yes" if feasible else no]
+    cells = [[str(k), *(f"{tension:.1f}" for tension in row), f"{margin:.4g}",
+              "yes" if feasible else no]
              for k, (row, margin, feasible) in enumerate(shown, 1)]
-    head = ["wrench", *(f"cable {i + 1} [N]" for i in range(rows.shape[1])), "margin [N]", "may be used?"]
+    head = ["wrench", *(f"cable {i + 1} [N]" for i in range(rows.shape[1])), "margin [N]",
+            "may be used?"]
     more = f", the first {_ROWS} of {len(rows)} wrenches" if len(rows) > _ROWS else ""
     return _titled(f"Tensions by {distribution.method.replace('_', ' ')}{more}") + _table([head, *cells])
 
@@ -78,7 +81,8 @@ def polytope_html(polytope: Polytope) -> str:
         size = f"{len(polytope.offsets)} facets, dimension {polytope.dimension}"
     except NotListable as error:
         size = str(error)
-    ranges = [[f"x{i}", *(f"{end:.4g}" for end in ends)] for i, ends in enumerate(polytope.component_range(), 1)]
+    ranges = [[f"x{i}", *(f"{end:.4g}" for end in ends)]
+              for i, ends in enumerate(polytope.component_range(), 1)]
     return (_titled(repr(polytope)) + _table([["size", size]], head=False)
             + _table([["component", "smallest", "largest"], *ranges]))
 
@@ -97,10 +101,12 @@ def _drawn(robot: Robot, pose: Pose, scene: Scene | None) -> str:
     """A picture of the robot at rest."""
     from .film import as_png, draw
 
-    held = distribute_tensions(wrench_matrix(robot, pose), gravity_wrench(robot, pose), robot.tension_min,
+    held = distribute_tensions(wrench_matrix(robot, pose), gravity_wrench(robot, pose),
+                               robot.tension_min,
                                robot.tension_max)
     tensions = held.tensions if held.feasible else np.zeros(robot.n_cables)
-    state = State(0.0, robot, pose.position, pose.rotation, np.zeros(3 * robot.dimension - 3), tensions, scene)
+    state = State(0.0, robot, pose.position, pose.rotation, np.zeros(3 * robot.dimension - 3),
+                  tensions, scene)
     colors = f"colored by tensions of {tensions.min():.3g} to {tensions.max():.3g} N" if held.feasible else "grey"
     words = f"{robot!r} with its platform at {pose!r}, cables {colors}."
     return picture_tag(as_png(draw(state, 480, 360), words), words)
@@ -145,6 +151,8 @@ def _table(rows: Iterable[Sequence[str]], head: bool = True) -> str:
     return f"<table>{''.join(lines)}</table>"
 
 
-for _kind, _html in ((World, world_html), (Robot, robot_html), (Run, run_html), (Polytope, polytope_html),
-                     (TensionDistribution, distribution_html), (TensionComparison, comparison_html)):
+for _kind, _html in ((World, world_html), (Robot, robot_html), (Run, run_html),
+                     (Polytope, polytope_html),
+                     (TensionDistribution, distribution_html),
+                     (TensionComparison, comparison_html)):
     _kind._repr_html_ = _html   # type: ignore[union-attr]

@@ -33,7 +33,8 @@ def box_corners(size: Array, pose: Pose, center: Array | float = 0.0) -> Array:
     pose : of the body it is part of; center : (d,) of the box in that body's frame [m]
     """
     signs = np.array([*product((-0.5, 0.5), repeat=len(size))])
-    return pose.position[..., None, :] + (signs * size + center) @ pose.rotation.swapaxes(-1, -2)
+    own = signs * size + center
+    return pose.position[..., None, :] + own @ pose.rotation.swapaxes(-1, -2)
 
 
 def box_edges(dimension: int) -> Array:
@@ -42,7 +43,8 @@ def box_edges(dimension: int) -> Array:
     >>> box_edges(2).tolist()
     [[0, 1], [0, 2], [1, 3], [2, 3]]
     """
-    return np.array([(i, j) for i, j in combinations(range(2**dimension), 2) if (i ^ j).bit_count() == 1])
+    return np.array([(i, j) for i, j in combinations(range(2**dimension), 2)
+                     if (i ^ j).bit_count() == 1])
 
 
 def box_faces(dimension: int) -> Array:
@@ -59,7 +61,8 @@ def platform_corners(robot: Robot, pose: Pose) -> Array:
     return box_corners(robot.platform.size, pose, robot.platform.center)
 
 
-def platform_solids(robot: Robot, pose: Pose, loads: Sequence[tuple[Pose, Array]] = ()) -> list[Solid]:
+def platform_solids(robot: Robot, pose: Pose,
+                    loads: Sequence[tuple[Pose, Array]] = ()) -> list[Solid]:
     """The platform; with loads a tray of floor and end walls, 2 cm thick and open along y, so that they are seen.
 
     loads : pose and size [m] of each loose box
@@ -68,8 +71,10 @@ def platform_solids(robot: Robot, pose: Pose, loads: Sequence[tuple[Pose, Array]
         return [Solid(platform_corners(robot, pose), PLATFORM)]
     (x, y, z), thin = robot.platform.size, 0.02
     floor, wall = np.array([x, y, thin]), np.array([thin, y, z])
-    tray = [(floor, [0, 0, (thin - z) / 2]), (wall, [(thin - x) / 2, 0, 0]), (wall, [(x - thin) / 2, 0, 0])]
-    parts = [Solid(box_corners(size, pose, robot.platform.center + middle), PLATFORM) for size, middle in tray]
+    tray = [(floor, [0, 0, (thin - z) / 2]), (wall, [(thin - x) / 2, 0, 0]),
+            (wall, [(x - thin) / 2, 0, 0])]
+    parts = [Solid(box_corners(size, pose, robot.platform.center + middle), PLATFORM)
+             for size, middle in tray]
     return parts + [Solid(box_corners(size, place), LOAD) for place, size in loads]
 
 
@@ -97,7 +102,8 @@ def hanging(start: Array, end: Array, length: float, pieces: int = 96) -> Array:
 
 
 def strung(robot: Robot, pose: Pose, tensions: ArrayLike, rope_lengths: Array | None = None,
-           frames: Array | None = None, pieces: int = 96, loose: float = 1.0) -> tuple[Array, Array]:
+           frames: Array | None = None, pieces: int = 96,
+           loose: float = 1.0) -> tuple[Array, Array]:
     """(m, pieces + 1, d) the cables from exit to anchor, and (k, 25, d) the wheels of their pulleys [m].
 
     Those that pull sag by the weight that the world gives them, others hang through. Where a cable
@@ -116,18 +122,21 @@ def strung(robot: Robot, pose: Pose, tensions: ArrayLike, rope_lengths: Array | 
         out = away - (away * axes).sum(axis=1, keepdims=True) * axes
         out = out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)
         turns = np.linspace(0, 2 * np.pi, 25)[:, None, None]
-        wheels = (starts + radii * ((1 - np.cos(turns)) * out + np.sin(turns) * axes)).swapaxes(0, 1)
+        wheels = (starts
+                  + radii * ((1 - np.cos(turns)) * out + np.sin(turns) * axes)).swapaxes(0, 1)
         if have_directions(robot, pose):
             starts = tangent_points(robot, pose)
             on_wheels = cable_lengths(robot, pose) - np.linalg.norm(starts - anchors, axis=1)
-    starts, wheels = (np.reshape([leaned(robot, k, part, frames) for k, part in zip(robot.base_indices, parts)],
+    starts, wheels = (np.reshape([leaned(robot, k, part, frames)
+                                  for k, part in zip(robot.base_indices, parts)],
                                  parts.shape) for parts in (starts, wheels))
     lengths = drawn_lengths(robot, pose, tensions)
     if robot.gravity > 0:
-        straight = np.linalg.norm(anchors - starts, axis=1)
-        rest = loose * straight if rope_lengths is None else rope_lengths - on_wheels
+        rest = (loose * np.linalg.norm(anchors - starts, axis=1) if rope_lengths is None
+                else rope_lengths - on_wheels)
         lengths = np.where(np.greater(tensions, 0), lengths, rest)
-    return np.stack([hanging(*cable, pieces) for cable in zip(starts, anchors, lengths)]), wheels
+    return np.stack([hanging(*cable, pieces)
+                     for cable in zip(starts, anchors, lengths)]), wheels
 
 
 # --- what stands around it ----------------------------------------------------------------------------------
@@ -142,7 +151,8 @@ def surroundings(robot: Robot, scene: Scene, frames: Array | None = None) -> lis
     frames : of bases that lean, see `leaned`
     """
     thickness = 0.005 * diagonal(landmarks(robot, scene))
-    return [Solid(leaned(robot, k, _beam(points, thickness) if color == STEEL else points, frames), color)
+    return [Solid(leaned(robot, k, _beam(points, thickness) if color == STEEL else points,
+                         frames), color)
             for k, points, color in _standing(robot, scene)]
 
 
@@ -161,8 +171,10 @@ def _standing(robot: Robot, scene: Scene) -> list[tuple[int, Array, str]]:
             deck = DECK_HEIGHT if k >= 0 and len(robot.bases[k].footprint) else 0.0
             foot = min(floor_height(robot, scene) + deck, point[-1])
             found.append((k, np.array([[*point[:-1], foot], point]), STEEL))
-    found += [(k, _deck(base), DECK) for k, base in enumerate(robot.bases) if len(base.footprint)]
-    return found + [(-1, box_corners(box.size, box.pose), OBSTACLE if box.kind == "obstacle" else BOX)
+    found += [(k, _deck(base), DECK) for k, base in enumerate(robot.bases)
+              if len(base.footprint)]
+    return found + [(-1, box_corners(box.size, box.pose),
+                     OBSTACLE if box.kind == "obstacle" else BOX)
                     for box in scene.boxes]
 
 
@@ -200,7 +212,8 @@ def leaned(robot: Robot, k: int, points: Array, frames: Array | None) -> Array:
 def landmarks(robot: Robot, scene: Scene, poses: Pose | None = None) -> Array:
     """(k, d) points that must be in the picture: exits, frame, bases, boxes, the platform at some poses [m]."""
     groups = [robot.exit_points, *(points for _, points, _ in _standing(robot, scene))]
-    groups += [robot.exit_points + side * robot.pulleys[:, :1] for side in (-1, 1) if robot.pulleys.size]
+    groups += [robot.exit_points + side * robot.pulleys[:, :1] for side in (-1, 1)
+               if robot.pulleys.size]
     if poses is not None:
         groups.append(platform_corners(robot, poses).reshape(-1, robot.dimension))
     points = np.concatenate(groups)

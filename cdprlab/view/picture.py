@@ -27,7 +27,8 @@ class _Renderer(RendererAgg):
         self._drawn = lru_cache(2000)(self._draw_words)
         self._measured: Any = lru_cache(2000)(super().get_text_width_height_descent)
 
-    def draw_text(self, gc: Any, x: float, y: float, s: str, prop: Any, angle: float, ismath: Any = False,
+    def draw_text(self, gc: Any, x: float, y: float, s: str, prop: Any, angle: float,
+                  ismath: Any = False,
                   mtext: Any = None) -> None:
         left, below, image = self._drawn(s, prop, angle, ismath, gc.get_rgb())
         self.draw_image(gc, round(x + left), round(self.height - y + below), image)
@@ -35,11 +36,13 @@ class _Renderer(RendererAgg):
     def get_text_width_height_descent(self, s: str, prop: Any, ismath: Any) -> Any:
         return self._measured(s, prop, ismath)
 
-    def _draw_words(self, s: str, prop: Any, angle: float, ismath: Any, color: Any) -> tuple[int, int, Any]:
+    def _draw_words(self, s: str, prop: Any, angle: float, ismath: Any,
+                    color: Any) -> tuple[int, int, Any]:
         """Where its lower left corner is, seen from where the words begin, and (height, width, 4) the image."""
         width, height, descent = self._measured(s, prop, ismath)
         turn = np.exp(1j * np.deg2rad(angle))
-        corners = turn * np.array([0, width]).reshape(2, 1) + 1j * turn * np.array([-descent, height - descent])
+        up = 1j * np.array([-descent, height - descent])
+        corners = turn * (np.array([[0], [width]]) + up)
         left, below = int(corners.real.min()) - 3, int(corners.imag.min()) - 3
         sheet: Any = RendererAgg(  # type: ignore[no-untyped-call]
             int(corners.real.max()) + 3 - left, int(corners.imag.max()) + 3 - below, self.dpi)
@@ -81,7 +84,8 @@ class Picture:
         panels = self.figure.axes
         for artist in self._added:
             artist.remove()
-        before, still = {artist for axes in panels for artist in axes.get_children()}, self._still()
+        before = {artist for axes in panels for artist in axes.get_children()}
+        still = self._still()
         try:
             draw()
         finally:
@@ -93,7 +97,8 @@ class Picture:
                 axes.containers.clear()
         changed = zip(panels, still, self._still())
         # Axes call themselves stale for any new artist, though this one is drawn anyway.
-        self._changed += [axes for axes, old, new in changed if (old != new if self._added else axes.stale)]
+        self._changed += [axes for axes, old, new in changed
+                          if (old != new if self._added else axes.stale)]
         if self._added:
             self.figure.stale = bool(self._changed)
 
@@ -124,7 +129,8 @@ class Picture:
         parts = {b"IHDR": struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0),
                  b"IDAT": zlib.compress(rows.tobytes(), 1), b"IEND": b""}
         return b"\x89PNG\r\n\x1a\n" + b"".join(
-            struct.pack(">I", len(part)) + kind + part + struct.pack(">I", zlib.crc32(kind + part))
+            struct.pack(">I", len(part)) + kind + part
+            + struct.pack(">I", zlib.crc32(kind + part))
             for kind, part in parts.items())
 
     def _redrawn(self, renderer: Any) -> bool:
@@ -162,8 +168,9 @@ class Picture:
     def _parted(self, renderer: Any) -> list[tuple[slice, slice]]:
         """Rows and columns of pixels that are a panel's alone, halfway to its neighbors; none where panels overlap."""
         panels, size = self.figure.axes, self.figure.bbox.size
-        parts: list[Any] = [*panels, *self.figure.legends, *self.figure.texts]
-        lows, highs = np.array([part.get_tightbbox(renderer).get_points() for part in parts]).swapaxes(0, 1)
+        boxes: Any = [part.get_tightbbox(renderer)
+                      for part in (*panels, *self.figure.legends, *self.figure.texts)]
+        lows, highs = np.swapaxes(boxes, 0, 1)
         slots = []
         for low, high, _ in zip(lows, highs, panels):
             start = np.where(highs <= low, highs + low, 0).max(axis=0) / 2

@@ -87,17 +87,21 @@ def plot_run(run: Run, beside: Run | None = None) -> Figure:
         position, tensions = _draw_tracking(left, run), _draw_tensions(right, run)
         words = f"{_tracking_in_words(run)} {_tensions_in_words(run)}"
         if beside is not None:
-            _cross(position, beside.time, beside.poses.position, AXIS_STYLES)
-            _cross(tensions, beside.time, _shown(beside), [cable_style(k) for k in range(run.lengths.shape[1])])
+            _cross(position, beside, beside.poses.position, AXIS_STYLES)
+            _cross(tensions, beside, _shown(beside),
+                   [cable_style(k) for k in range(run.lengths.shape[1])])
             words += " Crosses: the same of another run."
         return _told(figure, run, "Overview", words)
 
 
-def _cross(panel: Axes, time: Array, lines: Array, styles: Sequence[LineStyle]) -> None:
+def _cross(panel: Axes, beside: Run, lines: Array, styles: Sequence[LineStyle]) -> None:
     """What another run did."""
     for line, style in zip(lines.T, styles):
-        panel.plot(time, line, "x", color=style.color, markersize=5, markevery=_every(time), label="_beside")
-    panel.annotate("crosses: the other run", (0.008, 0.02), xycoords="axes fraction", fontsize=9, color=INK)
+        panel.plot(beside.time, line, "x", color=style.color, markersize=5,
+                   markevery=_every(beside),
+                   label="_beside")
+    panel.annotate("crosses: the other run", (0.008, 0.02), xycoords="axes fraction",
+                   fontsize=9, color=INK)
 
 
 def plot_glance(run: Run) -> Figure:
@@ -111,7 +115,8 @@ def plot_glance(run: Run) -> Figure:
         left, right = figure.subplots(1, 2)
         for panel in (left, right):
             _over_time(panel, run)
-        _draw_errors(left, run.time, 1e3 * run.errors[:, :d], axis_names(d), "error [mm]", "Position error")
+        _draw_errors(left, run.time, 1e3 * run.errors[:, :d], axis_names(d), "error [mm]",
+                     "Position error")
         draw_cables(right, run.time, _shown(run))
         _number_cables(right, run)
         right.set(ylabel="tension [N]", title="Tensions")
@@ -169,28 +174,35 @@ def _draw_tracking(part: Any, run: Run) -> Axes:
     draw_lines(axes[0], time, wanted, names, solid, solid_capstyle="butt", **pale)
     draw_lines(axes[0], time, actual, names, AXIS_STYLES)
     axes[0].set(ylabel="position [m]", title="Position of P")
-    handles, title = [_key("reference", **pale), _key("actual")], "Position error, reference − actual"
+    handles = [_key("reference", **pale), _key("actual")]
+    title = "Position error, reference − actual"
     if run.estimates is not run.poses:   # what the controller saw
         dots = LineStyle(INK, (0, (1, 3)))
         draw_lines(axes[0], time, seen, names, [dots] * d, linewidth=0.8)
         handles.append(_key("measured", linestyle=dots.linestyle, linewidth=0.8))
-        draw_lines(axes[1], time, 1e3 * (wanted - seen), ["_measured"] * d, solid, linewidth=0.6, alpha=0.45, zorder=1)
+        draw_lines(axes[1], time, 1e3 * (wanted - seen), ["_measured"] * d, solid,
+                   linewidth=0.6, alpha=0.45, zorder=1)
         title = "Position error (thin: as measured)"
     _legend_above(axes[0], handles)
     label_ends(axes[0], actual, names, AXIS_COLORS)
     _draw_errors(axes[1], time, 1e3 * run.errors[:, :d], names, "position error [mm]", title)
     if len(axes) > 2:
         turns = 1e3 * run.errors[:, d:]
-        about = {1: ("φ",), 2: ("about y′", "about z′"), 3: ("about x", "about y", "about z")}[turns.shape[1]]
-        _draw_errors(axes[2], time, turns, about, "rotation error [mrad]", "Rotation error (rotation vector)")
+        about = {1: ("φ",), 2: ("about y′", "about z′"),
+                 3: ("about x", "about y", "about z")}[turns.shape[1]]
+        _draw_errors(axes[2], time, turns, about, "rotation error [mrad]",
+                     "Rotation error (rotation vector)")
     return axes[0]
 
 
-def _draw_errors(panel: Axes, time: Array, errors: Array, names: Sequence[str], label: str, title: str) -> None:
+def _draw_errors(panel: Axes, time: Array, errors: Array, names: Sequence[str], label: str,
+                 title: str) -> None:
     colors = AXIS_COLORS if errors.shape[1] > 1 else (INK,)
-    draw_lines(panel, time, errors, names, list(map(LineStyle, colors, AXIS_DASHES)), linewidth=1.4)
+    draw_lines(panel, time, errors, names, list(map(LineStyle, colors, AXIS_DASHES)),
+               linewidth=1.4)
     if errors.shape[1] > 1:
-        _legend_above(panel, panel.plot(time, np.linalg.norm(errors, axis=1), color=INK, linewidth=1.0,
+        _legend_above(panel,
+                      panel.plot(time, np.linalg.norm(errors, axis=1), color=INK, linewidth=1.0,
                                         linestyle=(0, (1, 1.5)), label="norm"))
     _around_zero(panel)
     panel.set(ylabel=label, title=title)
@@ -216,11 +228,14 @@ def _draw_tensions(part: Any, run: Run) -> Axes:
         below.set(ylabel="difference [N]", title="Measured − commanded")
         dots: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4.2}
         handles.append(_key("measured", **dots))
-        every = _every(run.time)
+        every = _every(run)
         for cable, measured in enumerate(run.measured_tensions.T):
-            above.plot(run.time, measured, color=cable_style(cable).color, markeredgecolor="white", markeredgewidth=0.5,
-                       markevery=(every * cable // 8, every), label=f"_measured {cable + 1}", **dots)
-    below.set_title("cables drawn as above", loc="right", fontsize=9, fontweight="normal", color=GREY)
+            above.plot(run.time, measured, color=cable_style(cable).color,
+                       markeredgecolor="white", markeredgewidth=0.5,
+                       markevery=(every * cable // 8, every), label=f"_measured {cable + 1}",
+                       **dots)
+    below.set_title("cables drawn as above", loc="right", fontsize=9, fontweight="normal",
+                    color=GREY)
     _around_zero(below)
     if not run.feasible.all():
         handles.append(Patch(color=WARNING, label="not held" if wound else "infeasible"))
@@ -234,20 +249,22 @@ def _draw_tensions(part: Any, run: Run) -> Axes:
     return above
 
 
-def _every(time: Array) -> int:
+def _every(run: Run) -> int:
     """Of how many values one is marked."""
-    return max(1, len(time) // _MARKERS)
+    return max(1, len(run.time) // _MARKERS)
 
 
 def draw_cables(panel: Axes, time: Array, lines: Array, **options: Any) -> None:
     """Columns (N, m) over time, each in its cable's style."""
     cables = range(lines.shape[1])
-    draw_lines(panel, time, lines, [f"cable {k + 1}" for k in cables], [cable_style(k) for k in cables], **options)
+    draw_lines(panel, time, lines, [f"cable {k + 1}" for k in cables],
+               [cable_style(k) for k in cables], **options)
 
 
 def _number_cables(panel: Axes, run: Run) -> None:
     cables = range(run.world.robot.n_cables)
-    label_ends(panel, _shown(run), [str(k + 1) for k in cables], [cable_style(k).color for k in cables])
+    label_ends(panel, _shown(run), [str(k + 1) for k in cables],
+               [cable_style(k).color for k in cables])
 
 
 def _shown(run: Run) -> Array:
@@ -287,7 +304,8 @@ def _draw_limits(panel: Axes, run: Run) -> None:
     if words:
         low, high = panel.get_ylim()
         panel.set_ylim(low, high + 0.08 * (high - low))  # room for the note above all lines
-        panel.annotate(f"off scale: {', '.join(words)}", (0.008, 0.985), xycoords="axes fraction", va="top",
+        panel.annotate(f"off scale: {', '.join(words)}", (0.008, 0.985),
+                       xycoords="axes fraction", va="top",
                        fontsize=9, color=INK)
 
 
@@ -296,7 +314,8 @@ def _tracking_in_words(run: Run) -> str:
     d = run.world.robot.dimension
     if not np.isfinite(run.errors).any():
         return f"Position {', '.join(axis_names(d))} over time [m]; no reference is known."
-    off, turned = (1e3 * np.linalg.norm(part, axis=1) for part in (run.errors[:, :d], run.errors[:, d:]))
+    off, turned = (1e3 * np.linalg.norm(part, axis=1)
+                   for part in (run.errors[:, :d], run.errors[:, d:]))
     text = (f"Reference and actual {', '.join(axis_names(d))} over time [m]; the position error [mm] is largest, "
             f"{np.nanmax(off):.3g} mm, at {run.time[np.nanargmax(off)]:.3g} s.")
     return f"{text} The largest rotation error is {np.nanmax(turned):.3g} mrad." if _tracking_rows(run) > 2 else text
@@ -330,7 +349,8 @@ def _key(label: str, **look: Any) -> Any:
 
 def _legend_above(panel: Axes, handles: list[Any]) -> None:
     """A legend on the title's line, where no data can be."""
-    panel.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 0.995), ncols=len(handles),
+    panel.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 0.995),
+                 ncols=len(handles),
                  borderaxespad=0.1, handlelength=1.8, columnspacing=1.2)
 
 
@@ -348,7 +368,8 @@ def draw_lines(panel: Axes, time: Array, lines: Array, names: Sequence[str],
         panel.plot(time, line, label=name, **style._asdict(), **options)
 
 
-def mark_level(panel: Axes, level: float, words: str = "", place: float = 0.005, align: str = "left") -> None:
+def mark_level(panel: Axes, level: float, words: str = "", place: float = 0.005,
+               align: str = "left") -> None:
     """A dotted line across the panel and words above it, at a share of its width."""
     panel.axhline(level, color=INK, linewidth=1.2, linestyle=(0, (1, 2)), label="_limit")
     panel.annotate(words, (place, level), xycoords=("axes fraction", "data"), ha=align,

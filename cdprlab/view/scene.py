@@ -61,7 +61,8 @@ class MotionScene:
     0.0
     """
 
-    def __init__(self, states: Sequence[State] | Mapping[str, Sequence[State]], title: str = "") -> None:
+    def __init__(self, states: Sequence[State] | Mapping[str, Sequence[State]],
+                 title: str = "") -> None:
         joined = _joined(states if isinstance(states, Mapping) else {"": states})
         if not joined:
             raise InvalidInput("a scene needs one state at least, got none")
@@ -75,11 +76,13 @@ class MotionScene:
         first = self.states[0]
         points = _raised(landmarks(first.robot, first.scene, first.pose))
         self.unit = 0.004 * diagonal(points)
-        self.plot = k3d.plot(height=400, grid_visible=False, camera_auto_fit=False, axes_helper=0.0,
-                             menu_visibility=False, colorbar_object_id=0, snapshot_type="full", name=title)
+        self.plot = k3d.plot(height=400, grid_visible=False, camera_auto_fit=False,
+                             axes_helper=0.0,
+                             menu_visibility=False, colorbar_object_id=0, snapshot_type="full",
+                             name=title)
         tiles = floor_tiles(points, floor_height(first.robot, first.scene))
         for parity, color in enumerate(FLOOR):
-            self.plot += self._mesh([tiles[parity::2]], np.array([[0, 1, 2, 3]]), color)
+            self.plot += self._mesh(tiles[None, parity::2], np.array([[0, 1, 2, 3]]), color)
         self._add_solids()
         self._add_cables(tensions)
         center, reach = (points.min(axis=0) + points.max(axis=0)) / 2, 250 * self.unit
@@ -90,27 +93,31 @@ class MotionScene:
 
     def page(self) -> str:
         """HTML that opens anywhere, without a server or a network, with a still where there is no WebGL."""
-        still = picture_tag(self.still(), f"{self.title}: the robot at its start. Turning it needs WebGL.")
+        still = picture_tag(self.still(),
+                            f"{self.title}: the robot at its start. Turning it needs WebGL.")
         page = self.plot.get_snapshot().replace("<html>", '<html lang="en">', 1)
-        page = page.replace("<body>", f'<body><div class="cdprlab-still" style="position: absolute">{still}</div>', 1)
-        return re.sub("<title>.*?<", lambda _: f"<title>{html.escape(self.title)}<", page, count=1)
+        page = page.replace("<body>",
+                            f'<body><div class="cdprlab-still" style="position: absolute">{still}</div>', 1)
+        return re.sub("<title>.*?<", lambda _: f"<title>{html.escape(self.title)}<", page,
+                      count=1)
 
     def still(self) -> bytes:
         """The first state as PNG."""
         return as_png(draw(self.states[0]), self.title)
 
     # --- what is in it --------------------------------------------------------------------------------
-    def _series(self, values: Any) -> Any:
+    def _series(self, values: Array) -> Any:
         """What k3d plays, or one value where nothing moves."""
-        arrays = [np.asarray(value, dtype=np.float32) for value in values]
-        if all(np.array_equal(arrays[0], value) for value in arrays):
+        arrays = np.asarray(values, dtype=np.float32)
+        if (arrays == arrays[0]).all():
             return arrays[0]
         return {f"{time:.3f}": value for time, value in zip(self.times, arrays)}
 
     def _add_solids(self) -> None:
         """One mesh for all boxes of one color; planar boxes become 0.2 m deep."""
         solids = [surroundings(state.robot, state.scene, state.base_frames)
-                  + platform_solids(state.robot, state.pose, state.boxes) for state in self.states]
+                  + platform_solids(state.robot, state.pose, state.boxes)
+                  for state in self.states]
         bodies = np.array([[solid.corners for solid in shown] for shown in solids])
         if bodies.shape[-1] == 2:
             bodies = _raised(bodies[:, :, [0, 1, 0, 1, 2, 3, 2, 3]])
@@ -123,46 +130,56 @@ class MotionScene:
     def _add_cables(self, tensions: Array) -> None:
         import k3d
 
-        lines, wheels = zip(*(map(_raised, strung(state.robot, state.pose, state.tensions, state.rope_lengths,
-                                                  state.base_frames, _PIECES, _LOOSE)) for state in self.states))
+        told = [strung(state.robot, state.pose, state.tensions, state.rope_lengths,
+                       state.base_frames,
+                       _PIECES, _LOOSE) for state in self.states]
+        lines, wheels = (_raised(np.array(parts)) for parts in zip(*told))
         m = tensions.shape[1]
         shades = np.where(tensions > 0, tensions, -_GREY * self.largest)
         self.cables = k3d.lines(
             self._flat(lines), _chains(m, _PIECES),
             indices_type="segment", shader="thick", width=1.3 * self.unit,
             attribute=self._series(np.repeat(shades, _PIECES + 1, axis=1)),
-            color_map=_scale(), color_range=[-_GREY * self.largest, self.largest], name="tension [N]")
+            color_map=_scale(), color_range=[-_GREY * self.largest, self.largest],
+            name="tension [N]")
         self.plot += self.cables
-        if wheels[0].size:
-            self.plot += k3d.lines(self._flat(wheels), _chains(len(wheels[0]), 24), indices_type="segment",
-                                   shader="thick", width=self.unit, color=_rgb(INK))
+        ink = _rgb(INK)
+        if wheels.size:
+            self.plot += k3d.lines(self._flat(wheels), _chains(wheels.shape[1], 24),
+                                   indices_type="segment",
+                                   shader="thick", width=self.unit, color=ink)
         for end, size in ((0, 5), (-1, 3)):
-            self.plot += k3d.points(self._series([line[:, end] for line in lines]), point_size=size * self.unit,
-                                    color=_rgb(INK), shader="flat")
-        first = lines[0][:, 0]
+            self.plot += k3d.points(self._series(lines[:, :, end]), point_size=size * self.unit,
+                                    color=ink,
+                                    shader="flat")
+        first = lines[0, :, 0]
         for k in range(m):
             # Outwards of the point, and above or below it where another is near.
             side = "l" if first[k, 0] > first[:, 0].mean() else "r"
             near = (np.abs(first[:k] - first[k]).max(axis=1) < 20 * self.unit).sum()
-            self.plot += k3d.text(str(k + 1), position=self._series([line[k, 0] for line in lines]), color=_rgb(INK),
-                                  size=1.0, label_box=False, reference_point=side + "bt"[near % 2])
+            self.plot += k3d.text(str(k + 1), position=self._series(lines[:, k, 0]), color=ink,
+                                  size=1.0,
+                                  label_box=False, reference_point=side + "bt"[near % 2])
 
-    def _flat(self, lines: Sequence[Array] | Array) -> Any:
-        return self._series([line.reshape(-1, 3) for line in lines])
+    def _flat(self, parts: Array) -> Any:
+        """(T, n, k, 3) points of n parts at each state, as one list."""
+        return self._series(parts.reshape(len(parts), -1, 3))
 
-    def _mesh(self, bodies: Sequence[Array] | Array, faces: Array, color: str, opacity: float = 1.0) -> Any:
-        """Bodies of (n, k, 3) corners at each state, the faces of each (f, 4), as triangles."""
+    def _mesh(self, bodies: Array, faces: Array, color: str, opacity: float = 1.0) -> Any:
+        """Bodies of (T, n, k, 3) corners at each state, the faces of each (f, 4), as triangles."""
         import k3d
 
-        n, k, _ = bodies[0].shape
+        n, k = bodies.shape[1:3]
         whole = (faces + k * np.arange(n)[:, None, None]).reshape(-1, 4)
         triangles = np.concatenate([whole[:, [0, 1, 2]], whole[:, [0, 2, 3]]]).astype(np.uint32)
-        return k3d.mesh(self._flat(bodies), triangles, color=_rgb(color), opacity=opacity, flat_shading=True,
+        return k3d.mesh(self._flat(bodies), triangles, color=_rgb(color), opacity=opacity,
+                        flat_shading=True,
                         side="double")
 
     def _player(self, tensions: Array) -> str:
         script = Path(__file__).with_name("player.js").read_text(encoding="utf-8")
-        colors = ["#{:02X}{:02X}{:02X}".format(*color) for color in (SLACK_COLOR, *TENSION_COLORS)]
+        colors = ["#{:02X}{:02X}{:02X}".format(*color)
+                  for color in (SLACK_COLOR, *TENSION_COLORS)]
         motion = {"end": max(self.times[-1], 1e-3), "times": np.round(self.times, 3).tolist(),
                   "tensions": tensions.round(1 if self.largest < 1000 else 0).tolist(),
                   "largest": float(f"{self.largest:.3g}"), "colors": colors,
@@ -199,7 +216,9 @@ def _joined(motions: Mapping[str, Sequence[State]]) -> list[tuple[str, Any]]:
     joined: list[tuple[str, Any]] = []
     for said, motion in motions.items():
         began = joined[-1][1].time + _BETWEEN if joined else 0.0
-        joined += [(said, state._replace(time=began + state.time - motion[0].time, scene=state.scene or EMPTY))
+        joined += [(said,
+                    state._replace(time=began + state.time - motion[0].time,
+                                   scene=state.scene or EMPTY))
                    for state in motion]
     return joined
 

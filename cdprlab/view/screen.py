@@ -26,9 +26,12 @@ class Screen:
         self.figure = sized_figure(width, round(HEIGHT * width / _WIDTH), width / _WIDTH)
         self.top, line = 1 - (56 if captioned else 30) / HEIGHT, 1 - 22 / HEIGHT
         with house_style():
-            self.figure.text(0.02, line, title, color=INK, fontsize=min(11.5, 740 / max(len(title), 1)))
-            self._clock = self.figure.text(0.98, line, "", color=INK, ha="right", fontsize=11.5, animated=True)
-            self._caption = self.figure.text(0.02, self.top + 0.012, "", color=VERMILION, animated=True)
+            self.figure.text(0.02, line, title, color=INK,
+                             fontsize=min(11.5, 740 / max(len(title), 1)))
+            self._clock = self.figure.text(0.98, line, "", color=INK, ha="right", fontsize=11.5,
+                                           animated=True)
+            self._caption = self.figure.text(0.02, self.top + 0.012, "", color=VERMILION,
+                                             animated=True)
         self._picture = Picture(self.figure)
 
     def show(self, time: float, caption: str = "") -> Frame:
@@ -62,5 +65,6 @@ def sized_figure(width: int, height: int, scale: float | None = None) -> Figure:
 def robot_axes(figure: Figure, dimension: int, bottom: float = 0.0, top: float = 1.0) -> Any:
     """Axes over the whole width between two heights; planar ones with room for their ticks."""
     width, height = figure.get_size_inches()
-    left, below, above = (0.75 / width, 0.5 / height, 0.05 / height) if dimension == 2 else (0.0, 0.0, 0.0)
-    return figure.add_axes((left, bottom + below, 1 - 1.1 * left, top - bottom - below - above))
+    left, below, above = (0.75, 0.5, 0.05) if dimension == 2 else (0.0, 0.0, 0.0)
+    return figure.add_axes((left / width, bottom + below / height, 1 - 1.1 * left / width,
+                            top - bottom - (below + above) / height))

@@ -68,13 +68,14 @@ def tension_colors(tensions: ArrayLike, limits: tuple[float, float]) -> NDArray[
     """
     tau = np.asarray(tensions, dtype=float)
     places = np.linspace(*limits, len(TENSION_COLORS))
-    colors = [np.interp(tau, places, channel).round() for channel in np.transpose(TENSION_COLORS)]
+    colors = [np.interp(tau, places, channel).round()
+              for channel in np.transpose(TENSION_COLORS)]
     return np.where(tau[..., None] > 0, np.stack(colors, axis=-1), SLACK_COLOR).astype(np.uint8)
 
 
 def tension_limits(robot: Robot) -> tuple[float, float]:
     """A color scale for any task: 0 to the smaller of the platform's weight and the largest tension limit [N]."""
-    highest = float(robot.tension_max.max())
+    highest = robot.tension_max.max()
     return 0.0, min(robot.mass * robot.gravity or highest, highest)
 
 

@@ -37,12 +37,17 @@ def plot_tension_comparison(table: TensionComparison) -> Figure:
             panel.set_axis_off()
         _share_axes(panels[:count], table)
         above.legend(handles=[*panels[0].get_lines(), Patch(color=WARNING, label="infeasible")],
-                     loc="outside upper right", ncols=table.tensions.shape[2] + 2, handlelength=1.9,
+                     loc="outside upper right", ncols=table.tensions.shape[2] + 2,
+                     handlelength=1.9,
                      columnspacing=1.1, fontsize=9)
-        for chart, (column, label) in zip(below.subplots(1, len(_NUMBERS), sharey=True), _NUMBERS.items()):
+        for chart, (column, label) in zip(below.subplots(1, len(_NUMBERS), sharey=True),
+                                          _NUMBERS.items()):
             values = getattr(table, column) * (1e6 if "[µs]" in label else 1.0)
-            bars = chart.barh(names, np.nan_to_num(values), 0.6, color=SKY, edgecolor=INK, linewidth=0.6)
-            chart.bar_label(bars, [f"{value:.3g}" if np.isfinite(value) else "never feasible" for value in values],
+            bars = chart.barh(names, np.nan_to_num(values), 0.6, color=SKY, edgecolor=INK,
+                              linewidth=0.6)
+            chart.bar_label(bars,
+                            [f"{value:.3g}" if np.isfinite(value) else "never feasible"
+                             for value in values],
                             padding=4, fontsize=8.5)
             if column == "largest_step":
                 for bar, continuous in zip(bars, table.continuous):
@@ -57,11 +62,13 @@ def plot_tension_comparison(table: TensionComparison) -> Figure:
 
 def _draw_method(panel: Axes, table: TensionComparison, k: int) -> None:
     draw_cables(panel, table.time, table.tensions[k], linewidth=1.2)
-    panel.axhline(float(table.world.robot.tension_min.max()), color=INK, linewidth=1.0, linestyle=(0, (1, 2)),
+    panel.axhline(float(table.world.robot.tension_min.max()), color=INK, linewidth=1.0,
+                  linestyle=(0, (1, 2)),
                   label=r"$\tau_\mathrm{min}$")
     shade(panel, table.time, table.feasible[k])
     if not table.feasible[k].all():
-        panel.set_title(f"infeasible {100 * (1 - table.feasible[k].mean()):.0f} %", loc="right", fontsize=9,
+        panel.set_title(f"infeasible {100 * (1 - table.feasible[k].mean()):.0f} %", loc="right",
+                        fontsize=9,
                         fontweight="normal", color=VERMILION)
 
 

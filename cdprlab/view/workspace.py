@@ -67,12 +67,14 @@ def plot_workspaces(robot: Robot, grid: PoseGrid, judgements: Mapping[str, Judge
         return figure
 
 
-def _draw_map(axes: Axes, robot: Robot, grid: PoseGrid, judgement: Judgement, label: str, most: float) -> None:
+def _draw_map(axes: Axes, robot: Robot, grid: PoseGrid, judgement: Judgement, label: str,
+              most: float) -> None:
     x, y = grid.axes.values()
     inside, margin = grid.field(judgement.inside).T, grid.field(judgement.margin).T
 
     def fill(values: Any, where: Any, **look: Any) -> Any:
-        return axes.pcolormesh(x, y, np.ma.masked_where(~where, values), shading="nearest", **look)
+        return axes.pcolormesh(x, y, np.ma.masked_where(~where, values), shading="nearest",
+                               **look)
 
     fill(inside, ~inside, cmap=ListedColormap([WARNING]))
     known = inside & np.isfinite(margin)
@@ -80,8 +82,10 @@ def _draw_map(axes: Axes, robot: Robot, grid: PoseGrid, judgement: Judgement, la
         blues = ListedColormap(colormaps["Blues"](np.linspace(0.12, 0.72, 256)))
         drawn = fill(margin, known, cmap=blues, vmin=0, vmax=most)
         levels = np.unique([float(f"{share * most:.2g}") for share in (0.2, 0.4, 0.6, 0.8)])
-        lines = axes.contour(x, y, np.ma.masked_where(~known, margin), levels, colors=INK, linewidths=0.6)
-        axes.clabel(lines, fmt=lambda value: f"{value:.0f}" if value >= 100 else f"{value:.3g}", fontsize=8)
+        lines = axes.contour(x, y, np.ma.masked_where(~known, margin), levels, colors=INK,
+                             linewidths=0.6)
+        axes.clabel(lines, fmt=lambda value: f"{value:.0f}" if value >= 100 else f"{value:.3g}",
+                    fontsize=8)
         figure: Any = axes.figure
         figure.colorbar(drawn, ax=axes, label=label, aspect=35,
                         location="bottom" if np.ptp(x) > np.ptp(y) else "right",
@@ -91,15 +95,18 @@ def _draw_map(axes: Axes, robot: Robot, grid: PoseGrid, judgement: Judgement, la
     if inside.any() and not inside.all():
         axes.contour(x, y, inside, [0.5], colors=INK, linewidths=1.6)
     # The exit points too, as far as the plane has their directions.
-    exits = robot.exit_points[:, [axis_names(robot.dimension).index(name) for name in grid.axes]]
-    axes.plot(*exits.T, "s", color=INK, markersize=5, label="exit points", clip_on=False, zorder=5)
+    exits = robot.exit_points[:, [axis_names(robot.dimension).index(name)
+                                  for name in grid.axes]]
+    axes.plot(*exits.T, "s", color=INK, markersize=5, label="exit points", clip_on=False,
+              zorder=5)
     across, up = (f"{name} [m]" for name in grid.axes)
     axes.set(xlabel=across, ylabel=up, aspect="equal")
     axes.margins(0.03)
     axes.grid(False)
 
 
-def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: str | Path, width: int = 960) -> Path:
+def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: str | Path,
+                    width: int = 960) -> Path:
     """A PNG of a workspace in space, layer upon layer, around the robot at its start, with a description inside.
 
     A layer ends half-way between poses inside and outside.
@@ -111,7 +118,8 @@ def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: st
     if len(grid.axes) != 3:
         raise InvalidInput(f"layers need a grid over x, y and z, this one is over {', '.join(grid.axes)}")
     figure = sized_figure(width, 3 * width // 4)
-    drawing = RobotDrawing(robot_axes(figure, 3), world.robot, world.scene, world.pose, solid=True)
+    drawing = RobotDrawing(robot_axes(figure, 3), world.robot, world.scene, world.pose,
+                           solid=True)
     x, y, heights = grid.axes.values()
     slate = Figure().add_subplot()
     corners, codes = [], []
@@ -119,21 +127,24 @@ def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: st
         outline = slate.contourf(x, y, inside, [0.5, 1.5]).get_paths()[0]
         corners.append(drawing.view.flat(np.insert(outline.vertices, 2, height, axis=1)))
         codes.append(outline.codes)
-    drawing.faces(5.4, facecolors=_SURFACE, edgecolors=INK, linewidths=0.4).set_verts_and_codes(corners, codes)
+    drawing.faces(5.4, facecolors=_SURFACE, edgecolors=INK,
+                  linewidths=0.4).set_verts_and_codes(corners, codes)
     # What stands around it is painted once more, as far as it is not behind the workspace.
     places = grid.poses.position[judgement.inside]
     if len(places):
         low, high = places.min(axis=0), places.max(axis=0)
         space = Blocks(box_corners(high - low, Pose((low + high) / 2))[None], drawing.view.eye)
-        drawing.paint(drawing.faces(5.5), [solid for solid in surroundings(world.robot, world.scene)
+        drawing.paint(drawing.faces(5.5),
+                      [solid for solid in surroundings(world.robot, world.scene)
                                           if not space.hides(solid.corners).any()])
-    title = f"Layers of a workspace of {world.title or world.name}."
-    return save_png(Picture(figure).pixels(), path, f"{title} {describe(grid, judgement)}")
+    return save_png(Picture(figure).pixels(), path,
+                    f"Layers of a workspace of {world.title or world.name}. {describe(grid, judgement)}")
 
 
 def describe(grid: PoseGrid, judgement: Judgement, unit: str = "") -> str:
     """What the picture shows, in words."""
-    where = ", ".join(f"{name} from {places[0]:.4g} to {places[-1]:.4g} m" for name, places in grid.axes.items())
+    where = ", ".join(f"{name} from {places[0]:.4g} to {places[-1]:.4g} m"
+                      for name, places in grid.axes.items())
     text, known = f"{100 * judgement.inside.mean():.1f} % of {len(grid)} poses inside, {where}", _known(judgement)
     return f"{text}; margins up to {known.max():.4g} {unit}".rstrip() + "." if known.size else f"{text}."
 
