@@ -6,6 +6,7 @@ Reading, writing, the JSON Schema and the designer's fields follow from here.
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
+from itertools import chain
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -21,7 +22,6 @@ from pydantic import (
     model_validator,
 )
 
-from ..arrays import frozen
 from ..errors import InvalidInput, Location, quoted, under
 from ..robot import (
     MOTION_PATTERNS,
@@ -38,6 +38,7 @@ from ..robot import (
     turned_to,
 )
 from ..robot.pose import Pose
+from .document import plain
 from .model import NAME, Box, PickAndPlace, Scene, Task
 
 Words = dict[str, Any]
@@ -92,15 +93,13 @@ class Block(BaseModel):
 
     def words(self, d: int) -> Words:
         """What the block says, as arguments of its part; what it leaves out is left to the part's own default."""
-        words: Words = {key: np.zeros(d) for key in self.zeros}
+        words: Words = {key: [0.0] * d for key in self.zeros}
         for key, field in type(self).model_fields.items():
             value = getattr(self, key)
             if value is None or field.exclude:
                 continue
             if isinstance(value, Block):
                 value = value.part(d)
-            elif isinstance(value, list):
-                value = frozen(np.array(value))
             names = self.called.get(key, (key,))
             if isinstance(value, dict):
                 words |= value
@@ -144,9 +143,8 @@ class PoseBlock(Block):
     @classmethod
     def of(cls, part: Pose) -> Words:
         turn = "angle" if part.dimension == 2 else "rpy"
-        block = {"position": part.position, "rpy": None, "angle": None,
-                 turn: getattr(part, turn)}
-        return {key: _said(value) for key, value in block.items()}
+        return {"position": _said(part.position), "rpy": None, "angle": None,
+                turn: _said(getattr(part, turn))}
 
 
 class PlatformBlock(Block):
@@ -284,7 +282,7 @@ class BaseSpeedBlock(Block):
     """along the base's own axes [m/s]; 0 holds a direction"""
 
     def words(self, d: int) -> Words:
-        return {"speed_max": np.array([self.rotation, *self.translation])}
+        return {"speed_max": [self.rotation, *self.translation]}
 
     @classmethod
     def of(cls, part: Base) -> Words:
@@ -372,12 +370,12 @@ class SceneBlock(Block):
     def words(self, d: int) -> Words:
         if d == 2 and self.shelves:
             raise InvalidInput("a planar scene has no shelves; use boxes", ("shelves",))
-        boxes = (*(box.part(d) for box in self.boxes),
-                 *(replace(box.part(d), kind="obstacle") for box in self.obstacles),
-                 *(board for shelf in self.shelves for board in shelf.boards()))
-        frame = self.frame and frozen(np.array([self.frame.lower, self.frame.upper]))
-        return {"frame": frame, "floor_height": self.floor.height if self.floor else 0.0,
-                "boxes": boxes}
+        boxes = [box.part(d) for box in self.boxes]
+        boxes += [replace(box.part(d), kind="obstacle") for box in self.obstacles]
+        boxes += chain.from_iterable(shelf.boards() for shelf in self.shelves)
+        return {"frame": self.frame and [self.frame.lower, self.frame.upper],
+                "floor_height": self.floor.height if self.floor else 0.0,
+                "boxes": tuple(boxes)}
 
     @classmethod
     def of(cls, part: Scene) -> Words:
@@ -500,7 +498,7 @@ class WorldFile(Block):
     platform: PlatformBlock
     cable_limits: LimitsBlock = LimitsBlock()
     """for cables that state none"""
-    cables: Annotated[list[CableBlock], Field(min_length=1)]
+    cables: Annotated[list[CableBlock], Field(min_length=1, max_length=200)]
     cable: ElasticityBlock = ElasticityBlock()
     """what all cables are made of, and run over"""
     winch: WinchBlock | None = None
@@ -514,15 +512,14 @@ class WorldFile(Block):
         if self.engine not in (None, pattern.engine):
             raise InvalidInput(f"motion pattern {pattern.name} runs in the {pattern.engine} engine, "
                                f"not {quoted(self.engine)}", ("engine",))
-        cables, shared = [], self.cable_limits.part(d)
-        if self.cable.pulley:
-            shared = {"pulley": self.cable.pulley.part(d)} | shared
+        cables, pulley = [], self.cable.pulley
+        shared = {"pulley": pulley and pulley.part(d)} | self.cable_limits.part(d)
         for i, block in enumerate(self.cables):
             with under("cables", i):
                 cables.append(block.cable(shared, d))
         robot = Robot(pattern, self.platform.part(d), tuple(cables),
                       tuple(base.part(d) for base in self.bases),
-                      self.gravity, self.winch.part(d) if self.winch else None,
+                      self.gravity, self.winch and self.winch.part(d),
                       self.cable.part(d) if self.cable.axial_stiffness else None,
                       self.cable.linear_density)
         pose = self.platform.pose.part(d)
@@ -531,8 +528,7 @@ class WorldFile(Block):
             with under("tasks", name):
                 tasks[name] = task.task(pose, robot)
         return {"name": self.name, "title": self.title, "source": self.source, "robot": robot,
-                "pose": pose,
-                "scene": self.scene.part(d), "tasks": tasks}
+                "pose": pose, "scene": self.scene.part(d), "tasks": tasks}
 
     @classmethod
     def of(cls, part: Any) -> Words:
@@ -549,10 +545,7 @@ class WorldFile(Block):
                 "bases": [BaseBlock.of(base) for base in robot.bases]}
 
 
-@cache
-def file_schema() -> Words:
-    """JSON Schema of the world file."""
-    return WorldFile.model_json_schema()
+_schema = cache(WorldFile.model_json_schema)
 
 
 def keys_at(location: Location) -> dict[str, Words]:
@@ -561,7 +554,7 @@ def keys_at(location: Location) -> dict[str, Words]:
     >>> keys_at(("cables", 2))["exit_point"]["description"]
     "A, in the world frame or its base's frame [m]"
     """
-    blocks = [file_schema()]
+    blocks = [_schema()]
     for part in location:
         inner = [block.get("properties", {}).get(part) or block.get("items")
                  or block.get("additionalProperties")
@@ -574,7 +567,7 @@ def keys_at(location: Location) -> dict[str, Words]:
 def _alternatives(schema: Words) -> Iterator[Words]:
     """What may stand where a schema refers to others, or to one of several."""
     for option in schema.get("anyOf") or schema.get("oneOf") or [schema]:
-        yield file_schema()["$defs"].get(option.get("$ref", "").rpartition("/")[2], option)
+        yield _schema()["$defs"].get(option.get("$ref", "").rpartition("/")[2], option)
 
 
 def _said(value: Any) -> Any:
@@ -583,5 +576,5 @@ def _said(value: Any) -> Any:
         return PoseBlock.of(value)
     if isinstance(value, Pulley):
         return PulleyBlock.of(value)
-    plain = value.tolist() if hasattr(value, "tolist") else value
-    return None if plain == float("inf") else plain
+    known = plain(value)
+    return None if known == np.inf else known

@@ -4,6 +4,7 @@ import io
 import pickle
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from itertools import chain
 from typing import Any
 
@@ -160,14 +161,12 @@ def place_text(location: Location) -> str:
 
 def line_number(document: Any, location: Location) -> int | None:
     """Line (from 1) of the deepest part of ``location`` the document has; None where it has no lines."""
-    node = document
-    line = document.lc.line + 1 if hasattr(document, "lc") else None
-    for part in location:
-        try:
+    node, line = document, None
+    with suppress(AttributeError, KeyError, TypeError):
+        line = node.lc.line + 1
+        for part in location:
             line = node.lc.data[part][0] + 1
-        except (AttributeError, KeyError, TypeError):
-            break
-        node = node[part]
+            node = node[part]
     return line
 
 

@@ -26,8 +26,6 @@ def read(document: Any, path: str) -> dict[str, Any]:
                           f"got {'an empty file' if document is None else kind}"])
     check_extent(document, path)
     content = plain(document)
-    if len(content.get("cables") or ()) > _MOST_CABLES:
-        raise WorldError([f"{path}: a robot has at most {_MOST_CABLES} cables, got {len(content['cables'])}"])
     pattern = MOTION_PATTERNS.get(str(content.get("motion_pattern")))
     d = pattern.dimension if pattern else 0   # without a pattern there is a mistake anyway
     try:
@@ -36,9 +34,6 @@ def read(document: Any, path: str) -> dict[str, Any]:
         found = [_Mistake(document, error) for error in refused.errors()[:100]]
         raise WorldError([mistake.line(path) for mistake in _distinct(found)]) from None
     return words | {"document": document if hasattr(document, "lc") else styled(content)}
-
-
-_MOST_CABLES = 200
 
 
 class _Mistake:

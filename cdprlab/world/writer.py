@@ -17,14 +17,11 @@ def updated_document(world: Any) -> Any:
             _share(own(document, block), world.robot.cables)
             if not document[block]:
                 del document[block]
-    wanted, found = WorldFile.of(world), SimpleNamespace(**read(document, world.name))
-    before, tasks, scene = _tasks(found), _tasks(world), SceneBlock.of(world.scene)
-    other_scene = scene != SceneBlock.of(found.scene)
-    if other_scene:
+    wanted, scene = WorldFile.of(world), SceneBlock.of(world.scene)
+    found = SimpleNamespace(**read(document, world.name))
+    if scene != SceneBlock.of(found.scene):
         document["scene"] = styled(scene)
-    if other_scene or tasks != before:
-        overlay(document, {"tasks": before}, {"tasks": tasks})
-        found = SimpleNamespace(**read(document, world.name))
+    overlay(document, {"tasks": _tasks(found)}, {"tasks": _tasks(world)})
     # The second round catches what follows a changed value by default: inertia that is left out
     # follows the mass.
     for _ in range(2):
