@@ -238,28 +238,27 @@ def checked(public: Public) -> Public:
         return public
 
     @cache
-    def kinds() -> dict[str, Any]:   # at the first call: annotations may name what stands further down
+    def asked() -> tuple[dict[str, Any], dict[str, Any]]:
+        """Kinds, told at the first call as they may stand further down, and what gates make of defaults."""
         said, names = public.__annotations__, public.__globals__
-        return {name: _evaluated(said.get(name, Any), names) for name in signature(public).parameters}
-
-    @cache
-    def usual() -> dict[str, Any]:   # what its gates make of its defaults
-        return {name: gate(asked.default, name) for name, asked in signature(public).parameters.items()
-                if isfunction(gate := kinds()[name]) and asked.default is not asked.empty}
+        parameters = signature(public).parameters
+        kinds = {name: _evaluated(said.get(name, Any), names) for name in parameters}
+        return kinds, {name: kinds[name](one.default, name) for name, one in parameters.items()
+                       if isfunction(kinds[name]) and one.default is not one.empty}
 
     @wraps(public)
     def checking(*arguments: Any, **options: Any) -> Any:
-        wanted = kinds()
-        given = dict(zip(wanted, arguments)) | options
-        gated = bool(usual())
+        kinds, usual = asked()
+        given = dict(zip(kinds, arguments)) | options
+        gated = bool(usual)
         for name, value in given.items():
-            kind = wanted.get(name, Any)
+            kind = kinds.get(name, Any)
             if isfunction(kind):
                 given[name], gated = kind(value, name), True
             elif not _is(value, kind):
                 raise InvalidInput(f"{name} must be {_words(kind)}, got {quoted(value)}")
         if gated and len(given) == len(arguments) + len(options):   # else Python says what is one too many
-            return public(**usual() | given)
+            return public(**usual | given)
         return public(*arguments, **options)
 
     # For who asks what a function takes: kinds that a program can name. The gates stand in `inspect.signature`.
@@ -311,7 +310,7 @@ def _is(value: Any, kind: Any) -> bool:
         return kind is Any or not isinstance(kind, type) or isinstance(value, kind)
     if origin in (Union, UnionType):
         if complex in inside:   # ArrayLike; whether they are numbers, and how many, `as_array` says
-            return isinstance(value, np.ndarray) or _is_regular(value)
+            return _is_regular(value)
         return any(_is(value, one) for one in inside)
     if origin is Literal:
         return isinstance(value, str) and value in inside
@@ -373,13 +372,16 @@ def _words(kind: Any) -> str:
 
 
 def _wanted(shape: tuple[int | str, ...], unit: str) -> str:
-    if not shape:
-        return f"a number{unit}"
-    if len(shape) == 1 and isinstance(shape[0], str):
-        return f"a list of numbers{unit}"
-    if len(shape) == 1:
-        return f"{shape[0]} numbers{unit}"
-    return f"an array of shape ({', '.join(map(str, shape))}){unit}"
+    match shape:
+        case ():
+            words = "a number"
+        case (str(),):
+            words = "a list of numbers"
+        case (count,):
+            words = f"{count} numbers"
+        case _:
+            words = f"an array of shape ({', '.join(map(str, shape))})"
+    return words + unit
 
 
 def _shape_text(array: Array) -> str:

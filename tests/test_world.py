@@ -263,6 +263,8 @@ MISTAKES: dict[str, tuple[str, str, int, list[str]]] = {
     "duplicate key": ("engine: spatial", "engine: spatial\nname: other", 6, ["name", "twice"]),
     "duplicate key of a cable": ("base: cart}", "base: cart, base: cart}", 16, ["cable 3: base", "twice"]),
     "missing cables": (FILE[FILE.index("cables:"):FILE.index("bases:")], "", 2, ["cables: missing"]),
+    "a number for cables": (FILE[FILE.index("cables:"):FILE.index("bases:")], "cables: 5\n", 13,
+                            ["cables: must be a list, got 5"]),
     "missing exit_point": ("exit_point: [0.5, 0, 0.5], ", "", 16, ["cable 3: exit_point: missing"]),
     "wrong shape": ("[0.5, 0, 0.5]", "[0.5, 0]", 16, ["cable 3: exit_point", "must be 3 numbers in space, got 2"]),
     "too many numbers": ("[0.5, 0, 0.5]", "[0, 0, 0, 0]", 16, ["cable 3: exit_point", "at most 3", "got 4"]),

@@ -5,6 +5,7 @@ import platform
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, packages_distributions, version
@@ -54,8 +55,7 @@ def diagnose(_: argparse.Namespace) -> int:
     print(f"cdprlab {__version__}, Python {platform.python_version()}, {platform.system()} "
           f"{platform.machine()}\n{sys.executable}")
     findings = []
-    for part in PARTS:
-        found = examine(part)
+    for found in map(examine, PARTS):
         findings.append(found)
         print(f"  {'works' if found.works else 'FAILS'}  {found.name:22} {found.versions}")
         if found.said:
@@ -69,7 +69,7 @@ def diagnose(_: argparse.Namespace) -> int:
         print(f"To mend it: {remedy}")
     broken = [found.name for found in findings if not found.works]
     print(f"Does not work: {', '.join(broken)}." if broken else "All works.")
-    return 1 if broken else 0
+    return int(bool(broken))
 
 
 def examine(part: Part) -> Finding:
@@ -82,8 +82,8 @@ def examine(part: Part) -> Finding:
         return finding(f"not installed: {', '.join(missing)}", False, missing)
     for module, held in owners.items():
         if len(held) > 1:   # their wheels own the same files
-            remedy = f"python -m pip uninstall --yes {' '.join(held)}, then cdprlab doctor again"
-            return finding(f"{module} comes from two packages at once", False, remedy=remedy)
+            return finding(f"{module} comes from two packages at once", False,
+                           remedy=f"python -m pip uninstall --yes {' '.join(held)}, then cdprlab doctor again")
         for name, installed in held.items():
             asked = requirements().get(name.replace(".", "-"), ("", ""))[0]
             if installed and not SpecifierSet(asked).contains(installed, prereleases=True):
@@ -100,17 +100,13 @@ def examine(part: Part) -> Finding:
 
 def _owners(module: str) -> dict[str, str]:
     """Packages that a module comes from → their versions; empty where there is none."""
-    try:
-        if find_spec(module) is None:
-            return {}
-    except (ValueError, ModuleNotFoundError):   # blocked on purpose, or not even its parent is there
-        return {}
-    found = {}
-    for name in packages_distributions().get(module, [module]):
-        try:
+    found: dict[str, str] = {}
+    with suppress(ValueError, ModuleNotFoundError):   # blocked on purpose, or not even its parent is there
+        if find_spec(module):
+            found = dict.fromkeys(packages_distributions().get(module, [module]), "")
+    for name in found:
+        with suppress(PackageNotFoundError):
             found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = ""
     return found
 
 

@@ -14,7 +14,7 @@ RECORD = ".handed_out.json"
 
 def bring_lessons(options: argparse.Namespace) -> None:
     """Bring the lessons into a folder, and tell what is new in it."""
-    told = hand_out(made_folder(options.folder))
+    told = hand_out(options.folder)
     print("\n".join(told or ["nothing to do: every lesson is there"]))
     print(f"to open them: jupyter lab {options.folder}")
 
@@ -24,22 +24,23 @@ def lesson_files() -> list[Path]:
     return sorted(shipped("lessons").glob("[0-9][0-9]_*.ipynb"))
 
 
-def hand_out(folder: Path, lessons: list[Path] | None = None) -> list[str]:
+def hand_out(folder: str | Path, lessons: list[Path] | None = None) -> list[str]:
     """Copy what is missing, renew what nobody touched, leave all else; one line for each thing worth telling.
 
     folder : made if missing
     lessons : files; default those that come with cdprlab
     """
-    made_folder(folder)
+    folder = made_folder(folder)
     handed_out, told = _read(folder / RECORD), []
     for lesson in lesson_files() if lessons is None else lessons:
         mine, newest = folder / lesson.name, _hash(lesson)
         present = _hash(mine) if mine.exists() else None
-        if present is None or present == handed_out.get(lesson.name) != newest:
+        known = handed_out.get(lesson.name)
+        if present in (None, known) and present != newest:
             with replaced(mine) as file:
                 file.write(lesson.read_bytes())
             told.append(f"{mine.name}: {'new' if present is None else 'renewed; you had not changed it'}")
-        elif present != newest and handed_out.get(lesson.name) != newest:
+        elif newest not in (present, known):
             told.append(f"{mine.name}: a newer lesson exists, yours stays; rename yours to get the newer beside it")
             continue
         handed_out[lesson.name] = newest
@@ -50,10 +51,9 @@ def hand_out(folder: Path, lessons: list[Path] | None = None) -> list[str]:
 def _read(record: Path) -> dict[str, str]:
     """Empty where there is none or it was spoiled: then every file that differs counts as work."""
     try:
-        known = json.loads(record.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        return dict(json.loads(record.read_text(encoding="utf-8")))
+    except (OSError, TypeError, ValueError):
         return {}
-    return known if isinstance(known, dict) else {}
 
 
 def _hash(path: Path) -> str:

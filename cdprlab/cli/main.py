@@ -4,6 +4,7 @@ import argparse
 import sys
 import tomllib
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -138,8 +139,8 @@ def _fly(options: argparse.Namespace, world: World) -> None:
         write(flown.save, lambda _: print_table(flown.table()), {
             "tracking.png": figure(view.plot_tracking, flown),
             "tensions.png": figure(view.plot_tensions, flown),
-            "film.gif": lambda path: view.save_film(flown, path),
-            "scene.html": lambda path: view.save_scene(flown, path)})
+            "film.gif": partial(view.save_film, flown),
+            "scene.html": partial(view.save_scene, flown)})
 
 
 def _compare(options: argparse.Namespace, world: World) -> None:
@@ -170,8 +171,8 @@ def _pick_and_place(options: argparse.Namespace, world: World) -> None:
             print_table(job.table())
 
         write(job.save, tell, {"job.png": figure(plot_job, job),
-                               "film.gif": lambda path: save_job_film(job, path),
-                               "scene.html": lambda path: view.save_scene(job, path)})
+                               "film.gif": partial(save_job_film, job),
+                               "scene.html": partial(view.save_scene, job)})
 
 
 _ENGINES = ("cables", "dt", "duration", "infeasible")

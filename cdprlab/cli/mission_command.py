@@ -2,10 +2,9 @@
 
 import argparse
 from pathlib import Path
-from typing import Any
 
 from .. import view
-from ..fastkit import DONE, Job, Mission, Walker, in_hall, mission_scene, plot_job, plot_journey, run_mission
+from ..fastkit import DONE, Job, Walker, in_hall, mission_scene, plot_job, plot_journey, run_mission
 from ..world import World
 from .output import Pictures, figure, print_table, progress_bar, results, say
 
@@ -16,13 +15,12 @@ PEOPLE = (Walker([[2.5, -1.0], [6.0, -1.0]]),)  # type: ignore[arg-type]
 """The hall of the command line; `run_mission` takes any other."""
 
 
-def fly_mission(options: argparse.Namespace, world: World, work: Any = None) -> Mission:
+def fly_mission(options: argparse.Namespace, world: World) -> None:
     """Run the mission in the hall above, print what happened, write it to a folder."""
     with results(options, world, "mission: to the shelf, pick and place, home again") as write:
         with progress_bar("mission", "s simulated") as bar:
-            mission = run_mission(in_hall(world, BOUNDS, PALLETS), BOUNDS, START, walkers=PEOPLE, work=work,
+            mission = run_mission(in_hall(world, BOUNDS, PALLETS), BOUNDS, START, walkers=PEOPLE,
                                   progress=lambda state, time: bar(time, name=state))
-        job = mission.job if isinstance(mission.job, Job) else None
 
         def tell(_: Path) -> None:
             print_table(mission.table(), width=42)
@@ -31,9 +29,8 @@ def fly_mission(options: argparse.Namespace, world: World, work: Any = None) -> 
 
         pictures: Pictures = {name: figure(plot_journey, way) for name, way in
                               {"journey.png": mission.journey, "way_home.png": mission.way_home}.items() if way}
-        if job:
-            pictures |= {"job.png": figure(plot_job, job),
+        if isinstance(mission.job, Job):
+            pictures |= {"job.png": figure(plot_job, mission.job),
                          "scene.html": lambda path: view.save_scene(mission_scene(mission), path,
                                                                     f"{mission.world.title}: the mission")}
         write(mission.save, tell, pictures)
-    return mission

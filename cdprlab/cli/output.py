@@ -141,9 +141,9 @@ def results(options: argparse.Namespace, world: World, what: str,
         raise
 
 
-def figure(plot: Callable[..., Any], *what: Any) -> Callable[[Path], Any]:
+def figure(plot: Callable[[Any], Any], what: Any) -> Callable[[Path], Any]:
     """What draws a figure into a file."""
-    return lambda path: view.save_figure(plot(*what), path)
+    return lambda path: view.save_figure(plot(what), path)
 
 
 def _keep(save: Callable[[Path], Any], folder: Path) -> None:

@@ -27,7 +27,6 @@ from ..workspace import (
     refine,
     workspace,
 )
-from ..workspace.grids import axis_names
 from ..world import World, load_world
 from ..world.files import replaced
 from .output import print_table, progress_bar, refuse, results
@@ -52,14 +51,14 @@ def judge_workspace(options: argparse.Namespace) -> None:
         with progress_bar("judging", "poses") as bar:
             found = workspace(world.robot, grid, criterion, n_jobs=options.jobs,
                               checkpoint=options.checkpoint, progress=bar)
-        names, poses = axis_names(world.robot.dimension), grid.poses
+        poses = grid.poses
 
         def save(folder: Path) -> None:
             axes: dict[str, Any] = {f"axis_{name}": places for name, places in grid.axes.items()}
             with replaced(folder / "workspace.npz") as file:
                 np.savez(file, **axes, position=poses.position, rotation=grid.origin.rotation,
                          inside=found.inside, margin=found.margin)
-            columns = {name: (places, "m") for name, places in zip(names, poses.position.T)}
+            columns = {name: (places, "m") for name, places in zip("xyz", poses.position.T)}
             write_csv(folder / "workspace.csv",
                       {**columns, "inside": (found.inside, ""), "margin": (found.margin, "")})
 
@@ -68,12 +67,12 @@ def judge_workspace(options: argparse.Namespace) -> None:
             unit = "m²" if len(grid.axes) == 2 else "m"
             table = {"poses inside": f"{int(inside.sum())} of {inside.size} ({100 * inside.mean():.1f} %)",
                      "size, border cells halved twice": f"{refined.measure:.4g} ± {refined.error:.2g} {unit}"}
-            known = np.where(inside & np.isfinite(found.margin), found.margin, -np.inf)
-            best = int(known.argmax())
-            if np.isfinite(known[best]):
+            known = np.flatnonzero(inside & np.isfinite(found.margin))
+            if known.size:
+                best = known[found.margin[known].argmax()]
                 place = poses.position[best].round(6) + 0.0
-                where = ", ".join(f"{name} = {x:.3g}" for name, x in zip(names, place))
-                table["largest margin"] = f"{known[best]:.4g} {criterion.unit}".rstrip() + f" at {where} m"
+                where = ", ".join(f"{name} = {x:.3g}" for name, x in zip("xyz", place))
+                table["largest margin"] = f"{found.margin[best]:.4g} {criterion.unit}".rstrip() + f" at {where} m"
             write_rows(folder / "table.csv", table.items())
             print_table(table)
 
@@ -88,7 +87,7 @@ def judge_workspace(options: argparse.Namespace) -> None:
 
 def _criterion(world: World, options: argparse.Namespace) -> Criterion:
     turns = len(world.robot.pattern.turn_axes)
-    one_each_way = np.append(np.ones(world.robot.n_dof - turns), np.zeros(turns))
+    one_each_way = np.repeat([1.0, 0.0], [world.robot.n_dof - turns, turns])
     asked: dict[str, dict[str, Any]] = {
         "dynamic_equilibrium": {"accelerations": one_each_way},
         "twist_feasible": {"half_widths": one_each_way, "moving": "all"},

@@ -519,7 +519,7 @@ class WorldFile(Block):
                 cables.append(block.cable(shared, d))
         robot = Robot(pattern, self.platform.part(d), tuple(cables),
                       tuple(base.part(d) for base in self.bases),
-                      self.gravity, self.winch and self.winch.part(d),
+                      self.gravity, self.winch.part(d) if self.winch else None,
                       self.cable.part(d) if self.cable.axial_stiffness else None,
                       self.cable.linear_density)
         pose = self.platform.pose.part(d)

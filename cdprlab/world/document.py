@@ -16,7 +16,7 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.representer import RoundTripRepresenter
 from ruamel.yaml.resolver import implicit_resolvers
 from ruamel.yaml.scalarfloat import ScalarFloat
-from ruamel.yaml.scalarint import BinaryInt, HexCapsInt, HexInt, OctalInt, ScalarInt
+from ruamel.yaml.scalarint import ScalarInt
 from ruamel.yaml.tokens import CommentToken
 
 from ..errors import Location, WorldError, quoted, shortened
@@ -112,17 +112,18 @@ def overlay(node: Any, before: dict[Any, Any], after: dict[Any, Any]) -> None:
     None and [] leave a key out; what is built alike keeps its style and comments.
     """
     for key in before | after:
-        old, value = before.get(key), after.get(key)
+        old: Any = before.get(key)
+        value: Any = after.get(key)
         if old == value:
             continue
         _mark_changed(node, key)
-        there = node[key] if isinstance(key, int) or key in node else None
+        there: Any = node[key] if isinstance(key, int) or key in node else None
+        kinds = {type(plain(there)), type(old), type(value)}
         if value in (None, []):
             node.pop(key, None)
-        elif isinstance(there, dict) and isinstance(old, dict) and isinstance(value, dict):
+        elif kinds == {dict}:
             overlay(own(node, key), old, value)
-        elif isinstance(there, list) and isinstance(old, list) and isinstance(value, list) and (
-                isinstance(value[0], dict) or len(there) == len(value)):
+        elif kinds == {list} and (isinstance(value[0], dict) or len(there) == len(value)):
             entries = own(node, key)
             del entries[len(value):]
             overlay(entries, dict(enumerate(old[:len(value)])), dict(enumerate(value[:len(entries)])))
@@ -161,7 +162,8 @@ def place_text(location: Location) -> str:
 
 def line_number(document: Any, location: Location) -> int | None:
     """Line (from 1) of the deepest part of ``location`` the document has; None where it has no lines."""
-    node, line = document, None
+    node = document
+    line = None
     with suppress(AttributeError, KeyError, TypeError):
         line = node.lc.line + 1
         for part in location:
@@ -215,7 +217,7 @@ class _Representer(RoundTripRepresenter):
 
 
 _Representer.add_representer(str, _Representer.text)
-for kind in (float, ScalarFloat, ScalarInt, BinaryInt, OctalInt, HexInt, HexCapsInt):
+for kind in (float, ScalarFloat, ScalarInt, *ScalarInt.__subclasses__()):
     _Representer.add_representer(kind, _Representer.number)
 
 
@@ -228,7 +230,7 @@ def _with_point_and_sign(number: str) -> str:
 
 
 def _yaml() -> YAML:
-    yaml = YAML(typ="rt")
+    yaml = YAML()
     yaml.Constructor = _Constructor
     yaml.Representer = _Representer
     yaml.composer.warn_double_anchors = False

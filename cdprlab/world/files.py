@@ -32,8 +32,8 @@ def replaced(path: str | Path) -> Iterator[IO[bytes]]:
     target = Path(os.path.realpath(path))
     old = target.is_file()
     beside = old or not target.exists()
-    short = target.name[:40]     # with what is added, no longer than a file's name may be
-    part = target.with_name(f".{short}.{os.urandom(4).hex()}.part") if beside else target
+    # Cut, for with what is added it must be no longer than a file's name may be.
+    part = target.with_name(f".{target.name[:40]}.{os.urandom(4).hex()}.part") if beside else target
     try:
         if old and not os.access(target, os.W_OK):
             raise PermissionError("it is write-protected")
@@ -43,13 +43,12 @@ def replaced(path: str | Path) -> Iterator[IO[bytes]]:
             shutil.copymode(target, part)
         if beside:
             part.replace(target)
-    except BaseException as error:
+    except OSError as error:
+        raise CannotWrite(f"cannot write {path}: {error.strerror or error}") from error
+    finally:
         if beside:
-            with suppress(OSError):
-                part.unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            raise CannotWrite(f"cannot write {path}: {error.strerror or error}") from error
-        raise
+            with suppress(OSError):   # as a rule it has moved away
+                part.unlink()
 
 
 def write_text(path: str | Path, text: str) -> Path:
@@ -86,8 +85,7 @@ def made_folder(path: str | Path) -> Path:
         with tempfile.TemporaryFile(dir=folder) as probe:
             probe.write(bytes(_ROOM))
     except OSError as error:
-        taken = isinstance(error, FileExistsError)
-        reason = "something else has that name" if taken else error.strerror
+        reason = "something else has that name" if isinstance(error, FileExistsError) else error.strerror
         raise CannotWrite(f"cannot write to the folder {shortened(str(path))}: {reason}") from error
     return folder
 

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar
+from typing import Annotated, Literal
 
 from ..arrays import Array, checked, frozen_dataclass
 from ..errors import InvalidInput, Location, quoted, under
@@ -55,17 +55,11 @@ def check_pose(pose: Pose, robot: Robot, location: Location) -> None:
 class Task:
     """What to do: "quintic" from ``start`` to ``end`` in ``duration`` [s] and ``hold`` [s] there, or "hold"."""
 
-    kind: str
+    kind: Literal["quintic", "hold"]
     start: Pose
     end: Pose
     duration: Annotated[float, "[s] > 0"]
     hold: Annotated[float, "[s] ≥ 0"] = 0.0
-
-    kinds: ClassVar[tuple[str, ...]] = ("quintic", "hold")
-
-    def __post_init__(self) -> None:
-        if self.kind not in self.kinds:
-            raise InvalidInput(f"kind must be {' or '.join(self.kinds)}, got {quoted(self.kind)}", ("kind",))
 
     def check(self, robot: Robot) -> None:
         """Raises InvalidInput for a robot that cannot do it."""
@@ -97,6 +91,7 @@ class PickAndPlace(Task):
     aside : how far it keeps aside on its way, along its own y axis [m]
     """
 
+    kind: Literal["pick_and_place"]  # type: ignore[assignment]
     duration: Annotated[float, "[s] > 0"] = 1.0
     box_size: Spot
     box_mass: Annotated[float, "[kg] > 0"]
@@ -106,12 +101,10 @@ class PickAndPlace(Task):
     stroke: Spot
     tilt: Spot
     clearance: float
-    kinds = ("pick_and_place",)
     coupled: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     aside: float = 0.0
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         if not self.stroke.any():
             raise InvalidInput("the stroke must not be zero", ("gripper", "stroke"))
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
-from ..arrays import as_seed, checked, frozen
+from ..arrays import Array, as_seed, checked, frozen
 from ..errors import InvalidInput
 from .world import World
 
@@ -36,19 +36,22 @@ def perturbed(world: World, exit_points: Annotated[float, "[m] ≥ 0"] = 0.0,
     """
     robot, body = world.robot, world.robot.platform
     m, d = robot.n_cables, robot.dimension
-    sizes = {"exit_points": (exit_points, (m, d)), "anchor_points": (anchor_points, (m, d)), "mass": (mass, ()),
-             "center_of_mass": (center_of_mass, (d,)), "lengths": (lengths, (m,))}
     if mass >= 1:
         raise InvalidInput(f"mass must be a fraction below 1, got {mass:g}")
     if anchor_points and not robot.pattern.turns:
         raise InvalidInput(f"in {robot.motion_pattern} all cables meet at P: anchor_points must be 0")
     rng = np.random.default_rng(as_seed(seed))
-    errors = {name: np.asarray(rng.uniform(-1.0, 1.0, shape) * size) for name, (size, shape) in sizes.items()}
+
+    def drawn(size: float, *shape: int) -> Array:
+        return np.asarray(rng.uniform(-1.0, 1.0, shape) * size)
+
+    errors = {"exit_points": drawn(exit_points, m, d), "anchor_points": drawn(anchor_points, m, d),
+              "mass": drawn(mass), "center_of_mass": drawn(center_of_mass, d), "lengths": drawn(lengths, m)}
     if robot.motion_pattern == "2R3T":   # all anchor points lie on the platform's x′ axis
         errors["anchor_points"][:, 1:] = 0.0
     cables = [replace(cable, exit_point=cable.exit_point + exit_error @ turn,
                       anchor_point=cable.anchor_point + anchor_error,
-                      length_offset=cable.length_offset + float(offset))
+                      length_offset=cable.length_offset + offset)
               for cable, turn, exit_error, anchor_error, offset
               in zip(robot.cables, robot.exit_rotations, errors["exit_points"], errors["anchor_points"],
                      errors["lengths"])]

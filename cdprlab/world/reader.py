@@ -66,12 +66,9 @@ class _Mistake:
         if self.kind == "extra_forbidden":
             hint = "".join(f"did you mean {guess!r}? " for guess in self.guesses())
             return f"unknown key; {hint}allowed here: {', '.join(sorted(keys_at(self.place[:-1])))}"
-        if self.kind in _WANTED:
-            words = _WANTED[self.kind].format(**self.context)
-        else:
-            words = self.error["msg"]
-            for pydantics, ours in _WORDS.items():
-                words = words.replace(pydantics, ours)
+        words = _WANTED.get(self.kind, "").format(**self.context) or self.error["msg"]
+        for pydantics, ours in _WORDS.items():
+            words = words.replace(pydantics, ours)
         given = self.error["input"]
         is_told = ", got " in words or self.kind == "missing"
         return words if is_told else f"{words}, got {'nothing' if given is None else quoted(given)}"
@@ -107,8 +104,7 @@ def _distinct(found: list[_Mistake]) -> list[_Mistake]:
     for mistake in found:
         place = mistake.place
         # A value that fits no member of a union is told at its deepest place only.
-        deeper = any(len(other.place) > len(place) and other.place[:len(place)] == place
-                     for other in found)
+        deeper = any(other.place[:len(place)] == place != other.place for other in found)
         if not deeper and not (mistake.kind == "missing" and place in misspelt):
             kept.setdefault(place, mistake)
     return list(kept.values())

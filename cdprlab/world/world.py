@@ -39,8 +39,8 @@ class World:
     pose: Pose
     scene: Scene
     tasks: Mapping[str, Task]
-    document: Mapping[str, Any] | None = field(default=None, repr=False)
-    errors: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    document: Mapping[str, Any] | None = None
+    errors: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not NAME.fullmatch(self.name):
@@ -92,14 +92,14 @@ class World:
         ('bases.speed',)
         """
         robot, wound = self.robot, cables in ("length", "elastic")
-        held, bodiless = (bool(robot.bases) and not asked for asked in (driven, bodies))
+        drawn_only = ("bases.mass", "bases.center_of_mass", "bases.footprint")
         idle = {"cable": robot.elasticity is not None and cables != "elastic",
                 "linear_density": robot.linear_density > 0,
                 "length_offset": robot.length_offsets.any() and not sensed,
                 "tension": cables == "length",
                 "speed": not wound and any(np.isfinite(cable.speed_max) for cable in robot.cables),
-                "bases.speed": held,
-                **dict.fromkeys(("bases.mass", "bases.center_of_mass", "bases.footprint"), bodiless)}
+                "bases.speed": robot.bases and not driven,
+                **dict.fromkeys(drawn_only, robot.bases and not bodies)}
         return tuple(key for key, unheard in idle.items() if unheard)
 
     def task(self, name: str = "default") -> Task:
