@@ -59,6 +59,12 @@ class _Canvas(FigureCanvasAgg):
         return self.renderer
 
 
+def _move(artist: Artist) -> None:
+    """Draw it over the kept picture; where it is now is no matter of the layout."""
+    artist.set_animated(True)
+    artist.set_in_layout(False)
+
+
 class Picture:
     """Draws a figure again and again.
 
@@ -77,7 +83,7 @@ class Picture:
         self._background: Any = None
         self._added: list[Artist] = []
         self._changed: list[Any] = []
-        self._slots: list[tuple[slice, slice]] | None = None
+        self._slots: list[tuple[slice, slice]] = []
 
     def redraw(self, draw: Callable[[], None]) -> None:
         """Let ``draw`` move artists, or add some: those go before the next call, and leave what stands still alone."""
@@ -92,7 +98,7 @@ class Picture:
             self._added = [artist for axes in panels for artist in axes.get_children()
                            if artist not in before]
             for artist in self._added:
-                artist.set_animated(True)
+                _move(artist)
             for axes in panels:
                 axes.containers.clear()
         changed = zip(panels, still, self._still())
@@ -110,6 +116,8 @@ class Picture:
         if self._background is None or self.figure.stale:
             if not self._redrawn(renderer):
                 self._canvas.draw()
+                # Of what is drawn now: whatever takes its place later wipes all of it.
+                self._slots = self._parted(renderer)
             self._background = self._canvas.copy_from_bbox(self.figure.bbox)
         else:
             self._canvas.restore_region(self._background)
@@ -135,12 +143,7 @@ class Picture:
 
     def _redrawn(self, renderer: Any) -> bool:
         """Draw what changed panel by panel; False where one has none to itself, or words that reach out of it."""
-        if self._background is None or not self._changed:
-            self._slots = None
-            return False
-        if self._slots is None:
-            self._slots = self._parted(renderer)
-        if not self._slots:
+        if not self._slots or not self._changed:
             return False
         self._canvas.restore_region(self._background)
         canvas = np.asarray(renderer.buffer_rgba()).view(np.uint32)[..., 0]
@@ -149,10 +152,7 @@ class Picture:
             slot = self._slots[self.figure.axes.index(axes)]
             canvas[slot], outside[slot] = _WHITE, False
             axes.draw(renderer)
-        if ((canvas != before) & outside).any():
-            self._slots = None   # for lack of room in one: they are parted anew
-            return False
-        return True
+        return not ((canvas != before) & outside).any()
 
     def _lay_out(self) -> None:
         """Axes to their places, for good; titles, which say what moves, move from now on."""
@@ -163,7 +163,7 @@ class Picture:
         for axes in self.figure.axes:
             for text in axes.get_children():
                 if isinstance(text, Text) and text.get_transform() != axes.transData:
-                    text.set_animated(True)
+                    _move(text)
 
     def _parted(self, renderer: Any) -> list[tuple[slice, slice]]:
         """Rows and columns of pixels that are a panel's alone, halfway to its neighbors; none where panels overlap."""

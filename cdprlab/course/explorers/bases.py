@@ -29,7 +29,7 @@ _DOT = "\u0307"
 _MOST_DISPLACEMENTS = 4
 """Sliders for where bases are, unless asked for more: one for everything would fill a page."""
 
-_SECONDS = 0.6
+_SECONDS = 0.3
 """Arrows show where things will be after so long."""
 
 
@@ -116,8 +116,10 @@ class BaseExplorer(Explorer):
 
     def build(self, figure: Figure) -> None:
         above, self._rates = figure.subplots(2, 1, height_ratios=(3, 1.1))
+        reach = _SECONDS * max((control.high for name, control in self.controls.items() if name.startswith("v_")),
+                               default=0.0)
         self._drawing = RobotDrawing(above, self._driven_outward(), self._posing.scene,
-                                     self._posing.ends)
+                                     self._posing.ends(reach))
         _frame_rates(self._rates, self._start)
 
     def draw(self, values: Values) -> None:

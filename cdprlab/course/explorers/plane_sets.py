@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...errors import InvalidInput
@@ -32,14 +33,15 @@ class PlaneSetExplorer(Explorer):
         super().__init__([*sliders, *self._posing.places],
                          f"Available {quantity} set: {world.title}", (6.2, 4.7))
 
-    def frame(self, figure: Figure, labels: Sequence[str], ends: Array) -> None:
+    def frame(self, figure: Figure, labels: Sequence[str], ends: Array, beyond: ArrayLike = 0.0) -> None:
         """Axes for the robot and, with lines through 0, for the sets; ``patches`` are moved by ``set_xy``.
 
         labels : of the sets
         ends : (2, 2) of the sets' axes, a row an axis
+        beyond : of the robot's picture, see `Posing.ends`
         """
         left, panel = figure.subplots(1, 2, width_ratios=(1, 1.35))
-        self.drawing, self.panel = self._posing.drawing(left), panel
+        self.drawing, self.panel = self._posing.drawing(left, beyond), panel
         self.patches = [draw_polygon(panel, _SQUARE, style, label) for style,
                         label in enumerate(labels)]
         for patch in self.patches:

@@ -5,6 +5,7 @@ from itertools import product
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...errors import InvalidInput, quoted
@@ -74,17 +75,20 @@ class Posing:
         return Pose(position, rpy=turned) if len(turned) == 3 else Pose(position,
                                                                         angle=turned[0])
 
-    @property
-    def ends(self) -> Pose:
-        """The start, and every corner of the box of positions that the sliders reach."""
-        box = [(slider.low, slider.high) for slider in self.places]
+    def ends(self, beyond: ArrayLike = 0.0) -> Pose:
+        """The start, and every corner of the box of positions that the sliders reach.
+
+        beyond : (d,) by how much further things are drawn [m]
+        """
+        box = [(slider.low - far, slider.high + far)
+               for slider, far in zip(self.places, np.broadcast_to(beyond, self.robot.dimension).tolist())]
         box += [(place, place)
                 for place in self.start.position[len(box):]]  # of an axis the cables do not control
         return Pose(np.array([self.start.position, *product(*box)]), matrix=self.start.rotation)
 
-    def drawing(self, axes: Axes) -> RobotDrawing:
+    def drawing(self, axes: Axes, beyond: ArrayLike = 0.0) -> RobotDrawing:
         """The robot on axes that hold all it can be moved to."""
-        return RobotDrawing(axes, self.robot, self.scene, self.ends)
+        return RobotDrawing(axes, self.robot, self.scene, self.ends(beyond))
 
 
 def draw_arrow(drawing: RobotDrawing, tail: Array, way: Array, width: float = 0.012) -> None:

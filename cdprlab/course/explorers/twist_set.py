@@ -24,7 +24,7 @@ from .explorer import Slider, Values, once_a_move
 from .plane_sets import PlaneSetExplorer, check_set_world
 from .posing import draw_arrow, velocity
 
-_SECONDS = 0.25
+_SECONDS = 0.1
 """The robot's arrow shows where the platform would be after this time."""
 
 
@@ -110,7 +110,9 @@ class TwistSetExplorer(PlaneSetExplorer):
     def build(self, figure: Figure) -> None:
         labels = ["bases fixed", "bases driving"] if self._robot.n_dof == 2 else \
             ["bases fixed, all else 0", "driving, all else 0", "driving, all else free"]
-        self.frame(figure, labels, self._ends)
+        fastest = np.zeros(self._robot.n_dof)
+        fastest[self._chosen] = self._ends[:, 1]
+        self.frame(figure, labels, self._ends, _SECONDS * velocity(self._robot, fastest))
         self.drawing.axes.set_title(f"arrow: {_SECONDS:g} s of the twist", fontsize=10)
         for shadow in self.patches[2:]:
             shadow.set_facecolor("none")
@@ -154,9 +156,7 @@ class TwistSetExplorer(PlaneSetExplorer):
                                ("available only if bases drive", "^", INK) if moving else
                                ("outside both sets", "X", VERMILION))
         panel, wanted = self.panel, found.twist[self._chosen]
-        panel.text(0.02, 0.98, f"t is {word}", fontsize=10, ha="left", va="top",
-                   fontweight="bold", color=color,
-                   transform=panel.transAxes)
+        panel.set_title(f"t is {word}", fontsize=10, color=color)
         scales = np.where(np.isfinite(found.scales), found.scales, 0.0)
         panel.plot(*np.outer(wanted, [0.0, max(1.0, *scales)]), color=INK, linewidth=1.2)
         panel.plot(*wanted, marker, markersize=10, color=color, markeredgecolor="white")

@@ -209,7 +209,7 @@ class WrenchSetExplorer(PlaneSetExplorer):
         robot = every_cable(self._posing.robot, tension_min=0.0,
                             tension_max=1.5 * self._posing.robot.tension_max.max())
         ranges = [np.zeros((2, 2))]
-        for pose in self._posing.ends:
+        for pose in self._posing.ends():
             whole = self._shown(available_wrench_set(robot, pose), -gravity_wrench(robot, pose))
             ranges.append(np.nan_to_num(whole.component_range()))
         low, high = np.min(ranges, axis=0)[:, 0], np.max(ranges, axis=0)[:, 1]

@@ -25,7 +25,7 @@ CLASS_COLORS = {INSIDE: BLUE, UNCERTAIN: ORANGE, OUTSIDE: GREY}
 _EDGES = ("-", (0, (5, 2)), (0, (1.5, 1.5)), "-.")
 """Of the triangles along a way."""
 
-_MARGIN, WIDE_MARGIN = 0.22, 0.44
+_MARGIN, WIDE_MARGIN = 0.36, 0.44
 """Of the plan around the exit points, in a large panel and in a small one [m]."""
 
 

@@ -88,15 +88,16 @@ def _draw_robot(panel: Axes, robot: Robot, position: Array, push: Array, state: 
         panel.plot(*np.transpose([exit_point, load]), **_look(i, state)._asdict(),
                    linewidth=1.6 if state.slack[i] else 2.4)
         if state.slack[i]:
-            x, y = exit_point - load
-            label(panel, "slack!", (exit_point + load) / 2, (abs(y), x if y < 0 else -x), color=SLACK, zorder=5)
+            x, y = exit_point - load   # away from what hangs below the load
+            label(panel, "slack!", (exit_point + load) / 2, np.array([-y, x]) * (-1 if x * y > 0 else 1),
+                  color=SLACK, zorder=5)
     draw_exit_points(panel, robot.exit_points)
     for force, name, color in _loads(push, state) if motion is None else []:
         tip = position + _ARROW * force
         arrow(panel, position, tip, color=color)
-        label(panel, name, tip, force, color=color)
+        label(panel, name, tip, (-1, 0) if name == "weight" else force, color=color)
     panel.plot(*load, "o", markersize=12 if motion is None else 9, color=INK)
-    panel.set(**PLAN, xlim=(-2.9, 2.9), ylim=(-1.3, 4.4), title="Robot" if motion is None else "Robot, let go")
+    panel.set(**PLAN, xlim=(-2.9, 2.9), ylim=(-2.1, 4.4), title="Robot" if motion is None else "Robot, let go")
 
 
 def _draw_motion(panel: Axes, position: Array, state: Equilibrium, motion: Motion) -> None:

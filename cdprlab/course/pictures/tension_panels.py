@@ -1,13 +1,13 @@
 """The set of tensions drawn: polygon or interval with the methods' points in it, and tensions as bars with limits."""
 
 from collections.abc import Mapping, Sequence
-from itertools import cycle
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
+from matplotlib.text import Annotation
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, checked
@@ -38,6 +38,9 @@ MARKS = {
     "relaxed": Mark("h", SKY, 9),
 }
 """Method → its mark; filled inside the limits, hollow outside."""
+
+_GAPS = np.array([[32, 14], [32, -14], [-32, 14], [-32, -14], [0, 20], [0, -20]])
+"""From marks on each other to the middle of the word that counts them [points]."""
 
 OWN = (Mark("D", INK, 13), Mark("o", INK, 20))
 """Points of no method, a student's own or the one that walks along the border: hollow, so that nothing hides."""
@@ -104,15 +107,25 @@ def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array],
 
 
 def _count_coinciding(panel: Axes, places: list[Array], frame: Array) -> None:
-    """Where marks lie on each other, a word says how many."""
+    """Where marks lie on each other, a word says how many, where most room is."""
     left = np.array(sorted(map(tuple, places)))
-    gaps = cycle(((13, 10), (13, -16)))   # words side by side would run into each other
+    point = panel.figure.dpi / 72
+
+    def pixels(place: Array) -> Array:
+        return panel.transData.transform(np.pad(place, (0, 2 - len(place))))
+
+    taken = [*map(pixels, places), *(pixels(np.array(text.xy)) + point * np.array(text.xyann) for text in panel.texts
+                                     if isinstance(text, Annotation) and text.get_text())]
     while len(left):
         place = left[0]
         here = (np.abs(left - place) < 0.03 * np.ptp(frame, axis=0).max()).all(axis=1)
         if here.sum() > 1 and (frame[0] < place).all() and (place < frame[1]).all():
-            panel.annotate(f"{here.sum()} marks", (*place, 0.0)[:2], next(gaps), textcoords="offset points", fontsize=9,
-                           color=INK, zorder=7, bbox=HALO)
+            # Words are three times as wide as high.
+            free = [np.linalg.norm((pixels(place) + point * gap - taken) / [3, 1], axis=1).min() for gap in _GAPS]
+            gap = _GAPS[int(np.argmax(free))]
+            taken.append(pixels(place) + point * gap)
+            panel.annotate(f"{here.sum()} marks", (*place, 0.0)[:2], gap, textcoords="offset points", fontsize=9,
+                           ha="center", va="center", color=INK, zorder=7, bbox=HALO)
         left = left[~here]
 
 
@@ -170,7 +183,8 @@ def _draw_polygon(panel: Axes, free: TensionSet, frame: Array) -> None:
     if first or (frame != frame.clip(*kept)).any() or np.ptp(kept, axis=0).max() > 6 * reach:
         show_square(panel, middle, reach / 1.15 if first else 1.2 * reach)
     panel.set(xlabel="λ₁ [N], to the right Σ τ grows", ylabel="λ₂ [N], Σ τ stays")
-    panel.locator_params(axis="x", nbins=6)
+    panel.locator_params(axis="x", nbins=4)
+    panel.yaxis.set_label_coords(-0.21, 0.5)   # where five characters fit between it and the axis
 
 
 def _draw_interval(panel: Axes, free: TensionSet, frame: Array) -> None:
