@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import field
-from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
@@ -46,26 +45,16 @@ class ComputedTorque:
     ki: Gain = 0.0
     _known: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
-    @cached_property
-    def _law(self) -> Callable[..., Array]:   # looked up once: an import in the loop takes 1 % of it
-        from ..compiled.control import computed_torque
-
-        return computed_torque
-
-    @cached_property
-    def _integrates(self) -> bool:
-        return bool(np.any(self.ki))
-
     def __call__(self, t: float, state: State, reference: Reference) -> Array:
         robot, wanted = state.robot, reference.pose
-        gains, body = self._known.get(robot.motion_pattern, (None, None))
+        made, body = self._known.get(robot.motion_pattern, (None, None))
         if body is not robot.platform or robot.motion_pattern == "2R3T":
-            gains, body = self._known[robot.motion_pattern] = self._gains(robot, state.rotation), robot.platform
-        K_p, K_d, K_i, inertia = gains
-        z = K_i @ self._integrated(t, state, wanted) if self._integrates else K_i[0]
-        wrench = self._law(K_p, K_d, z, body.mass, inertia, body.center_of_mass, robot.gravity,
-                           state.position, state.rotation, state.twist, wanted.position, wanted.rotation,
-                           reference.twist, reference.acceleration)
+            made, body = self._known[robot.motion_pattern] = self._law(robot, state.rotation), robot.platform
+        law, K_p, K_d, K_i, integrates, inertia = made
+        z = K_i @ self._integrated(t, state, wanted) if integrates else K_i[0]
+        wrench = law(K_p, K_d, z, body.mass, inertia, body.center_of_mass, robot.gravity,
+                     state.position, state.rotation, state.twist, wanted.position, wanted.rotation,
+                     reference.twist, reference.acceleration)
         return wrench if robot.n_dof == 6 else wrench @ robot.pattern.basis(state.rotation)
 
     def _integrated(self, t: float, state: State, wanted: Pose) -> Array:
@@ -76,14 +65,17 @@ class ComputedTorque:
         self._known["integral"] = t, total
         return total
 
-    def _gains(self, robot: Robot, rotation: Array) -> tuple[Array, ...]:
-        """S K Sᵀ, gains in world axes, with which a platform may turn; and the inertia as the law takes it."""
+    def _law(self, robot: Robot, rotation: Array) -> tuple[Any, ...]:
+        """The law; S K Sᵀ, gains in world axes, with which a platform may turn; whether K_i is any; and the inertia."""
+        from ..compiled.control import computed_torque  # not in every step: it takes 1 % of it
+
         gains = self.kp, self.kd, self.ki
         if not set(map(np.shape, gains)) <= {(), (robot.n_dof,)}:
             raise InvalidInput(f"kp, kd and ki must be numbers or {robot.n_dof} of them for a "
                                f"{robot.motion_pattern} robot, got shapes {[*map(np.shape, gains)]}")
         S = robot.pattern.basis(rotation)
-        return *((gain * S) @ S.T for gain in gains), np.atleast_2d(robot.platform.inertia)
+        turning = ((gain * S) @ S.T for gain in gains)
+        return computed_torque, *turning, np.any(self.ki), np.atleast_2d(robot.platform.inertia)
 
 
 @frozen_dataclass

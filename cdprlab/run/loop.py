@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ..arrays import Array, as_answer
+from ..arrays import Array, Flags, as_answer
 from ..errors import Recording
 from ..mechanics.cables import cables_at
 from ..mechanics.dynamics import inverse_dynamics
@@ -37,19 +37,11 @@ class Command(ABC):
         substeps : engine steps in a control step
         """
         self.engine, self.substeps = engine, substeps
-        m = engine.world.robot.n_cables
-        self._row = np.zeros(m * len(self.asks) + 1)
-        return {name: ((m,), _UNITS[name]) for name in self.asks} | {"feasible": ((), "")}
+        return {name: ((engine.world.robot.n_cables,), _UNITS[name]) for name in self.asks}
 
     @abstractmethod
-    def step(self, wish: Any) -> Array:
+    def step(self, wish: Any) -> tuple[Array, bool]:
         """Advance the engine by one control step; returns what was asked for in it, and whether it is feasible."""
-
-    def told(self, asked: Array, feasible: bool) -> Array:
-        """What `step` returns, one row after the other in the same array."""
-        self._row[:-1] = asked
-        self._row[-1] = feasible
-        return self._row
 
     def cut(self, cables: list[int]) -> None:  # noqa: B027  (few commands have to know)
         """These cables have just been cut: ask nothing more of them."""
@@ -63,7 +55,7 @@ class TensionCommand(Command):
     def __init__(self, controller: Controller, distributor: Distributor) -> None:
         self.controller, self.distributor = controller, distributor
 
-    def step(self, wish: Reference) -> Array:
+    def step(self, wish: Reference) -> tuple[Array, bool]:
         engine = self.engine
         state = engine.state()
         now = state.time
@@ -72,7 +64,7 @@ class TensionCommand(Command):
         tensions = self.distributor.tensions(engine.wrench_matrix, wanted, now)
         # Judged already, or sent as they are, even where they push: no step() asks again.
         engine.pull(tensions, self.substeps)
-        return self.told(tensions, self.distributor.found)
+        return tensions, self.distributor.found
 
 
 class LengthCommand(Command):
@@ -80,8 +72,8 @@ class LengthCommand(Command):
 
     asks = ("commanded_lengths",)
 
-    def step(self, wish: Array) -> Array:
-        return self.told(wish, self.engine.bring(wish, self.substeps))
+    def step(self, wish: Array) -> tuple[Array, bool]:
+        return wish, self.engine.bring(wish, self.substeps)
 
 
 class StretchedLengths(Command):
@@ -96,9 +88,9 @@ class StretchedLengths(Command):
     def __init__(self, distributor: Distributor) -> None:
         self.distributor = distributor
 
-    def step(self, wish: tuple[Reference, Robot | None]) -> Array:
+    def step(self, wish: tuple[Reference, Robot | None]) -> tuple[Array, bool]:
         wound = self.wound(*wish)
-        return self.told(np.concatenate([self.wanted, wound]), self.engine.bring(wound, self.substeps))
+        return np.concatenate([self.wanted, wound]), self.engine.bring(wound, self.substeps)
 
     def wound(self, reference: Reference, robot: Robot | None = None) -> Array:
         """(m,) rope that the winches let out where the ``wanted`` tensions stretch it [m]."""
@@ -115,13 +107,14 @@ class Flight(NamedTuple):
 
     seen : one row as each control step begins, and one for the end: position, rotation, twist,
         lengths and tensions measured
-    asked : what the command asked for in each control step
+    asked : what the command asked for in each control step; feasible : (N,) whether it could be had
     elapsed : time the loop took [s]
     cut_short : '' or what ended it early
     """
 
     seen: Log
     asked: Log
+    feasible: Flags
     elapsed: float
     cut_short: str = ""
 
@@ -143,19 +136,22 @@ def fly(engine: Simulator, command: Command, wishes: Iterable[Any],
         what else there is as a step begins, such as cuts and pushes
     record : what becomes of the flight
     """
-    asked, seen = Log(command.start(engine, substeps)), Log(engine.columns())
+    asked, seen, feasible = Log(command.start(engine, substeps)), Log(engine.columns()), bytearray()
     began = time.perf_counter()
 
     def flown(cut_short: str = "", _: Any = None) -> Record:
         if len(seen) <= len(asked):   # its end is not kept yet: it was not the record that was disturbed
             seen.append(engine.sample())
-        return record(Flight(seen, asked, time.perf_counter() - began, cut_short))
+        flags = np.array(feasible, dtype=bool)[:len(seen) - 1]
+        return record(Flight(seen, asked, flags, time.perf_counter() - began, cut_short))
 
     with Recording(flown):
         see, sample, keep, step = seen.append, engine.sample, asked.append, command.step
         for k, wish in enumerate(wishes):
             if k == 0:
                 see(sample())
-            keep(step(wish))
+            numbers, found = step(wish)
+            feasible.append(found)
+            keep(numbers)
             see(sample())
         return flown()

@@ -92,17 +92,16 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
         fields["base_poses"] = frozen(told["base_pose"].reshape(count, -1, 3))
     if not np.isfinite(told["commanded_tension"]).any():
         fields.setdefault("commanded_lengths", frozen(told["commanded_length"]))
-    about: dict[str, Any] = dict.fromkeys(("task", "method", "cables"), "as logged")
     settings: dict[str, Any] = {"log": str(file)}
-    kept = file.with_name("settings.json")
-    if columns is None and kept.is_file():
+    if columns is None:
+        kept, real = file.with_name("settings.json"), file.with_name("real.yaml")
         try:
-            settings |= json.loads(kept.read_text(encoding="utf-8"))
+            settings |= json.loads(kept.read_text(encoding="utf-8")) if kept.is_file() else {}
         except (ValueError, TypeError) as wrong:
             raise InvalidInput(f"cannot read {kept}: {shortened(str(wrong))}") from None
-        about = {name: settings.pop(name, words) for name, words in about.items()}
-    if columns is None and file.with_name("real.yaml").is_file():
-        fields["real"] = load_world(file.with_name("real.yaml"))
+        if real.is_file():
+            fields["real"] = load_world(real)
+    about = {name: settings.pop(name, "as logged") for name in ("task", "method", "cables")}
     period = float(np.median(np.diff(time))) if count > 1 else 1.0
     fields |= {"time": frozen(time), "feasible": frozen(told["feasible"][:, 0] != 0), "poses": poses,
                "reference": Reference(reference, told["reference_twist"], np.full((count, full), np.nan)),

@@ -123,16 +123,16 @@ class Run:
         rows = slice(1, None) if at_end else slice(steps)
         reference = reference.rows(slice(steps))
         poses = Pose.of(seen["position"][rows], seen["rotation"][rows])
-        asked: dict[str, Any] = {name: flight.asked[name][:steps] for name in flight.asked.units}
+        asked: Any = {name: flight.asked[name][:steps] for name in flight.asked.units}
         asked.setdefault("commanded_tensions", frozen(np.full((steps, world.robot.n_cables), np.nan)))
-        feasible = asked.pop("feasible") > 0
+        feasible: Any = flight.feasible
         if "sensed_position" in seen:
             about |= {"estimates": Pose.of(seen["sensed_position"][rows], seen["sensed_rotation"][rows]),
                       "estimated_twists": seen["sensed_twist"][rows], "sensed_lengths": seen["sensed_lengths"][rows],
                       "sensed_tensions": seen["sensed_tensions"][rows]}
         if "driven_torques" in seen:
             about |= {"motor_torques": seen["driven_torques"][1:], "motor_speeds": seen["driven_speeds"][1:]}
-            feasible &= seen["short"][1:] == 0
+            feasible = feasible & (seen["short"][1:] == 0)
         return cls(world=world, poses=poses, twists=seen["twist"][rows], reference=reference,
                    measured_tensions=seen["measured_tensions"][1:], lengths=seen["lengths"][rows],
                    errors=errors_of(world.robot, poses, reference.pose), feasible=frozen(feasible),

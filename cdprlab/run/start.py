@@ -24,6 +24,7 @@ from ..tensions import distribute_tensions
 from ..world import World
 from .controllers import ComputedTorque, Controller, described
 from .distributor import Distributor
+from .log import Log
 from .loop import Command, Flight, LengthCommand, StretchedLengths, TensionCommand, fly
 from .motors import Motors
 from .record import Run
@@ -175,7 +176,6 @@ def run(world: World, task: str = "default",
             base.name: (*(base.position + base.rotation[:2, :2] @ speed[1:] * period), base.heading + speed[0] * period)
             for base, speed in zip(stands.bases, driven)})
 
-
     wanted: Iterable[Any] = map(Reference, *(path.rows(slice(1, None)) if ahead else reference))
     if base_speeds is None and isinstance(command, LengthCommand):
         wanted = cable_lengths(robot, path.pose[1:])
@@ -219,9 +219,9 @@ def run(world: World, task: str = "default",
         carried = run.commanded_tensions
         if run.motor_torques is not None:
             carried = seen["driven_tensions"][1:]
-            _tell_short(run, seen["short"][1:].astype(int))
+            _tell_short(times, seen)
         if run.commanded_lengths is not None:
-            let_out = run.commanded_lengths - getattr(engine, "offsets", 0.0)
+            let_out = run.commanded_lengths - engine.offsets
             longer = seen["lengths"][1:] - let_out
             # By how much a cable that is held may be longer, or slack, than its rope: 1 mm and the stretch.
             allowed: Any = 1e-3
@@ -231,7 +231,10 @@ def run(world: World, task: str = "default",
             if not flight.cut_short:
                 bad = (longer > np.max(allowed)) & run.feasible[:, None]
                 bad[:, list(body.cut_cables)] = False
-                _tell_longer(run, bad, let_out, longer)
+                for k, cable in np.argwhere(bad)[:1]:
+                    caution(f"at t = {times[k]:.4g} s cable {cable + 1} spans {longer[k, cable]:.3g} m more than the "
+                            f"{let_out[k, cable]:.4g} m of its rope: something holds the platform, or the engine does "
+                            "not; a smaller dt may help")
             return replace(run, feasible=run.feasible & (np.abs(longer) <= allowed).all(axis=1))
         if not flight.cut_short:
             _mistrust(run, carried)
@@ -251,7 +254,7 @@ def run(world: World, task: str = "default",
 def _hang(engine: Any, body: Simulator, command: Command, begin: Reference) -> None:
     """At rest on the ropes that are let out as the run begins."""
     lengths = (command.wound(begin) if isinstance(command, StretchedLengths | VelocityControl) else
-               cable_lengths(engine.robot, begin.pose)) - getattr(engine, "offsets", 0.0)
+               cable_lengths(engine.robot, begin.pose)) - engine.offsets
     if np.abs(lengths - body.paid_out).max() > _WOUND:
         stiffness = None if body.elasticity is None else body.elasticity.axial_stiffness
         try:
@@ -276,22 +279,13 @@ def control_steps(dt: Annotated[float, "[s] > 0"],
     return substeps, substeps * dt
 
 
-def _tell_longer(run: Run, bad: Any, let_out: Array, longer: Array) -> None:
-    """Warn where a rope was first longer than it can be; bad : (N, m) where that is so."""
-    for k, cable in np.argwhere(bad)[:1]:
-        caution(f"at t = {run.time[k]:.4g} s cable {cable + 1} spans {longer[k, cable]:.3g} m more than the "
-             f"{let_out[k, cable]:.4g} m of its rope: something holds the platform, or the engine does not; "
-             "a smaller dt may help")
-
-
-def _tell_short(run: Run, short: Any) -> None:
-    """Warn where a motor first gave less than was asked of it; short : (N,) its cable from 1, or 0."""
-    steps, torques, speeds = np.flatnonzero(short), run.motor_torques, run.motor_speeds
-    if steps.size and torques is not None and speeds is not None:
-        k = steps[0]
-        caution(f"at t = {run.time[k]:.4g} s the motor of cable {short[k]} could not do what was asked of it: it gave "
-             f"{torques[k, short[k] - 1]:.3g} N m at {speeds[k, short[k] - 1]:.3g} rad/s; "
-             f"{steps.size} of {short.size} steps are like that")
+def _tell_short(times: Array, seen: Log) -> None:
+    """Warn where a motor first gave less than was asked of it."""
+    short = seen["short"][1:].astype(int)
+    for k in np.flatnonzero(short)[:1]:
+        torque, speed = (seen[name][k + 1, short[k] - 1] for name in ("driven_torques", "driven_speeds"))
+        caution(f"at t = {times[k]:.4g} s the motor of cable {short[k]} could not do what was asked of it: it gave "
+                f"{torque:.3g} N m at {speed:.3g} rad/s; {np.count_nonzero(short)} of {short.size} steps are like that")
 
 
 def _mistrust(run: Run, commanded: Array) -> None:

@@ -54,10 +54,8 @@ def follow_sequence(world: World, sequence: ConfigurationSequence, *, slack: flo
         while not engine.bring(plan.lengths[0], 1):
             pass
         dt, settings = engine.dt, {"slack": float(slack), "speed": float(speed), "reeling": float(reeling)}
-        velocity = np.gradient(plan.positions, dt, axis=0)
-        still = np.zeros_like(velocity)
-        planned = Reference(Pose(plan.positions), np.hstack([velocity, still]),
-                            np.hstack([np.gradient(velocity, dt, axis=0), still]))
+        twist = np.gradient(np.pad(plan.positions, ((0, 0), (0, 3))), dt, axis=0)   # nothing turns
+        planned = Reference(Pose(plan.positions), twist, np.gradient(twist, dt, axis=0))
 
         def record(flight: Flight) -> Run:
             steps = flight.steps

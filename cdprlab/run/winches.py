@@ -107,7 +107,7 @@ class TorqueControl(WinchControl):
             raise InvalidInput(f"torque control commands tension or force, not the cables' {quoted(asked)}")
         return asked
 
-    def step(self, wish: Reference) -> Array:
+    def step(self, wish: Reference) -> tuple[Array, bool]:
         engine, W = self.engine, self.engine.wrench_matrix
         state = State(0.0, engine.carrying, engine.position, engine.rotation, engine.twist,
                       engine.tensions)
@@ -120,7 +120,7 @@ class TorqueControl(WinchControl):
             W = engine.carrying.pattern.basis(engine.rotation) @ W
             wanted = self.paid(engine.directions) - wish.twist @ W, -wish.acceleration @ W
             self.motors.pull(tau, self.substeps, wanted)
-        return self.told(tau, self.feasible)
+        return tau, self.feasible
 
 
 @checked
@@ -155,7 +155,7 @@ class VelocityControl(WinchControl):
         elastic = engine.world.robot.elasticity if engine.cables == "elastic" else None
         return lengths if elastic is None else elastic.unstrained(lengths, self.wanted)
 
-    def step(self, wish: Reference) -> Array:
+    def step(self, wish: Reference) -> tuple[Array, bool]:
         engine: Any = self.engine
         ropes, wanted = engine.rope_lengths, self.wound(wish)
         directions, before, _ = self.there
@@ -168,7 +168,7 @@ class VelocityControl(WinchControl):
         wound = ropes + kept * self.period
         reached = (self.motors or engine).bring(wound, self.substeps) and (kept == rates).all()
         self.feasible = bool(reached) and self.feasible
-        return self.told(np.concatenate([self.wanted, wound]), self.feasible)
+        return np.concatenate([self.wanted, wound]), self.feasible
 
 
 def winch_control(control: str | WinchControl) -> WinchControl:

@@ -1,9 +1,9 @@
 """Engines behind one interface: `open_simulator` gives the one a world asks for."""
 
 from inspect import signature
-from typing import Any
+from typing import Annotated, Any
 
-from ..arrays import as_number, checked
+from ..arrays import checked
 from ..errors import InvalidInput, quoted
 from ..world import World
 from .planar import PlanarSimulator
@@ -22,7 +22,8 @@ CABLE_MODELS = {
 
 
 @checked
-def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **options: Any) -> Simulator:
+def open_simulator(world: World, cables: str = "tension", dt: Annotated[float, "[s] > 0"] = 1e-3,
+                   **options: Any) -> Simulator:
     """The simulator a world's engine asks for, reset to the world's pose.
 
     world : World
@@ -36,7 +37,6 @@ def open_simulator(world: World, cables: str = "tension", dt: float = 1e-3, **op
     """
     if cables not in CABLE_MODELS:
         raise InvalidInput(f"cable model {quoted(cables)} is not available; there are {', '.join(CABLE_MODELS)}")
-    dt = as_number(dt, "dt", "s", positive=True)
     engine: Any = PlanarSimulator if world.engine == "planar" else SpatialSimulator
     known = [*signature(engine).parameters][3:]   # after world, cables and dt
     for option in options:

@@ -79,11 +79,11 @@ class PlanarSimulator(Simulator):
         self._look()
 
     def pull(self, tensions: Array, substeps: int) -> None:
-        pulls = np.array(tensions, dtype=float)
-        pulls[list(self.cut_cables)] = 0.0
-        self._pulls[:] = pulls
+        self._pulls[:] = tensions
+        for cable in self.cut_cables:
+            self._pulls[cable] = 0.0
         for _ in range(substeps):
-            self._load(pulls)
+            self._load(self._pulls)
             self._advance()
 
     def reel(self, lengths: Array) -> None:
@@ -115,7 +115,10 @@ class PlanarSimulator(Simulator):
         return driven
 
     def contact_force(self) -> float:
-        return self.space.contact_force(self.dt)
+        forces: list[float] = []
+        self.space.body.each_arbiter(lambda arbiter: forces.append(
+            abs(arbiter.total_impulse.dot(arbiter.contact_point_set.normal)) / self.dt))
+        return sum(forces)
 
     def close(self) -> None:
         if self._space is not None:
@@ -168,9 +171,8 @@ class PlanarSimulator(Simulator):
             self.diverge()
         if self._over_pulleys:
             # A rope on a pulley pulls as a straight one as long would, from the end of which its reel stands.
-            place, turn, _, lengths, _ = np.split(self._seen, (2, 6, 9, 9 + len(self._pulls)))
-            anchors = place + self.world.robot.anchor_points @ turn.reshape(2, 2).T
-            self.bases.lead(anchors + lengths[:, None] * self._W[:2].T)
+            anchors = self.position + self.world.robot.anchor_points @ self.rotation.T
+            self.bases.lead(anchors + self.lengths[:, None] * self.directions)
             self.space.place_reels(self.bases)
 
 

@@ -120,13 +120,6 @@ class PlanarSpace:
         self._seen.clear()
         self._read()
 
-    def contact_force(self, dt: float) -> float:
-        """Sum of the normal forces on the platform during the last step [N]."""
-        forces: list[float] = []
-        self.body.each_arbiter(lambda arbiter: forces.append(
-            abs(arbiter.total_impulse.dot(arbiter.contact_point_set.normal)) / dt))
-        return sum(forces)
-
 
 def solving_order(world: World) -> tuple[tuple[int, ...], int]:
     """The order in which the ropes are best solved, and how many rounds bring the solver's error down a millionfold.

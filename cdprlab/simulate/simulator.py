@@ -42,10 +42,12 @@ class Simulator(ABC):
     base_poses : (p, 3) x, y and heading of each base [m, rad]
     strongest : (m,) what the winches can pull with, None: anything. A rope that pulls harder slips:
         ``slipping`` (m,) says which did [N]
+    offsets : what the winches read too much; of an engine that is known as it is: nothing [m]
     """
 
     boxes: Any = ()
     bases: Any
+    offsets: float | Array = 0.0
     exit_velocities: Array
     whole_wrenches: Array   # W in all rows
     _row: Array   # what `columns` says

@@ -2,12 +2,12 @@
 
 from itertools import chain
 from struct import Struct
-from typing import Any
+from typing import Annotated, Any
 from warnings import warn
 
 import numpy as np
 
-from ..arrays import Array, as_count, as_number, checked, frozen
+from ..arrays import Array, as_count, checked, frozen
 from ..errors import CdprWarning, InvalidInput
 from ..mechanics.cables import Cables, straight_lengths
 from ..robot.pose import Pose
@@ -50,8 +50,8 @@ class SpatialSimulator(Simulator):
 
     @checked
     def __init__(self, world: World, cables: str = "tension", dt: float = 1e-3, *,
-                 bodies: bool = False,
-                 tip_mass: float = 1e-4, solver_iterations: int | None = None) -> None:
+                 bodies: bool = False, tip_mass: Annotated[float, "[kg] > 0"] = 1e-4,
+                 solver_iterations: int | None = None) -> None:
         from ..compiled.rigid_body import platform_and_cables
 
         super().__init__(world, cables, dt)
@@ -59,7 +59,7 @@ class SpatialSimulator(Simulator):
         if bodies and (cables == "force" or not robot.bases):
             raise InvalidInput("bases that stand and tip need a world with bases and cables that are bodies too: "
                                "\"tension\", \"length\" or \"elastic\"")
-        tip_mass = max(as_number(tip_mass, "tip_mass", "kg", positive=True), _TOLD * robot.mass)
+        tip_mass = max(tip_mass, _TOLD * robot.mass)
         tips = robot.n_cables * tip_mass
         if cables != "force" and tips > _FELT * robot.mass:
             warn(f"the platform of {robot.mass:g} kg feels its cables' tips of {tips:g} kg together; "
