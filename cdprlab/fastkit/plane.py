@@ -43,7 +43,7 @@ def turn(heading: ArrayLike) -> Array:
 def carried(poses: Places, points: Points) -> Array:
     """(…, k, 2) where points (k, 2) of a moving frame are, with the frame at poses (…, 3)."""
     q = np.asarray(poses, dtype=float)
-    return q[..., None, :2] + np.asarray(points) @ np.swapaxes(turn(q[..., 2]), -1, -2)
+    return q[..., None, :2] + np.matmul(points, turn(-q[..., 2]))
 
 
 def placed(frames: ArrayLike, poses: ArrayLike, turned: float = 0.0) -> Array:
@@ -126,8 +126,8 @@ def point_distance(points: ArrayLike, poses: ArrayLike, sizes: ArrayLike) -> Arr
 def rectangle_distance(pose: ArrayLike, size: ArrayLike, poses: ArrayLike,
                        sizes: ArrayLike) -> Array:
     """(…) of a rectangle at a pose (…, 3), (2,) along and across, to another; 0 where they touch or overlap [m]."""
-    q = np.asarray(pose, dtype=float)
-    ends = edges((rectangle(poses, sizes) - q[..., None, :2]) @ turn(q[..., 2]))
+    others = relative(poses, pose)   # as the first one sees them
+    ends = edges(rectangle(others, sizes))
     to_edges = box_distance(ends[..., 0, :], ends[..., 1, :], np.divide(size, 2)).min(axis=-1)
     # The other may have all of the first inside, far from its own edges.
-    return np.minimum(to_edges, point_distance(q[..., :2], poses, sizes))
+    return np.minimum(to_edges, point_distance(np.zeros(2), others, sizes))

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from ...arrays import Array, checked
 from ...fastkit import Hall, OccupancyGrid, Plan, Vehicle, carried, inflated_width, plan_path
-from ...fastkit.navigation.planner import between
+from ...fastkit.navigation.planner import along
 from ...fastkit.plane import step_between
 from ...view.style import BLUE, GREY, INK, VERMILION
 from .explorer import Explorer, Look, Values, legend_below, once_a_move, sliders
@@ -94,14 +94,14 @@ class PlanningExplorer(Explorer):
         return found | {"goes through": f"the {_gap(plan)} gap",
                         "way of its middle [m]": f"{plan.length:.2f}",
                         "time at the bases' speed limits [s]": f"{seconds:.0f}",
-                        "least room beside it, by cells [m]": f"{grid.room(pair, _along(poses)).min():.2f}"}
+                        "least room beside it, by cells [m]": f"{grid.room(pair, along(poses)).min():.2f}"}
 
     def draw(self, values: Values) -> None:
         axes, pair, plan, grid = self._axes, self.vehicle, self.plan(values), self.grid(values)
         places = [(np.arange(count) + 0.5) * grid.cell for count in grid.clearance.shape]
         axes.contourf(*places, grid.clearance.T - values["margin"], colors=[_NEVER, _TURNED],
                       levels=[-1.0, pair.width / 2, np.hypot(*pair.size) / 2])
-        stations = _along(plan.poses, 0.9, 0.8) if plan.found else _START[None]
+        stations = along(plan.poses, 0.9, 0.8) if plan.found else _START[None]
         front = pair.size / 2 * [[1, -1], [1, 1]]
         usual: Look = {"facecolor": "none", "zorder": 4}
         drawn: list[tuple[Array, Look]] = [
@@ -135,9 +135,3 @@ def _gap(plan: Plan) -> str:
     k = np.argmax(x > _RACKS)
     across = np.interp(_RACKS, x[k - 1:k + 1], y[k - 1:k + 1])
     return "upper" if across > (_MIDDLE + _DETOUR[0]) / 2 else "lower"
-
-
-def _along(poses: Array, *steps: float) -> Array:
-    """(k, 3) poses on the way, corners among them, at most so far apart [m, rad]."""
-    return np.concatenate([poses[:1],
-                           *(between(a, b, *steps)[1:] for a, b in zip(poses, poses[1:]))])

@@ -102,17 +102,18 @@ class _Work:
     law: WinchControl
     period: float
     stroke: float = 1.0
-    carried: tuple[float, ...] = (0.0,)
+    carried: tuple[float, ...] = ()
     overloaded: float = 0.0
     missing: float = 0.0
 
     def __post_init__(self) -> None:
         self._follow(hold(self.task.start, 1.0))
         self.empty = self.engine.world.robot
-        p, k = len(self.empty.bases), len(self.empty.bases[0].footprint)
-        self.driven, self.offset = np.zeros(3 * p), np.zeros(3)
-        self.log = Log({"base_poses": ((p, 3), "m, m, rad"), "tilts": ((p,), "rad"),
-                        "wheels": ((p, k), "N"),
+        bases = self.empty.bases
+        self.limits = np.array([base.speed_max for base in bases])
+        self.driven, self.offset = np.zeros(self.limits.size), np.zeros(3)
+        self.log = Log({"base_poses": (self.limits.shape, "m, m, rad"), "tilts": ((len(bases),), "rad"),
+                        "wheels": ((len(bases), len(bases[0].footprint)), "N"),
                         "box_positions": ((3,), "m"), "box_rotations": ((3, 3), ""),
                         "stroke": ((), ""), "carried": ((), "kg"), "states": ((), "")})
         self.wished: list[Reference] = []
@@ -138,8 +139,8 @@ class _Work:
             yield wish
             # For how long cables have been off their limits, and wrenches unbalanced, now that the step is over.
             tau, robot = engine.tensions, self.empty
-            beyond = (tau < robot.tension_min - _SLACK).any() or (tau > robot.tension_max + _SLACK).any()
-            self.overloaded = self.overloaded + self.period if beyond else 0.0
+            beyond = np.maximum(robot.tension_min - tau, tau - robot.tension_max).max()
+            self.overloaded = self.overloaded + self.period if beyond > _SLACK else 0.0
             self.missing = 0.0 if self.law.feasible else self.missing + self.period
             if machine.step(sensors._replace(time=(step + 1) * self.period)):
                 self._enter()
@@ -154,30 +155,30 @@ class _Work:
 
     def _enter(self) -> None:
         """A phase begins, or the job has ended: then all stays as it is."""
-        engine, phase, end = self.engine, self.machine.phase, self.path.end
-        if self.machine.ended:
-            if self.machine.ended == STOPPED:
-                end = Pose.of(engine.position, engine.rotation)
+        engine, machine, end = self.engine, self.machine, self.path.end
+        if machine.ended == STOPPED:
+            end = Pose.of(engine.position, engine.rotation)
+        if machine.ended:
             return self._follow(hold(end, 1.0))
+        phase = machine.phase
         if phase.begin is not None:
             phase.begin(engine)
         self._follow(hold(end, phase.duration)
                      if phase.to is None else quintic(end, phase.to, phase.duration))
         if engine.boxes.is_gripped(BOX) and not self.offset.any():
             self.offset = self._held(engine.boxes.pose(BOX)) - self._drawn()
-        self.bases = engine.base_poses.copy()
+        stood = engine.base_poses
+        self.places = np.array([phase.drives.get(base.name, pose) for base, pose in zip(self.empty.bases, stood)])
+        self.ways = relative(self.places, stood)[:, [2, 0, 1]]   # θ, ρ₁, ρ₂, a rest-to-rest drive along each
 
     def _drive(self, now: float) -> None:
         machine, speeds = self.machine, 0 * self.driven
         if machine.ended == STOPPED:   # brake, not stop dead: the cables would feel it
             slower = np.abs(self.driven) - ACCELERATION * self.period
             speeds = np.sign(self.driven) * np.maximum(slower, 0.0)
-        elif not machine.ended:
+        elif machine.phase.drives and not machine.ended:
             t = now - machine.began + self.period / 2
-            for k, (base, stood) in enumerate(zip(self.empty.bases, self.bases)):
-                if base.name in machine.phase.drives:   # θ̇, ρ̇₁, ρ̇₂, a rest-to-rest drive along each
-                    way = relative(machine.phase.drives[base.name], stood)[[2, 0, 1]]
-                    speeds[3 * k:3 * k + 3] = driving_speed(t, way, base.speed_max, ACCELERATION)
+            speeds = driving_speed(t, self.ways, self.limits, ACCELERATION).ravel()
         self.driven = self.engine.drive(speeds)
 
     def _draw(self, now: float) -> None:
@@ -203,19 +204,13 @@ class _Work:
         return (box.position - self.engine.position) @ self.engine.rotation
 
     def _look(self, now: float, wish: Reference, box: Pose) -> Readings:
-        engine, phase = self.engine, self.machine.phase
-        gripped = engine.boxes.is_gripped(BOX)
+        engine, gripped = self.engine, self.engine.boxes.is_gripped(BOX)
         place = self.offset + self._drawn() if gripped else self.task.seat + self.task.stroke
-        slipped = float(np.linalg.norm(self._held(box) - place))
-        base_error = max((math.dist(stands[:2], phase.drives[base.name][:2])
-                          for base, stands in zip(self.empty.bases, engine.base_poses)
-                          if base.name in phase.drives),
-                         default=0.0)
-        x, y, z, *turn = pose_error(Pose.of(engine.position, engine.rotation),
-                                    wish.pose).tolist()
-        return Readings(now, math.hypot(x, y, z), math.hypot(*turn), engine.tensions,
-                       self.overloaded, self.missing, engine.wheel_loads(), base_error,
-                       gripped, slipped)
+        error = pose_error(Pose.of(engine.position, engine.rotation), wish.pose)
+        astray = np.linalg.norm((engine.base_poses - self.places)[:, :2], axis=1)
+        return Readings(now, math.hypot(*error[:3]), math.hypot(*error[3:]), engine.tensions, self.overloaded,
+                        self.missing, engine.wheel_loads(), astray.max(), gripped,
+                        math.hypot(*self._held(box) - place))
 
     def record(self, flight: Flight, **about: Any) -> Job:
         """The job from what `fly` kept of it and what was noted beside."""

@@ -30,6 +30,8 @@ class Job(Chronicle, Run):
 
     csv_rows: ClassVar[int] = 5
 
+    motor_torques: Array
+    motor_speeds: Array
     events: tuple[Event, ...]
     base_poses: Array
     tilts: Array
@@ -43,9 +45,7 @@ class Job(Chronicle, Run):
     @property
     def work(self) -> PickAndPlace:
         """The task itself."""
-        task = self.world.task(self.task)
-        assert isinstance(task, PickAndPlace)
-        return task
+        return self.world.task(self.task)     # type: ignore[return-value]
 
     def boxes_at(self, index: int) -> tuple[tuple[Pose, Array], ...]:
         return ((self.box_poses[self.row(index)], self.work.box_size),)
@@ -69,8 +69,7 @@ class Job(Chronicle, Run):
         robot, tensions = self.world.robot, self.measured_tensions
         if not (self.time >= SETTLING).any():   # too short to judge wheels and tensions by
             return {"state": self.state, "cut short": self.cut_short}
-        # Or nobody controlled it.
-        assert robot.winch and self.motor_torques is not None and self.motor_speeds is not None
+        assert robot.winch   # or nobody controlled it
         return {
             "state": f"{self.state}: {self.reason}".removesuffix(": "),
             "tracking error, largest": f"{self.position_errors.max() * 1e3:.2f} mm",

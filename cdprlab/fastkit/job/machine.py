@@ -122,23 +122,21 @@ class Machine:
         if self.ended:
             return False
         now = sensors.time
-        trouble = next((why for fault in self.faults if (why := as_reason(fault(sensors), now))), "")
-        if not trouble:
-            late = now - self.began - self.phase.duration
-            if late < -1e-9:
+        trouble = next(filter(None, (as_reason(fault(sensors), now) for fault in self.faults)), "")
+        late = now - self.began - self.phase.duration
+        if not trouble and late < -1e-9:
+            return False
+        if not trouble and (missing := as_reason(self.phase.guard(sensors), now)):
+            if late <= self.patience:
                 return False
-            missing = as_reason(self.phase.guard(sensors), now)
-            if missing and late <= self.patience:
-                return False
-            trouble = missing and f"waited {self.patience:g} s: {missing}"
-        why = trouble and f"in {self.phase.name}: {trouble}"
+            trouble = f"waited {self.patience:g} s: {missing}"
         if trouble:
-            self.ended = STOPPED
+            self.ended, trouble = STOPPED, f"in {self.phase.name}: {trouble}"
         elif self.index + 1 == len(self.phases):
             self.ended = DONE
         else:
             self.index += 1
-        self.history.append(Event(now, self.state, why))
+        self.history.append(Event(now, self.state, trouble))
         return True
 
 
@@ -147,8 +145,7 @@ def standing(sensors: Readings) -> str:
     if sensors.time < SETTLING:
         return ""
     for name, load in sensors.wheels.items():
-        along = load + np.roll(load, -1)
-        if along.min() < 1.0:   # N on the two wheels of an edge
+        if (load + np.roll(load, -1)).min() < 1.0:   # N on the two wheels of an edge
             return f"base {name!r} lifts its wheels"
     return ""
 

@@ -33,7 +33,7 @@ def job_phases(world: World, task: PickAndPlace, speed: float = 0.5,
     fold : whether the bases come together again in the end
     """
     folding = _folding(world, task) if fold else ()
-    return (*_deployment(world, task), *_taking(task, speed), *_putting(task, speed), *folding)
+    return (*_deployment(world, task), *_picking_and_placing(task, speed), *folding)
 
 
 def _deployment(world: World, task: PickAndPlace) -> Iterator[Phase]:
@@ -81,7 +81,7 @@ def _legs(world: World, task: PickAndPlace, words: dict[str, str],
             yield Phase(state, what, lasting.max(), drives={name: there}, guard=_arrived)
 
 
-def _taking(task: PickAndPlace, speed: float) -> Iterator[Phase]:
+def _picking_and_placing(task: PickAndPlace, speed: float) -> Iterator[Phase]:
     before, at, hooking = _stations(task, task.box_position)
     yield _move("approach", "to the box", task.start, before, speed)
     yield Phase("tilt", "the lip goes down, by cable lengths alone", 1.0,
@@ -92,15 +92,10 @@ def _taking(task: PickAndPlace, speed: float) -> Iterator[Phase]:
     yield Phase("draw in", "the box slides from its board into the tray", _DRAWING,
                 stroke=(1.0, 0.0))
     yield Phase("back off", "away from the shelf", 1.5, before)
-
-
-def _putting(task: PickAndPlace, speed: float) -> Iterator[Phase]:
-    leaving = _stations(task, task.box_position)[0]
+    leaving = before
     before, at, hooking = _stations(task, task.place)
-    above = Pose.of(at.position + _LIFT, at.rotation)
-    yield _move("carry", "to the box's place", leaving,
-                Pose.of(before.position + _LIFT, before.rotation), speed)
-    yield Phase("present", "forward, up to the board", 1.5, above)
+    yield _move("carry", "to the box's place", leaving, Pose(before.position + _LIFT), speed)
+    yield Phase("present", "forward, up to the board", 1.5, Pose(at.position + _LIFT))
     # Onto the board before its weight is handed over: a stiff robot would carry on carrying.
     length, depth = _strokes(task)
     over = min(1.0, (max(length - depth, 0.0) + _OVERLAP) / length)
@@ -121,8 +116,7 @@ def _stations(task: PickAndPlace, box: Array) -> tuple[Pose, Pose, Pose]:
     """Before the shelf, at it, and at it with the lip down, for a box standing there."""
     at = box - task.seat - task.stroke
     inward = task.stroke / np.linalg.norm(task.stroke)
-    tilted = Pose(at, rpy=task.tilt)
-    return Pose(at - task.clearance * inward), Pose(at), tilted
+    return Pose(at - task.clearance * inward), Pose(at), Pose(at, rpy=task.tilt)
 
 
 def _move(name: str, what: str, start: Pose, end: Pose, speed: float) -> Phase:

@@ -22,7 +22,7 @@ from ...world import World
 from ...world.model import PickAndPlace
 from ..events import DONE, STOPPED, Event, as_reason
 from ..navigation.driving import Walker
-from ..navigation.journey import ARRIVED, Journey
+from ..navigation.journey import Journey
 from ..plane import Bounds, Place, difference
 from .mission_record import Mission
 from .trip import COUPLED, Progress, Trip, Work, watch
@@ -91,6 +91,7 @@ def run_mission(world: World, bounds: Bounds, start: Place, task: str = "pick_an
     trip = Trip(world, job, bounds, start, station, walkers, beams, progress)
     mission, began = Mission(world, task, seed), time.perf_counter()
     with Recording(mission.cut):
+        # One by one: acts look at the events until then.
         for event in walk_through(mission, mission_states(trip, work)):
             mission.events.append(event)
     mission.real_time_factor = mission.now / (time.perf_counter() - began)
@@ -118,9 +119,9 @@ def mission_states(trip: Trip, work: Work | None = None) -> tuple[Stage, ...]:
               trip.drive_there, at_the_shelf),
         Stage("undeployed", "at the berth, still coupled", watch, stands_still),
         Stage("deployed", "the link opens, the active base drives away",
-              partial(trip.work_there, work=work), base_in_place),
+              partial(trip.work_there, work=work), partial(job_came_to, "approach")),
         Stage("pick and place", "the box from its place to the other",
-              watch, box_in_place, "approach"),
+              watch, partial(job_came_to, "return"), "approach"),
         Stage("return", "the platform goes back, the bases fold, the link closes",
               watch, coupled_again, "return"),
         Stage("home", "coupled, the pair leaves its berth and drives back",
@@ -144,19 +145,18 @@ def stands_still(mission: Mission) -> str:
     return "a base leans" if measured["tilts"][-1] > LEANS else ""
 
 
-def base_in_place(mission: Mission) -> str:
-    """deployed → pick and place: the job got as far as approaching the box."""
-    return _job_came_to("approach", mission)
-
-
-def box_in_place(mission: Mission) -> str:
-    """pick and place → return: the gripper has let the box go where it belongs."""
-    return _job_came_to("return", mission)
+def job_came_to(state: str, mission: Mission) -> str:
+    """deployed → pick and place: it approached the box. → return: the box is in its place, the gripper open."""
+    job = mission.job
+    if job is None:
+        return "there was no job"
+    came = any(event.state == state for event in job.events)
+    return "" if came else job.reason or f"it ended in {job.state}"
 
 
 def coupled_again(mission: Mission) -> str:
     """return → home: the job is done, and the bases are where the link takes them."""
-    trouble, job = _job_came_to(DONE, mission), mission.job
+    trouble, job = job_came_to(DONE, mission), mission.job
     if trouble or job is None:
         return trouble
     places = job.world.robot.with_bases(job.world.task(mission.task).coupled).bases      # type: ignore[attr-defined]
@@ -179,14 +179,6 @@ def sure_of_being_at(berth: Array, believed: Array, deviations: Array, allowed: 
 
 
 def _arrived(place: str, way: Journey | None, tolerance: Array) -> str:
-    if way is None or way.state != ARRIVED:
-        return "there was no journey" if way is None else way.reason
-    return sure_of_being_at(way.goal, way.estimates[-1], way.deviations[-1], tolerance, place)
-
-
-def _job_came_to(state: str, mission: Mission) -> str:
-    job = mission.job
-    if job is None:
-        return "there was no job"
-    came = any(event.state == state for event in job.events)
-    return "" if came else job.reason or f"it ended in {job.state}"
+    if way is None:
+        return "there was no journey"
+    return way.reason or sure_of_being_at(way.goal, way.estimates[-1], way.deviations[-1], tolerance, place)

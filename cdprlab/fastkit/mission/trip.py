@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -52,7 +53,7 @@ class Trip:
     def coupled(self) -> World:
         """The world with the pair at its berth."""
         return replace(self.world, robot=self.world.robot.with_bases(self.task.coupled),
-                       pose=self.task.start, tasks={})
+                       pose=self.task.start)
 
     @property
     def berth(self) -> Array:
@@ -112,12 +113,10 @@ class Trip:
 
     def work_there(self, mission: Mission, work: Work | None = None) -> None:
         """Do the work where the pair stands; None: `pick_and_place`, and fold."""
-        there, tell = self.arrived(mission), self.told(mission)
-        if work is not None:
-            job = work(there, mission.task)
-            if not all(hasattr(job, name) for name in ("state", "reason", "events", "base_poses", "world")):
-                raise InvalidInput(f"work at t = {mission.now:.4g} s must give a Job, got {quoted(job)}")
-            mission.job = job
-        else:
-            ticks = None if tell is None else lambda done, _: tell(1e-3 * done)
-            mission.job = pick_and_place(there, mission.task, fold=True, progress=ticks)
+        tell = self.told(mission)
+        ticks = None if tell is None else lambda done, _: tell(1e-3 * done)
+        work = work or partial(pick_and_place, fold=True, progress=ticks)
+        job = work(self.arrived(mission), mission.task)
+        if not all(hasattr(job, name) for name in ("state", "reason", "events", "base_poses", "world")):
+            raise InvalidInput(f"work at t = {mission.now:.4g} s must give a Job, got {quoted(job)}")
+        mission.job = job

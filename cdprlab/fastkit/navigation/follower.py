@@ -5,7 +5,7 @@ import numpy as np
 from ...arrays import Array, checked
 from ...errors import InvalidInput
 from ..plane import Period, Place, Scan, Way, difference, moved, relative
-from .planner import between
+from .planner import along
 from .vehicle import Vehicle
 
 STOP_DISTANCE = 0.3
@@ -33,8 +33,7 @@ class Follower:
         if not len(poses):
             raise InvalidInput("poses must be one at least: the plan has no way")
         self.vehicle = vehicle
-        pieces = [between(a, b, 0.01, 0.01)[1:] for a, b in zip(poses, poses[1:])]
-        self.way = np.concatenate([poses[:1], *pieces])
+        self.way = along(poses, 0.01, 0.01)
         self.aim, self.twist, self.blocked = 0, np.zeros(3), False
 
     def arrived(self, pose: Place) -> bool:

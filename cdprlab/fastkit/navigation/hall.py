@@ -46,7 +46,7 @@ class Hall:
         if np.shape(seen) not in ((), (len(rows),)):
             raise InvalidInput(f"seen must be one truth value, or one a rectangle, got {quoted(seen)}")
         return cls(rows[:, [0, 1, 4]], rows[:, 2:4], np.asarray(bounds),
-                   np.broadcast_to(np.asarray(seen), len(rows)))
+                   np.broadcast_to(seen, len(rows)))
 
     @classmethod
     def of_world(cls, world: World, bounds: Bounds) -> Hall:
@@ -80,19 +80,18 @@ class Hall:
 
     def distance(self, points: Spots) -> Array:
         """(…) distance of (…, 2) points to the nearest rectangle, 0 inside one [m]; inf in an empty hall."""
-        distances = point_distance(np.asarray(points)[..., None, :], self.places, self.sizes)
+        distances = point_distance(np.expand_dims(points, -2), self.places, self.sizes)
         return distances.min(axis=-1, initial=np.inf)
 
 
 def walls(bounds: Bounds) -> Array:
     """(4, 5) rectangles just outside a floor (2, 2): north, south, west and east of it [m]."""
-    thickness = 0.1
-    (west, south), (east, north) = np.asarray(bounds, dtype=float).tolist()
-    x, y, half = (west + east) / 2, (south + north) / 2, thickness / 2
-    return np.array([[x, north + half, east - west, thickness, 0],
-                     [x, south - half, east - west, thickness, 0],
-                     [west - half, y, thickness, north - south, 0],
-                     [east + half, y, thickness, north - south, 0]])
+    thick, half = 0.1, 0.05
+    (west, south), (east, north) = np.asarray(bounds, dtype=float)
+    x, y = (west + east) / 2, (south + north) / 2
+    along, across = east - west, north - south
+    return np.array([[x, north + half, along, thick, 0], [x, south - half, along, thick, 0],
+                     [west - half, y, thick, across, 0], [east + half, y, thick, across, 0]])
 
 
 @checked

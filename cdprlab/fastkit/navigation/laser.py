@@ -48,8 +48,8 @@ class Scanner:
 
     def measured(self, distances: Distances, random: np.random.Generator) -> Array:
         """(beams,) what the scanner says of true distances: with noise, inf beyond its range [m]."""
-        noisy = distances + self.noise * random.standard_normal(distances.shape)
-        return np.where(distances < self.range, np.clip(noisy, 0.0, self.range), np.inf)
+        noisy = np.clip(random.normal(distances, self.noise), 0.0, self.range)
+        return np.where(distances < self.range, noisy, np.inf)
 
     def points(self, distances: Distances) -> Array:
         """(h, 2) in the frame, where beams ended; beams that met nothing give no point [m]."""

@@ -39,7 +39,7 @@ class Odometry:
 
     def measured(self, step: Motion, random: np.random.Generator) -> Array:
         """(3,) what the wheels say of a true step."""
-        return np.asarray(step) + np.sqrt(np.diag(self.covariance(step))) * random.standard_normal(3)
+        return random.normal(np.asarray(step), np.sqrt(np.diag(self.covariance(step))))
 
 
 @checked

@@ -87,7 +87,7 @@ def plan_path(grid: OccupancyGrid, vehicle: Vehicle, start: ArrayLike, goal: Arr
     if here < -grid.slack - vehicle.radius / 2:
         return Plan.none("the pair stands against something: there is no room to drive away")
     least = min(margin, here)
-    nodes = _lattice(grid, vehicle, margin).way(a, b, least)
+    nodes = _Lattice(grid, vehicle, margin).way(a, b, least)
     if not len(nodes):
         wide = inflated_width(grid, vehicle, margin)
         return Plan.none(f"there is no way of {wide:.2f} m width from the start to the goal")
@@ -105,14 +105,19 @@ def between(a: ArrayLike, b: ArrayLike, step: float = 0.04, turn_step: float = 0
     return np.asarray(a) + np.arange(count + 1)[:, None] / count * d[..., None, :]
 
 
+def along(poses: Array, *steps: float) -> Array:
+    """(k, 3) poses on a way (n, 3), corners among them, close enough together: see `between`."""
+    return np.concatenate([poses[:1], *(between(a, b, *steps)[1:] for a, b in zip(poses, poses[1:]))])
+
+
+@lru_cache(1)   # somewhere else to go, in the same hall, does not need another
 class _Lattice:
     """Poses on a grid of places and headings, those free joined to their free neighbors."""
 
     def __init__(self, grid: OccupancyGrid, vehicle: Vehicle, margin: float) -> None:
         self.grid, self.vehicle, self.margin = grid, vehicle, margin
-        size = np.array(grid.occupied.shape) * grid.cell
-        self.xs, self.ys = (grid.corner[i] + np.arange(_STEP / 2, size[i], _STEP)
-                            for i in (0, 1))
+        self.xs, self.ys = (low + np.arange(_STEP / 2, count * grid.cell, _STEP)
+                            for low, count in zip(grid.corner, grid.occupied.shape))
         self.headings = np.arange(_HEADINGS * _BETWEEN) * 2 * np.pi / (_HEADINGS * _BETWEEN)
         # A rectangle that is turned round is the same rectangle: half the headings are enough.
         half = [grid.room_on(vehicle, self.xs, self.ys, heading)
@@ -136,13 +141,13 @@ class _Lattice:
 
     def _poses(self, nodes: Indices) -> Array:
         h, x, y = np.unravel_index(nodes, self.free.shape)
-        return np.stack([self.xs[x], self.ys[y], self.headings[::_BETWEEN][h]], axis=-1)
+        return np.stack([self.xs[x], self.ys[y], self.headings[_BETWEEN * h]], axis=-1)
 
     def _joined(self, pose: Array, least: float) -> tuple[Indices, Array]:
         """Free nodes near a pose that a straight free drive reaches, nearest first, and in what time [s]."""
         nodes = np.flatnonzero(self.free)
         d = np.abs(difference(self._poses(nodes), pose))
-        near = (d[:, :2].max(axis=1) <= _JOIN) & (d[:, 2] <= 2.2 * np.pi / _HEADINGS)
+        near = (d <= [_JOIN, _JOIN, 2.2 * np.pi / _HEADINGS]).all(axis=1)
         nodes, times = nodes[near], (d[near] / self.vehicle.speed_max[[1, 2, 0]]).sum(axis=-1)
         room = self.grid.room(self.vehicle, between(pose, self._poses(nodes))).min(axis=-1)
         best = np.argsort(times, kind="stable")
@@ -169,10 +174,6 @@ class _Lattice:
             edges.append((index[both], there[both], time[both]))
         i, j, t = map(np.concatenate, zip(*edges))
         return csr_array((t, (i, j)), shape=(index.size, index.size))
-
-
-_lattice = lru_cache(1)(_Lattice)
-"""Somewhere else to go, in the same hall, does not need another."""
 
 
 def _shortened(grid: OccupancyGrid, vehicle: Vehicle, poses: Array, margin: float) -> Array:

@@ -80,12 +80,12 @@ class Vehicle:
 
     def distances(self, pose: Places, points: Scan) -> Array:
         """(…, u) of points (u, 2) from the rectangle at pose (…, 3), both in one frame; 0 inside [m]."""
-        return point_distance(points, np.asarray(pose)[..., None, :], self.size)
+        return point_distance(points, np.expand_dims(pose, -2), self.size)
 
     # --- the bases --------------------------------------------------------------------------------
     def bases(self, pose: Places) -> Array:
         """(…, 2, 3) poses of the active and the passive base, the pair at pose (…, 3)."""
-        return placed(np.asarray(pose)[..., None, :], [[-self.arm, 0, 0], [self.arm, 0, 0]])
+        return placed(np.expand_dims(pose, -2), [[-self.arm, 0, 0], [self.arm, 0, 0]])
 
     def base_outlines(self, pose: Places) -> Array:
         """(…, 2, 4, 2) corners of their rectangles [m]."""

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
 
 from ...arrays import LARGEST, Array, checked
-from ...view.plots import Figure
+from ...view.plots import Figure, mark_level
 from ...view.style import BLUE, GREEN, GREY, INK, ORANGE, SKY, VERMILION, house_style
 from ..navigation.hall import Hall
 from ..navigation.journey import ARRIVED, Journey
@@ -45,9 +45,7 @@ def plot_journey(journey: Journey) -> Figure:
         errors.plot(journey.time, 1e3 * np.linalg.norm(journey.errors[:, :2], axis=1), color=BLUE, label="error")
         errors.plot(journey.time, 2e3 * np.linalg.norm(journey.deviations[:, :2], axis=1), "--", color=GREY,
                     label="two deviations")
-        errors.axhline(50, color=VERMILION, linewidth=1)
-        errors.text(journey.time[-1], 47, "allowed at the shelf", color=VERMILION, ha="right",
-                    va="top", fontsize=9)
+        mark_level(errors, 50, "allowed at the shelf", 0.995, "right")
         errors.set(xlabel="time [s]", ylabel="position [mm]", title="localization", ylim=(0, None))
         errors.legend(loc="center right", fontsize=8)
         end = "reaches its goal" if journey.state == ARRIVED else f"stops: {journey.reason}"
@@ -80,7 +78,7 @@ def draw_way(axes: Axes, journey: Journey, until: float = LARGEST) -> None:
 
     until : what happened later is not drawn [s]
     """
-    n = int(np.searchsorted(journey.time, until, side="right")) or 1
+    n = np.searchsorted(journey.time, until, side="right") or 1
     poses, plans = journey.poses[:n], [plan for time, plan in journey.plans if plan.found and time <= until]
     # Over the way driven, which is the same but for corners.
     for plan in plans:

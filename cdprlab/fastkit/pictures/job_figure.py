@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from ...arrays import Array, checked
 from ...view.film import Frame, RunScreen, picture_count, save_gif
-from ...view.plots import Figure, draw_lines, label_ends, mark_level, spread_apart
+from ...view.plots import Figure, draw_lines, fitted_title, label_ends, mark_level, spread_apart
 from ...view.style import AXIS_STYLES, BLUE, GREY, INK, VERMILION, LineStyle, cable_style, house_style
 from ...world.model import Scene
 from ..events import STOPPED, spans
@@ -38,7 +38,7 @@ def plot_job(job: Job) -> Figure:
         error.set(ylabel="error [mm]", ylim=(0, None))
         for limit in (robot.tension_min.min(), robot.tension_max.max()):
             mark_level(tension, limit)
-        cables = range(job.lengths.shape[1])
+        cables = range(robot.n_cables)
         _draw(tension, job.time[1:], job.measured_tensions[1:], "tension [N]",
               [f"{i + 1}" for i in cables], [cable_style(i) for i in cables], linewidth=1.2)
         _draw_bases(bases, job)
@@ -46,8 +46,7 @@ def plot_job(job: Job) -> Figure:
         _draw(wheels, job.time[1:], least_edge_loads(job.wheels[1:]), "least edge load [N]",
               [base.name for base in robot.bases], BASE_STYLES)
         wheels.set(xlabel="time [s]", xlim=(0, job.time[-1]))
-        figure.suptitle(f"{job.world.title} · {job.task.replace('_', ' ')} · {job.method} control · {job.state}",
-                        x=0.01, ha="left", fontsize=13, color=INK)
+        fitted_title(figure, f"{job.world.title} · {job.task.replace('_', ' ')} · {job.method} control · {job.state}")
         figure.alt_text = _caption(job) + " " + "; ".join(f"{name}: {value}" for name, value in job.table().items())
         return figure
 
@@ -113,13 +112,12 @@ def _show_phases(panels: Sequence[Axes], job: Job) -> None:
 
 def _draw_bases(panel: Axes, job: Job) -> None:
     """Along the floor, x solid and y dashed; a base whose y stays 0 shows x alone."""
-    lines, names, styles = [], [], []
+    rows = []
     for base, style, poses in zip(job.world.robot.bases, BASE_STYLES, job.base_poses.swapaxes(0, 1)):
         for name, dashes, line in zip("xy", ("-", "--"), poses.T):
             if name == "x" or np.ptp(line) > _STILL:
-                lines.append(line)
-                names.append(f"{base.name} {name}")
-                styles.append(LineStyle(style.color, dashes))
+                rows.append((line, f"{base.name} {name}", LineStyle(style.color, dashes)))
+    lines, names, styles = zip(*rows)
     _draw(panel, job.time, np.transpose(lines), "bases [m]", names, styles)
 
 
