@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, checked
+from ..arrays import checked
 from ..robot import Robot
 from .configuration import Configuration, HalfWidth, as_position, counterclockwise, few_cables, triplets
 from .region import region
@@ -72,18 +72,18 @@ def taut_configurations(robot: Robot, position: ArrayLike, tolerance: HalfWidth 
     >>> all(len(chosen) <= 3 for chosen in taut_configurations(robot, [0.5, 0.1, 1.0]))
     True
     """
-    M, exits = as_position(position), robot.exit_points
-    return tuple(chosen for chosen in few_cables(robot) if _holds(exits[chosen.indices], M, tolerance))
+    M, upward = as_position(position), np.eye(3)[2]
 
+    def holds(chosen: Configuration) -> bool:
+        """Whether these cables all pull and balance a weight at M."""
+        up = robot.exit_points[chosen.indices] - M
+        # Tensions over lengths: a combination of the cable vectors that is one unit of height.
+        shares = np.linalg.lstsq(up.T, upward)[0]
+        rise = up[:, 2].max()
+        off = np.abs(shares @ up - upward).max() * abs(rise)
+        # A share of the height: below tolerance/span the cable would be slack but for the
+        # tolerance.
+        needed = tolerance / max(np.ptp(up[:, :2], axis=0).max(), rise, tolerance)
+        return bool(rise > 0 and off <= tolerance and (shares * rise > needed).all())
 
-def _holds(exits: Array, M: Array, tolerance: float) -> bool:
-    """Whether these exit points' cables all pull and balance a weight at M."""
-    up, upward = exits - M, np.array([0.0, 0.0, 1.0])
-    # Tensions over lengths: a combination of the cable vectors that is one unit of height.
-    shares = np.linalg.lstsq(up.T, upward)[0]
-    rise = up[:, 2].max()
-    off = np.abs(shares @ up - upward).max() * abs(rise)
-    # A share of the height: below tolerance/span the cable would be slack but for the
-    # tolerance.
-    needed = tolerance / max(np.ptp(exits[:, :2], axis=0).max(), rise, tolerance)
-    return bool(rise > 0 and off <= tolerance and (shares * rise > needed).all())
+    return tuple(filter(holds, few_cables(robot)))

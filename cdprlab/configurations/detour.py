@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
-from ..robot import Robot
+from ..robot import Robot, turned_to
 from .configuration import as_position, triplets
 from .region import Region, region
 from .sequence import UNSAFE_CHANGE, ConfigurationSequence, location_score, plan_configurations
@@ -58,7 +58,7 @@ def plan_detour(robot: Robot, start: ArrayLike, goal: ArrayLike, *,
 def _safe_start(regions: list[Region], position: Array) -> Array | None:
     """The nearest position at the same height that is certainly inside a triplet."""
     turns = np.linspace(0, 2 * np.pi, 72, endpoint=False)
-    circle = np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
+    circle = turned_to(turns, 3)[..., 0]
     near = (position + radius * way for radius in _AROUND for way in circle)
     return next((place for place in near if _certain(regions, place)), None)
 
@@ -72,7 +72,7 @@ def _between(safe: Callable[[Array, Array], list[ConfigurationSequence]], S: Arr
     if direct := safe(S, G):
         return direct[0]
     way = G - S
-    side = np.array([-way[1], way[0], 0.0]) if way[:2].any() else np.array([1.0, 0.0, 0.0])
+    side = np.cross([0, 0, 1], way) if way[:2].any() else np.array([1.0, 0.0, 0.0])
     side /= np.linalg.norm(side)
     points = [S + share * way + offset * side for share, offset in product(_SHARES, _OFFSETS)]
     points = [V for V in points if _certain(regions, V)]
@@ -94,8 +94,7 @@ def _with_ends(core: ConfigurationSequence, S: Array, G: Array, robot: Robot) ->
     (first, old), (last, new) = core.steps[0], core.steps[-1]
     before = () if np.array_equal(S, first) else ((S, old),)
     after = () if np.array_equal(G, last) else ((G, new),)
-    begin, end = (tuple(location_score(robot.exit_points[chosen.indices], place) for place, chosen in added)
-                  for added in (before, after))
-    loose = len(before) + len(after)
-    return ConfigurationSequence(before + core.steps + after, begin + core.location_scores + end,
+    steps, loose = before + core.steps + after, len(before + after)
+    scores = tuple(location_score(robot.exit_points[chosen.indices], place) for place, chosen in steps)
+    return ConfigurationSequence(steps, scores,
                                  core.transition_scores + (UNSAFE_CHANGE,) * loose, core.safe and not loose)

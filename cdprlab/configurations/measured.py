@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Indices, as_array, checked
+from ..arrays import Array, as_array, checked
 from ..errors import InvalidInput, quoted
 from ..robot import Robot
 from .accuracy import position_sensitivity
@@ -34,12 +34,24 @@ def compatible_configurations(robot: Robot, lengths: ArrayLike, length_error: Ha
     >>> compatible_configurations(robot, lengths)
     (A123,)
     """
-    candidates = few_cables(robot)
+    candidates, exits = few_cables(robot), robot.exit_points
     rho = as_array(lengths, "lengths", (robot.n_cables,), "m")
     # A displaced exit point shows as a length error of at most the diagonal of its box.
     error = length_error + np.sqrt(3) * exit_uncertainty
-    return tuple(chosen for chosen in candidates
-                 if _possible(robot.exit_points, rho, chosen.indices, error, exit_uncertainty))
+
+    def possible(taut: Configuration) -> bool:
+        """Whether these cables can carry the load, given all lengths ± error."""
+        chosen, below = taut.indices, _below_three if len(taut) == 3 else _below
+        place = below(exits[chosen], rho[chosen], error)
+        if place is None:
+            return False
+        M, radius = place
+        reach = rho + error - np.linalg.norm(exits - M, axis=1) + np.sqrt(3) * radius
+        if (np.delete(reach, chosen) < 0).any():
+            return False
+        return len(taut) < 3 or bool(region(exits[chosen], exit_uncertainty, radius).certainty(M)[1] >= 0)
+
+    return tuple(filter(possible, candidates))
 
 
 def reset_by_marks(readings: ArrayLike, marks: Iterable[tuple[int, float]]) -> Array:
@@ -84,31 +96,18 @@ def hanging_position(robot: Robot, lengths: ArrayLike) -> tuple[Array, Configura
     """
     candidates, exits = few_cables(robot), robot.exit_points
     rho = as_array(lengths, "lengths", (robot.n_cables,), "m")
-    lowest = [(_lowest(exits[chosen.indices], rho[chosen.indices]), chosen) for chosen in candidates]
     # 1e-9 m: a rope that is taut as well is not too short.
-    found = [(M, chosen) for M, chosen in lowest
-             if M is not None and (np.linalg.norm(exits - M, axis=1) <= rho + 1e-9).all()]
+    found = [(M, chosen) for chosen in candidates
+             if (M := _lowest(exits[chosen.indices], rho[chosen.indices])) is not None
+             and (np.linalg.norm(exits - M, axis=1) <= rho + 1e-9).all()]
     if not found:
         raise InvalidInput(f"no point is within reach of all ropes of lengths {quoted(rho.tolist())} m")
     # The first, of fewest ropes, where several hold the same point: the others are just not
     # slack.
-    return min(found, key=lambda candidate: round(float(candidate[0][2]), 9))
+    return min(found, key=lambda candidate: round(candidate[0][2], 9))
 
 
 # --- positions from lengths, with their error ---------------------------------------------------------------
-def _possible(exits: Array, rho: Array, chosen: Indices, error: float, exit_uncertainty: float) -> bool:
-    """Whether taut cables ``chosen`` can carry the load alone, given all lengths ± error."""
-    below = _below_three if len(chosen) == 3 else _below
-    place = below(exits[chosen], rho[chosen], error)
-    if place is None:
-        return False
-    M, radius = place
-    reach = rho + error - np.linalg.norm(exits - M, axis=1) + np.sqrt(3) * radius
-    if (np.delete(reach, chosen) < 0).any():
-        return False
-    return len(chosen) < 3 or bool(region(exits[chosen], exit_uncertainty, radius).certainty(M)[1] >= 0)
-
-
 def _below(exits: Array, rho: Array, error: float) -> tuple[Array, float] | None:
     """Where one or two taut cables hold a load, and how far off that may be; None where they cannot."""
     shifts = [(0.0,) * len(rho), *product((error, -error), repeat=len(rho))]

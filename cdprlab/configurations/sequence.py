@@ -33,6 +33,9 @@ Step = tuple[Array, Configuration]
 _Chain = tuple[Configuration, ...]
 _Windows = dict[Configuration, tuple[float, float]]
 """Configuration → first and last share of the way where it holds."""
+_Changes = dict[Configuration, dict[Configuration, tuple[float, float, bool]]]
+_Latest = dict[Configuration, float]
+"""Configuration → the share of the way up to which it still leads to G."""
 
 
 @lasting
@@ -113,10 +116,10 @@ class _Way:
         return {chosen for chosen, window in windows.items() if window[end] == end}
 
     @cached_property
-    def changes(self) -> dict[Configuration, dict[Configuration, tuple[float, float, bool]]]:
+    def changes(self) -> _Changes:
         """Configuration → those it may become, and where: in the certain window if there is one, which is safe, else in
         the nominal overlap."""
-        found: dict[Configuration, dict[Configuration, tuple[float, float, bool]]] = {old: {} for old in self.nominal}
+        found: _Changes = {old: {} for old in self.nominal}
         # A certain window is more than a point: on a shared edge, known exactly, only two
         # cables hold.
         for windows, least in ((self.nominal, -_EDGE), (self.certain, _EDGE)):
@@ -126,7 +129,7 @@ class _Way:
                     found[old][new] = min(first, last), last, windows is self.certain
         return found
 
-    def onward(self, old: Configuration, share: float, latest: dict[Configuration, float]
+    def onward(self, old: Configuration, share: float, latest: _Latest
                ) -> Iterator[tuple[Configuration, float, float, bool]]:
         """From a share of the way on what a configuration may become that must be left by its latest: which, between
         which shares, and whether safely."""
@@ -143,7 +146,7 @@ class _Way:
             ways = np.column_stack([(self.end - self.start)[:2], a - b])
             if abs(np.linalg.det(ways)) >= _EDGE:
                 share, along = np.linalg.solve(ways, a - self.start[:2])
-                if 0 <= share <= 1 and 0 <= along <= 1:
+                if 0 <= along <= 1:
                     return share
         return np.nan
 
@@ -178,11 +181,10 @@ def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike,
     """
     way = _Way(robot, as_position(start), as_position(goal), position_uncertainty, exit_uncertainty,
                method)
-    for name, end in (("start", 0), ("goal", 1)):
+    for name, place, end in (("start", way.start, 0), ("goal", way.end, 1)):
         if not way.ends(way.nominal, end):
-            place = (way.start, way.end)[end].tolist()
-            raise InvalidInput(f"no three cables hold a load at the {name} {place}: it must lie below the exit points "
-                               "and, seen from above, between them")
+            raise InvalidInput(f"no three cables hold a load at the {name} {place.tolist()}: it must lie below the "
+                               "exit points and, seen from above, between them")
     chains = _fewest_changes(way)
     found = [_sequence(way, chain) for chain in chains]
     if method == "accuracy":
@@ -199,9 +201,10 @@ def _fewest_changes(way: _Way) -> list[_Chain]:
 
     All of them, or the `_MOST` with the fewest unsafe changes, and the log says so.
     """
-    layers: list[dict[Configuration, float]] = [{}]
-    for ends in (way.nominal, way.certain):
-        layers = _latest(way, way.ends(ends, 0), way.ends(ends, 1)) or layers
+    for windows in (way.certain, way.nominal):
+        layers = _latest(way, way.ends(windows, 0), way.ends(windows, 1))
+        if layers[0]:
+            break
     found: list[_Chain] = []
     # Fewest unsafe changes first, and of these the longest: nothing is begun that need not be.
     waiting: list[tuple[int, int, _Chain, float]] = [(0, 0, (first,), 0.0) for first in sorted(layers[0])]
@@ -219,11 +222,11 @@ def _fewest_changes(way: _Way) -> list[_Chain]:
     return sorted(found[:_MOST])
 
 
-def _latest(way: _Way, starts: set[Configuration], goals: set[Configuration]) -> list[dict[Configuration, float]]:
+def _latest(way: _Way, starts: set[Configuration], goals: set[Configuration]) -> list[_Latest]:
     """For each step of the shortest chains: configuration → the share of the way up to which it still leads to G.
 
-    Backwards from G, a change more at a time, until one of the starts is reached; empty if none
-    ever is.
+    Backwards from G, a change more at a time, until one of the starts is reached; the first is
+    empty if none ever is.
     """
     layers, best = [dict.fromkeys(goals, 1.0)], dict.fromkeys(goals, 1.0)
     while layers[0] and not starts & layers[0].keys():
@@ -233,7 +236,7 @@ def _latest(way: _Way, starts: set[Configuration], goals: set[Configuration]) ->
         layers.insert(0, {old: share for old, share in before.items() if share > best.get(old, -1.0)})
         best |= layers[0]
     layers[0] = {chosen: share for chosen, share in layers[0].items() if chosen in starts}
-    return layers if layers[0] else []
+    return layers
 
 
 def _sequence(way: _Way, chain: _Chain) -> ConfigurationSequence:

@@ -17,8 +17,6 @@ from ..mechanics.intervals import Intervals, exact
 from .configuration import HalfWidth
 
 Spot = Annotated[Array, "(2,) [m]"]
-Side = Callable[[Intervals], Intervals]
-"""Box (…, 6) of A_i, A_j and M in plan → the range of the side."""
 
 
 @checked
@@ -97,7 +95,8 @@ def _out_of_reach(box: Intervals, strips: Intervals) -> Flags:
     return empty
 
 
-FORMS: dict[str, Side] = {"corners": _corner_range, "translated": _translated,
-                          "natural": _natural,
-                          "contractor": _contractor}
-"""Exact · (A_i − M) × (A_j − M) · as written · as written, then contracted."""
+FORMS: dict[str, Callable[[Intervals], Intervals]] = {
+    "corners": _corner_range, "translated": _translated, "natural": _natural, "contractor": _contractor}
+"""Box (…, 6) of A_i, A_j and M in plan → the range of the side.
+
+Exact · (A_i − M) × (A_j − M) · as written · as written, then contracted."""

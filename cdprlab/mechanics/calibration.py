@@ -172,7 +172,7 @@ def _chosen(robot: Robot, kinds: list[str]) -> tuple[list[int], list[str]]:
         names += [f"length_offsets {i}", f"pulley_radius {i}" if cable.pulley else ""]
     names += ["mass", *(f"center_of_mass {axis}" for axis in axes)]
     places = [k for kind in sorted(kinds, key=_PLATFORM.__contains__) for k, name in enumerate(names)
-              if name.split(" ")[0] == kind]
+              if name.startswith(kind)]
     return places, [names[k] for k in places]
 
 
@@ -181,9 +181,10 @@ def _too_heavy(robot: Robot, poses: Pose, tensions: Array, body: Array, sought: 
     W = wrench_matrix(robot, poses)
     inverse = np.linalg.pinv(W, rcond=1e-9)
     held = (inverse @ W @ tensions[..., None]).ravel()
-    centers = np.eye(len(body))[:, 1:]
-    bodies = [replace(robot, platform=replace(robot.platform, center_of_mass=center)) for center in centers]
-    per = (inverse @ np.stack([gravity_wrench(one, poses) for one in bodies], axis=-1)).reshape(held.size, -1)
+    weights = [gravity_wrench(
+        replace(robot, platform=replace(robot.platform, center_of_mass=center)), poses)
+               for center in np.eye(len(body))[:, 1:]]
+    per = (inverse @ np.stack(weights, axis=-1)).reshape(held.size, -1)
     per[:, 1:] -= per[:, :1]   # per mass, and per mass times each coordinate
 
     def heavy(y: Array) -> tuple[Array, Array]:

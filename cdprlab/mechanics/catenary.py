@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -56,8 +55,8 @@ class SaggingCable:
         weight = self.weight[..., None]
         pull, heading = _level(self.force_at_exit[..., None, :])
         middle = self.force_at_exit[..., -1, None] + weight * along / 2
-        across, up = _hung((pull, middle), along, weight, self.axial_stiffness[..., None]).end
-        return np.concatenate([heading * across[..., None], up[..., None]], axis=-1)
+        cable = _hung((pull, middle), along, weight, self.axial_stiffness[..., None])
+        return _along(heading, *cable.end)
 
 
 @checked
@@ -97,9 +96,9 @@ def sagging_cable(span: Annotated[ArrayLike, "(…, d) [m]"], length: Annotated[
     if not strain <= _MOST_STRAIN:
         raise InvalidInput(f"the cable would be strained by {float(strain):.1%}, more than the 5 % up to which it "
                            "stretches in proportion: make it longer or stiffer")
-    at_exit, at_anchor = (np.concatenate([heading * h[..., None], upward[..., None]], axis=-1).astype(float)
-                          for upward in (v - weight * L / 2, v + weight * L / 2))
-    return SaggingCable(*map(frozen, (chord, L, weight, ea, at_exit, -at_anchor)))
+    half = weight * L / 2
+    return SaggingCable(*map(frozen, (chord, L, weight, ea, _along(heading, h, v - half),
+                                      -_along(heading, h, v + half))))
 
 
 @lasting
@@ -133,8 +132,8 @@ def sagging_lengths(robot: Robot, pose: Pose, tensions: ArrayLike) -> SaggingLen
     cdprlab.errors.InvalidInput: cables that sag need `cable: {linear_density: …, axial_stiffness: …}` and gravity
     """
     given = as_array(tensions, "tensions", (robot.n_cables,), "N")
-    density, elasticity, g = robot.linear_density, robot.elasticity, robot.gravity
-    if elasticity is None or density * g <= 0:
+    elasticity, weight = robot.elasticity, robot.linear_density * robot.gravity
+    if elasticity is None or weight <= 0:
         raise InvalidInput("cables that sag need `cable: {linear_density: …, axial_stiffness: …}` and gravity")
     if pose.batch_shape:
         raise InvalidInput("sagging_lengths takes one pose, not a batch")
@@ -142,12 +141,22 @@ def sagging_lengths(robot: Robot, pose: Pose, tensions: ArrayLike) -> SaggingLen
     level, heading = _level(span)
     arms, external = anchor_offsets(robot, pose), gravity_wrench(robot, pose)
 
-    def wrenches(forces: Array) -> Array:
+    def wrenches(pulls: Array) -> Array:
         """(n, m) of (2, m) pulls at the anchor points, along the level and upwards."""
-        forces = np.vstack([heading.T * forces[0], forces[1]]).astype(float)
-        return robot.pattern.project(np.vstack([forces, cross(arms, forces.T).T]), pose.rotation)
+        forces = _along(heading, *pulls)
+        return robot.pattern.project(np.hstack([forces, cross(arms, forces)]).T, pose.rotation)
 
-    pulled = partial(_pulled, (level, span[:, -1]), density * g, ea)
+    def pulled(lengths: Any) -> tuple[Any, Any, Any, Any]:
+        """The (2, m) force (h, v) at B, its size, and how size and force grow with length."""
+        (h, v), cable = _hanging((level, span[:, -1]), lengths, weight, ea)
+        half = weight * lengths / 2
+        # Where the end goes for a longer cable under the same force in its middle, and the force
+        # that takes it back.
+        turn = cable.force((-h * ((1 / cable.at_exit + 1 / cable.at_anchor) / 2 + 1 / ea),
+                            -((v - half) / cable.at_exit + (v + half) / cable.at_anchor) / 2 - v / ea))
+        force, slope = np.stack([h, v + half]), turn + [[0.0], [weight / 2]]
+        return force, cable.at_anchor, (force * slope).sum(axis=0) / cable.at_anchor, slope
+
     chord = np.linalg.norm(span, axis=1)
     arcs = cable_lengths(robot, pose) - chord   # on the wheels
     shortest = chord / (1 + 1.1 * _MOST_STRAIN)
@@ -185,6 +194,11 @@ def _level(vectors: Array) -> tuple[Array, Array]:
     return size, level / np.maximum(size, _TINY)[..., None]
 
 
+def _along(heading: Array, level: Array, up: Array) -> Array:
+    """(…, d) vectors that reach so far along the level, the way `_level` says, and so far up."""
+    return np.concatenate([heading * level[..., None], up[..., None]], axis=-1).astype(float)
+
+
 def _lowest(pulled: Callable[[Any], Any], shortest: Any, longest: Any) -> Any:
     """(m,) lengths at which the cables pull least."""
     for _ in range(60):
@@ -192,17 +206,6 @@ def _lowest(pulled: Callable[[Any], Any], shortest: Any, longest: Any) -> Any:
         falling = pulled(middle)[2] < 0
         shortest, longest = np.where(falling, middle, shortest), np.where(falling, longest, middle)
     return longest
-
-
-def _pulled(span: Any, weight: float, ea: float, lengths: Any) -> tuple[Any, Any, Any, Any]:
-    """Of cables with these lengths the (2, m) force (h, v) at B, its size, and how size and force grow with length."""
-    force, cable = _hanging(span, lengths, weight, ea)
-    (h, v), half = force, weight * lengths / 2
-    # Where the end goes for a longer cable under the same force in its middle, and the force that takes it back.
-    turn = cable.force((-h * ((1 / cable.at_exit + 1 / cable.at_anchor) / 2 + 1 / ea),
-                        -((v - half) / cable.at_exit + (v + half) / cable.at_anchor) / 2 - v / ea))
-    force, slope = force + np.outer([0, 1], half), turn + [[0.0], [weight / 2]]
-    return force, cable.at_anchor, (force * slope).sum(axis=0) / cable.at_anchor, slope
 
 
 @checked

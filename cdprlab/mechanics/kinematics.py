@@ -170,24 +170,28 @@ def seen_from(robot: Robot, start: Pose) -> Callable[[Array], tuple[Pose, Cables
 
 def _assemblies(robot: Robot, lengths: Array, guess: Pose, tolerance: float) -> list[Pose]:
     """Distinct poses with these lengths; raises as the fit from the guess does where there are none."""
-    rng, straight = np.random.default_rng(0), robot.n_dof - len(robot.pattern.turn_axes)
+    rng, turns = np.random.default_rng(0), len(robot.pattern.turn_axes)
+
+    def away(size: int) -> Array:
+        """Any way, at most 1 long."""
+        way = rng.normal(size=size)
+        return way * (rng.uniform() / max(float(np.linalg.norm(way)), 1e-300))
+
     found: list[Pose] = []
-    failure: NoConvergence | None = None
-    for k in range(_STARTS + 1):
-        away = np.zeros(robot.n_dof)
-        for part in (away[:straight], away[straight:]) if k else ():
-            way = rng.normal(size=part.size)
-            part[:] = way * (rng.uniform() / max(float(np.linalg.norm(way)), 1e-300))
+    failures: list[NoConvergence] = []
+    others = (moved(robot, guess, np.append(away(robot.n_dof - turns), away(turns)))
+              for _ in range(_STARTS))
+    for start in (guess, *others):
         try:
-            pose = _fit_pose(robot, lengths, moved(robot, guess, away), tolerance)
+            pose = _fit_pose(robot, lengths, start, tolerance)
         except NoConvergence as error:
-            failure = failure or error
+            failures.append(error)
             continue
         if all(np.abs(pose.position - other.position).max() + np.abs(pose.rotation - other.rotation).max() > _DISTINCT
                for other in found):
             found.append(pose)
-    if failure and not found:
-        raise failure
+    if not found:
+        raise failures[0]
     return found
 
 

@@ -74,7 +74,7 @@ def resolve_twist(robot: Robot, pose: Pose, twist: ArrayLike, *, pivot: Pivot = 
     # |M q̇_b + s c| ≤ limits, where there are limits.
     bound = np.isfinite(limits)
     rows, sides = np.column_stack([M, c])[bound], limits[bound]
-    scale = largest_last(np.concatenate([rows, -rows]), np.concatenate([sides, sides]))[0] if c.any() else np.inf
+    scale = largest_last(np.concatenate([rows, -rows]), np.tile(sides, 2))[0] if c.any() else np.inf
     speeds = c
     if free.any():
         root = 1 / np.where(limits > 0, limits, np.inf)

@@ -85,7 +85,7 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
     def slope(x: Array) -> Array:
         return -missed(x, stretched(x)) @ moved_rates(robot, guess, x)
 
-    pulls, carrying = np.zeros(robot.n_cables), np.zeros(robot.n_cables, dtype=bool)
+    pulls = np.zeros(robot.n_cables)
     if stiffness:   # Newton's steps alone may go to and fro where a cable turns slack
         x = minimize(energy, np.zeros(n), jac=slope, method="BFGS").x
     else:
@@ -97,7 +97,7 @@ def equilibrium(robot: Robot, lengths: ArrayLike, guess: Pose, *,
         taut = over(x) > -_TAUT
         if taut.any():
             pulls[taut] = nnls(near(x)[1].wrench_matrix[:, taut], -missed(x, pulls))[0]
-        carrying = pulls > _STILL   # one that carries but rounding might end up pushing
+    carrying = pulls > _STILL   # one that carries but rounding might end up pushing
 
     def tensions(z: Array) -> Array:
         found = stretched(z[:n])

@@ -139,7 +139,7 @@ class Footing(NamedTuple):
             levers = levers - _turned(self.axes, (shifts @ rotation)[..., None, :, :])
         matrix = (levers * pulls).sum(axis=-1)
         offset = self.center @ (self.weight @ rotation)
-        return TippingRows(frozen(matrix), frozen(np.broadcast_to(offset, matrix.shape[:-1])))
+        return TippingRows(frozen(matrix), np.broadcast_to(offset, matrix.shape[:-1]))
 
 
 def footings(robot: Robot) -> list[Footing]:
@@ -173,8 +173,9 @@ def tipping_rows(robot: Robot, pose: Pose) -> dict[str, TippingRows]:
     """
     directions = cable_directions(robot, pose)
     shifts = tangent_points(robot, pose) - robot.exit_points if robot.pulleys.size else None
-    bases = ((footing, robot.bases[footing.base]) for footing in footings(robot))
-    return {base.name: footing.rows(directions, base.rotation, shifts) for footing, base in bases}
+    bases = robot.bases
+    return {bases[footing.base].name: footing.rows(directions, bases[footing.base].rotation, shifts)
+            for footing in footings(robot)}
 
 
 @checked

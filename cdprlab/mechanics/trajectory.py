@@ -55,9 +55,9 @@ class Trajectory:
     def __call__(self, t: ArrayLike) -> Reference:
         times = as_array(t, "t", (), "s", batch=True)
         within = np.clip(times, 0.0, self.duration)
-        resting = (within != times)[..., None]
-        x, rate, bend = _derivatives(self.coefficients, within)
-        rate, bend = np.where(resting, 0.0, rate), np.where(resting, 0.0, bend)
+        motion = _derivatives(self.coefficients, within)
+        motion[1:, within != times] = 0.0
+        x, rate, bend = motion
         d = self.start.dimension
         J, J_rate = rotation_vector_jacobian(x[..., d:]), rotation_vector_jacobian_rate(x[..., d:], rate[..., d:])
         spin = J @ rate[..., d:, None]
@@ -92,11 +92,11 @@ def quintic(start: Pose, end: Pose, duration: Annotated[float, "[s] > 0"], *, st
         raise InvalidInput("a trajectory runs between two single poses, not batches")
     if start.dimension != end.dimension:
         raise InvalidInput(f"start has {start.dimension} dimensions, end has {end.dimension}")
-    d = start.dimension
+    size = 3 * (start.dimension - 1)
     given = {"start_twist": start_twist, "end_twist": end_twist,
              "start_acceleration": start_acceleration, "end_acceleration": end_acceleration}
     twist0, twist1, acceleration0, acceleration1 = (
-        np.zeros(3 * (d - 1)) if value is None else as_array(value, name, (3 * (d - 1),))
+        np.zeros(size) if value is None else as_array(value, name, (size,))
         for name, value in given.items())
     turn = rotation_vector(end.rotation @ start.rotation.T)
     rate0, bend0 = _vector_rates(0 * turn, twist0, acceleration0)

@@ -5,8 +5,6 @@ radius r carries a cable of tension t as τ = I q̈ + f(q̇) + r t / (G η) whil
 place of 1 / η while the cable drives it back: what is lost is lost both ways.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -90,8 +88,8 @@ def motor_torque(winch: Winch, tensions: ArrayLike, rates: ArrayLike, accelerati
 def motor_damping(winch: Winch, tensions: ArrayLike, speed: ArrayLike) -> Array:
     """∂/∂q̇ of friction and gear losses, by central differences [N m s/rad]."""
     step = 1e-4
-    after, before = (friction_torque(winch, v) + gear_torque(winch, tensions, v)
-                     for v in (np.add(speed, step), np.subtract(speed, step)))
+    speeds = np.add.outer([-step, step], speed)
+    before, after = friction_torque(winch, speeds) + gear_torque(winch, tensions, speeds)
     return (after - before) / (2 * step)
 
 

@@ -1,6 +1,7 @@
 """The parts of a robot: frozen `Cable`, `Pulley`, `Platform`, `Base`, …, each checked as it is made."""
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Annotated
 
 import numpy as np
@@ -261,11 +262,9 @@ def _counter_clockwise(points: Array, d: int) -> Array:
         if len(points) != 2 or points[0, 0] == points[1, 0]:
             raise InvalidInput("a planar footprint is two contacts with different x", ("footprint",))
         return points
-    # Along every edge all other corners lie on one side.
-    edges, on_it = np.roll(points, -1, axis=0) - points, np.eye(len(points), dtype=bool)
-    sides = cross(edges[:, None], points - points[:, None])[~(on_it | np.roll(on_it, 1, axis=1))]
-    left, right = (sides > 0).all(), (sides < 0).all()
-    if len(points) < 3 or not (left or right):
+    # Of a convex polygon any three corners, in order, turn the same way.
+    turns = {float(np.sign(cross(b - a, c - a)[0])) for a, b, c in combinations(points, 3)}
+    if turns not in ({1.0}, {-1.0}):
         raise InvalidInput("footprint must be the corners of a convex polygon in order, at least 3 contacts "
                            "and none on an edge", ("footprint",))
-    return points if left else frozen(np.roll(points[::-1], 1, axis=0))
+    return points if turns == {1.0} else frozen(np.roll(points[::-1], 1, axis=0))

@@ -1,11 +1,10 @@
 """Motion patterns: which motions of the platform the cables control."""
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, frozen
+from ..arrays import Array
 from ..errors import InvalidInput, quoted
 
 
@@ -46,7 +45,7 @@ class MotionPattern(NamedTuple):
         Returns (…, 3 or 6, n), full twist [v; ω] in world axes.
         """
         if self.name != "2R3T":
-            return _first_rows(self.dimension, self.n_dof)
+            return np.eye(3 * (self.dimension - 1), self.n_dof)
         basis = np.zeros((*rotation.shape[:-2], 6, 5))
         basis[..., :3, :3] = np.eye(3)
         basis[..., 3:, 3:] = rotation[..., :, 1:]
@@ -73,11 +72,6 @@ MOTION_PATTERNS: dict[str, MotionPattern] = {
         MotionPattern("3R3T", 3, 6, ("x", "y", "z", "rx", "ry", "rz")),
     )
 }
-
-
-@cache
-def _first_rows(d: int, n: int) -> Array:
-    return frozen(np.eye(3 * (d - 1), n))
 
 
 def motion_pattern(name: str) -> MotionPattern:

@@ -82,7 +82,7 @@ class Pose:
         """(…) counter-clockwise angle [rad]; planar poses only."""
         if self.dimension != 2:
             raise InvalidInput("a spatial pose has rpy, no single angle")
-        return np.arctan2(self.rotation[..., 1, 0], self.rotation[..., 0, 0])
+        return rotation_vector(self.rotation)[..., 0][()]
 
     @property
     def orientation(self) -> Array:
@@ -96,12 +96,11 @@ class Pose:
 
     def __len__(self) -> int:
         if not self.batch_shape:
-            raise TypeError("a single Pose has no length")
+            raise TypeError("a single Pose has no length and no index")
         return self.batch_shape[0]
 
     def __getitem__(self, index: Any) -> Pose:
-        if not self.batch_shape:
-            raise TypeError("a single Pose cannot be indexed")
+        len(self)   # which a single Pose has not
         return Pose.of(self.position[index], self.rotation[index])
 
     def __iter__(self) -> Iterator[Pose]:
@@ -220,7 +219,7 @@ def lever(arm: Array) -> Array:
     array([-1. ,  0.5])
     """
     if arm.shape[-1] == 2:
-        return np.stack([-arm[..., 1], arm[..., 0]], axis=-1)[..., None]
+        return (arm[..., ::-1] * [-1.0, 1.0])[..., None]
     return -cross_matrix(arm)
 
 
@@ -246,7 +245,7 @@ def rotation_vector_jacobian(vector: Array) -> Array:
     >>> rotation_vector_jacobian(np.zeros(3))[0]
     array([1., 0., 0.])
     """
-    b, c, *_ = (x[..., None, None] for x in turn_coefficients(np.linalg.norm(vector, axis=-1)))
+    b, c, *_ = turn_coefficients(np.linalg.norm(vector, axis=-1)[..., None, None])
     k = cross_matrix(vector)
     return np.eye(k.shape[-1]) + b * k + c * (k @ k)
 
@@ -260,7 +259,7 @@ def rotation_vector_jacobian_rate(vector: Array, rate: Array) -> Array:
     >>> rotation_vector_jacobian_rate(np.zeros(3), np.array([0.0, 0.0, 2.0]))[1, 0]
     np.float64(1.0)
     """
-    b, c, b_slope, c_slope = (x[..., None, None] for x in turn_coefficients(np.linalg.norm(vector, axis=-1)))
+    b, c, b_slope, c_slope = turn_coefficients(np.linalg.norm(vector, axis=-1)[..., None, None])
     along = (vector * rate).sum(axis=-1)[..., None, None]
     k, k_rate = cross_matrix(vector), cross_matrix(rate)
     return along * (b_slope * k + c_slope * (k @ k)) + b * k_rate + c * (k_rate @ k + k @ k_rate)

@@ -148,7 +148,8 @@ class Robot:
     def base(self, name: str) -> Base:
         """The base of that name; raises InvalidInput naming those there are."""
         if name not in self._base_of:
-            raise InvalidInput(f"unknown base {quoted(name)}; {_there_are(self._base_of)}")
+            known = f"there are {', '.join(self._base_of)}" if self.bases else "this robot has no bases"
+            raise InvalidInput(f"unknown base {quoted(name)}; {known}")
         return self.bases[self._base_of[name]]
 
     # --- changed copies ---------------------------------------------------------------------------
@@ -198,8 +199,9 @@ class Robot:
         if self.winch is not None and self.winch.tension_max < cable.tension_min:
             raise InvalidInput(f"the winch gives at most {self.winch.tension_max:.4g} N, less than this cable's "
                                f"smallest tension of {cable.tension_min:g} N", ("tension",))
-        if cable.base is not None and cable.base not in self._base_of:
-            raise InvalidInput(f"unknown base {quoted(cable.base)}; {_there_are(self._base_of)}", ("base",))
+        if cable.base is not None:
+            with under("base"):
+                self.base(cable.base)
         anchor = cable.anchor_point
         if not self.pattern.turns and anchor.any():
             raise InvalidInput(f"in {self.motion_pattern} all cables meet at P: anchor_point must be "
@@ -208,7 +210,3 @@ class Robot:
         if self.motion_pattern == "2R3T" and anchor[1:].any():
             raise InvalidInput("in 2R3T all anchor points lie on the platform's x′ axis: anchor_point must be "
                                f"[x, 0, 0], got {anchor.tolist()}", ("anchor_point",))
-
-
-def _there_are(names: Mapping[str, int]) -> str:
-    return f"there are {', '.join(names)}" if names else "this robot has no bases"

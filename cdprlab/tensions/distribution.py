@@ -41,10 +41,8 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, te
     low, high = _limits(tension_min, "tension_min", m), _limits(tension_max, "tension_max", m)
     if low.min() < 0:
         raise InvalidInput(f"tension_min must not be negative [N] (cables only pull), got {float(low.min()):g}")
-    batch: tuple[int, ...] = ()
-    if max(W.ndim - 1, w_e.ndim, low.ndim, high.ndim) > 1:
-        batch = common_batch(W=W.shape[:-2], w_e=w_e.shape[:-1], tension_min=low.shape[:-1],
-                             tension_max=high.shape[:-1])
+    batch = common_batch(W=W.shape[:-2], w_e=w_e.shape[:-1], tension_min=low.shape[:-1],
+                         tension_max=high.shape[:-1])
     crossed = low > high
     if crossed.any():
         at = tuple(np.argwhere(crossed)[0])
@@ -60,8 +58,6 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, te
 def _limits(value: ArrayLike, name: str, m: int) -> Array:
     """(m,) or (…, m) from a number or an array."""
     given = as_array(value, name, (), "N", batch=True)
-    if given.shape[-1:] == (m,):
-        return given
-    if given.shape[-1:] not in ((), (1,)):
+    if given.shape[-1:] not in ((), (1,), (m,)):
         raise InvalidInput(f"{name} must be a number or {m} numbers [N], got shape {given.shape}")
     return np.broadcast_to(given, (*given.shape[:-1], m))

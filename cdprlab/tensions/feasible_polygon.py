@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, plain
-from ..compiled import EMPTY, OUT_OF_RANGE, SPENT
+from ..compiled import OUT_OF_RANGE
 from .method import INFEASIBLE, UNREACHABLE, Answers, Texts, fixed_cables
 
 
@@ -44,7 +44,5 @@ def closest_tensions(W: Array, w_e: Array, low: Array, high: Array, share: float
 
 
 def _texts(found: NDArray[np.int64], spent: str = "") -> Texts:
-    reasons = np.full(found.size, "", dtype=object)
-    for code, text in ((EMPTY, INFEASIBLE), (OUT_OF_RANGE, UNREACHABLE), (SPENT, spent)):
-        reasons[found == code] = text
-    return reasons
+    """(k,) what `FOUND` and the codes after it say, r > 2 nothing."""
+    return np.array(["", INFEASIBLE, UNREACHABLE, "", spent], dtype=object)[found]

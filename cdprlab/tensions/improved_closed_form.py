@@ -4,8 +4,6 @@ from ..arrays import Array
 from .feasible_polygon import closest_tensions
 from .method import Answers, vectorized
 
-OUT_OF_REDUNDANCY = "the improved closed form ran out of redundancy"
-
 
 def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
     """Closed form; fix the worst cable at the limit it breaks; closed form of the others; until all keep theirs.
@@ -14,8 +12,8 @@ def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
     answer.
     Source: Pott 2014; Okoli 2016, 6.4.5, who fixes the first cable found instead of the worst.
     """
-    return closest_tensions(W, w_e, low, high, 0.5, rounds=W.shape[2],
-                            spent=OUT_OF_REDUNDANCY)
+    return closest_tensions(W, w_e, low, high, 0.5, W.shape[2],
+                            spent="the improved closed form ran out of redundancy")
 
 
 METHOD = vectorized(solve, complete=False,

@@ -1,12 +1,14 @@
 """Least sum of tensions inside the limits: min Σ τ subject to W τ + w_e = 0, τ_min ≤ τ ≤ τ_max."""
 
+from functools import partial
+
 import numpy as np
 
 from ..arrays import Array
 from ..compiled import LOWEST, TOLERANCE
 from .feasible_polygon import polygon_points
 from .law import tension_scale
-from .method import INFEASIBLE, UNREACHABLE, Answers, Solution, sharpened, vectorized
+from .method import INFEASIBLE, UNREACHABLE, Answers, Solution, one_by_one, sharpened, vectorized
 from .quadratic_program import independent_rows
 
 
@@ -17,12 +19,12 @@ def solve(W: Array, w_e: Array, low: Array, high: Array) -> Answers:
     Source: Okoli 2016, eq. (6.24); Huangfu and Hall 2018 (HiGHS).
     """
     tensions, reasons, spare = polygon_points(W, w_e, low, high, LOWEST)
-    for k in np.flatnonzero((spare > 2) & (reasons == "")):
-        tensions[k], reasons[k] = _highs(W[k], w_e[k], low[k % len(low)], high[k % len(low)])
+    one_by_one((spare > 2) & (reasons == ""), lambda *limits: partial(_highs, *limits),
+               W, w_e, low, high, tensions, reasons)
     return tensions, reasons
 
 
-def _highs(W: Array, w_e: Array, low: Array, high: Array) -> Solution:
+def _highs(low: Array, high: Array, W: Array, w_e: Array) -> Solution:
     from scipy.optimize import linprog
 
     unit = tension_scale(w_e, low).max()   # HiGHS's tolerances are absolute

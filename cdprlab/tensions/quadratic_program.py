@@ -70,8 +70,7 @@ def independent_rows(W: Array, values: Array) -> tuple[Array, Array, float]:
     u, s, vt = np.linalg.svd(W, full_matrices=False)
     rank = np.linalg.matrix_rank(W)
     inside = u[:, :rank].T @ values
-    outside = float(np.abs(values - u[:, :rank] @ inside).max(initial=0.0))
-    return vt[:rank], inside / s[:rank], outside
+    return vt[:rank], inside / s[:rank], np.abs(values - u[:, :rank] @ inside).max(initial=0.0)
 
 
 def build(n: int, tension_min: Array, tension_max: Array, *, solver: str = "quadprog") -> Solver:

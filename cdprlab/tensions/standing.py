@@ -32,6 +32,6 @@ def standing_tensions(W: Array, w_e: Array, low: Array, high: Array, rows: Array
     if found is not None:
         return np.clip(found, low, high), ""
     reason = f"{INFEASIBLE} and keep every base standing" if rows.size else INFEASIBLE
-    if not (np.isfinite(w_e).all() and np.isfinite(offset).all()):
+    if not np.isfinite([*w_e, *offset]).all():
         reason = NOT_FINITE
     return np.full(low.size, np.nan), reason
