@@ -11,7 +11,7 @@ _TOUCHING = 1e-6
 _NEARLY = 1e-3
 """Of the distance to the eye: a point so little behind a face is on it."""
 
-_SUN = np.array([0.45, -0.65, 1.0]) / np.linalg.norm([0.45, -0.65, 1.0])
+_SUN = np.array([0.45, -0.65, 1.0])
 
 
 class Blocks:
@@ -32,14 +32,13 @@ class Blocks:
 
     def __init__(self, corners: Array, eye: Array) -> None:
         self.corners = corners
-        self.faces = corners[:, box_faces(3)]
-        centers, middles = corners.mean(axis=1), self.faces.mean(axis=2)
+        centers, middles = corners.mean(axis=1), corners[:, box_faces(3)].mean(axis=2)
         outwards = middles - centers[:, None]
         self.normals = outwards / np.linalg.norm(outwards, axis=-1, keepdims=True)
         self.offsets = (self.normals * middles).sum(axis=-1)
         self.eye_heights = self.normals @ eye - self.offsets
         self.seen = self.eye_heights > 0
-        self.lightness = 0.78 + 0.25 * self.normals @ _SUN
+        self.lightness = 0.78 + 0.25 * self.normals @ (_SUN / np.linalg.norm(_SUN))
         self.distances = np.linalg.norm(centers - eye, axis=-1)
 
     def order(self) -> list[int]:

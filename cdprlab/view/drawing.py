@@ -183,7 +183,7 @@ class RobotDrawing:
     def faces(self, order: float, **options: Any) -> Any:
         """A new collection of polygons; order : among the artists, later ones over earlier ones."""
         return self.axes.add_collection(PolyCollection([], zorder=order, animated=True,
-                                                       **options), autolim=False)
+                                                       **options))
 
     # --- what is where --------------------------------------------------------------------------------
     def _in_sight(self, points: Array) -> Array:
@@ -194,8 +194,8 @@ class RobotDrawing:
             flat[hidden.reshape(points.shape[:-1])] = np.nan
         return flat
 
-    def _place_axes(self, parts: tuple[Any, list[Any]], origin: Array, rotation: Array) -> None:
-        lines, names = parts
+    def _place_axes(self, parts: list[Any], origin: Array, rotation: Array) -> None:
+        lines, *names = parts
         start, tips, places = (self.view.flat(origin + far * self._arm * rotation.T)
                                for far in (0, 1, _BEYOND))
         lines.set_segments(np.stack([start, tips], axis=1))
@@ -238,13 +238,13 @@ class RobotDrawing:
         self.numbers = [] if self.solid else [self._text(str(k + 1), INK, 8, fontweight="bold")
                                                for k in range(robot.n_cables)]
         # In the plane the ticks show the world's.
-        self._world_axes = None if robot.dimension == 2 else self._make_axes("", 1.8)
-        self._platform_axes = None if self.solid else self._make_axes("′", 2.6)
+        self._world_axes = self._make_axes("", 1.8) if robot.dimension == 3 else []
+        self._platform_axes = [] if self.solid else self._make_axes("′", 2.6)
 
     def _lines(self, color: Any, width: float, order: float, **options: Any) -> Any:
         return self.axes.add_collection(LineCollection([], colors=color, linewidths=width,
                                                        zorder=order, animated=True,
-                                                       **options), autolim=False)
+                                                       **options))
 
     def _marks(self, kind: str, color: str, order: float, **options: Any) -> Any:
         marks, = self.axes.plot([], [], kind, color=color, zorder=order, animated=True,
@@ -253,14 +253,13 @@ class RobotDrawing:
 
     def _text(self, words: str, color: str, order: float, **options: Any) -> Any:
         return self.axes.add_artist(Haloed(0, 0, words, color=color, fontsize=10, zorder=order,
-                                           animated=True,
-                                           transform=self.axes.transData, **options))
+                                           animated=True, **options))
 
-    def _make_axes(self, mark: str, width: float) -> tuple[Any, list[Any]]:
-        d = self.robot.dimension
-        names = [self._text(name + mark, color, 7.5)
-                 for name, color in zip("xyz"[:d], AXIS_COLORS)]
-        return self._lines(AXIS_COLORS[:d], width, 7), names
+    def _make_axes(self, mark: str, width: float) -> list[Any]:
+        """The arrows' lines and their letters."""
+        colors = AXIS_COLORS[:self.robot.dimension]
+        return [self._lines(colors, width, 7),
+                *(self._text(name + mark, color, 7.5) for name, color in zip("xyz", colors))]
 
     def _label_places(self) -> tuple[range, list[int]]:
         """Which point of each cable its number stands at: as far as possible from the others.

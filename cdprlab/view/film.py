@@ -70,10 +70,10 @@ def save_film(run: Any, path: str | Path, seconds: float | None = None, fps: int
     Raises InvalidInput for a bad path or numbers that make no film.
     """
     check_like(run)
-    lasting = float(run.time.max(initial=0.0))
+    lasting = run.time.max(initial=0.0)
     length = min(lasting, _LONGEST) if seconds is None else seconds
     parts = max(12, picture_count(length, fps))
-    times = np.linspace(0.0, lasting, parts + 1).tolist()
+    times = np.linspace(0.0, lasting, parts + 1)
     return save_gif(map(RunScreen(run, width).at, times), path, length / parts, _caption(run))
 
 
@@ -156,7 +156,7 @@ def evenly(count: int, most: int) -> list[int]:
     >>> evenly(10, 4)
     [0, 3, 6, 9]
     """
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int)).tolist()
+    return np.linspace(0, count - 1, min(count, most)).round().astype(int).tolist()
 
 
 def index_at(times: Array, t: float) -> int:

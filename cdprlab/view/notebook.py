@@ -133,7 +133,7 @@ def _card(title: str, numbers: Mapping[str, str], picture: Callable[[], str]) ->
             shown = picture()
     except MissingDependency as missing:
         shown = f"<p>{html.escape(str(missing))}</p>"
-    return _titled(title) + shown + _table([[*row] for row in numbers.items()], head=False)
+    return _titled(title) + shown + _table(numbers.items(), head=False)
 
 
 def _titled(title: str) -> str:

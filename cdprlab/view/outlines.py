@@ -16,6 +16,9 @@ from ..robot.pose import Pose
 from ..world.model import Scene
 from .style import BOX, DECK, LOAD, OBSTACLE, PLATFORM, STEEL
 
+_THIN = 0.02
+"""Of a tray's floor and walls [m]."""
+
 EMPTY = Scene(frame=None, floor_height=0.0, boxes=())
 """Around a robot that comes without a world."""
 
@@ -48,11 +51,13 @@ def box_edges(dimension: int) -> Array:
 
 
 def box_faces(dimension: int) -> Array:
-    """(f, 4) corners of each face, going round; in the plane the box itself."""
-    if dimension == 2:
-        return np.array([[0, 1, 3, 2]])
-    return np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4],
-                     [1, 5, 7, 3]])
+    """(f, 4) corners of each face, going round; in the plane the box itself.
+
+    >>> box_faces(2).tolist()
+    [[0, 1, 3, 2]]
+    """
+    faces = "0132 4675 0451 2376 0264 1573" if dimension == 3 else "0132"
+    return np.array([[int(corner) for corner in face] for face in faces.split()])
 
 
 # --- the robot ----------------------------------------------------------------------------------------------
@@ -69,12 +74,12 @@ def platform_solids(robot: Robot, pose: Pose,
     """
     if not loads:
         return [Solid(platform_corners(robot, pose), PLATFORM)]
-    (x, y, z), thin = robot.platform.size, 0.02
-    floor, wall = np.array([x, y, thin]), np.array([thin, y, z])
-    tray = [(floor, [0, 0, (thin - z) / 2]), (wall, [(thin - x) / 2, 0, 0]),
-            (wall, [(x - thin) / 2, 0, 0])]
-    parts = [Solid(box_corners(size, pose, robot.platform.center + middle), PLATFORM)
-             for size, middle in tray]
+    parts = []
+    for side, axis in ((-1, 2), (-1, 0), (1, 0)):
+        size, middle = robot.platform.size.copy(), robot.platform.center.copy()
+        middle[axis] += side * (size[axis] - _THIN) / 2
+        size[axis] = _THIN
+        parts.append(Solid(box_corners(size, pose, middle), PLATFORM))
     return parts + [Solid(box_corners(size, place), LOAD) for place, size in loads]
 
 
@@ -98,7 +103,7 @@ def hanging(start: Array, end: Array, length: float, pieces: int = 96) -> Array:
     def excess(sag: float) -> float:
         return float(np.linalg.norm(np.diff(line + sag * bow, axis=0), axis=1).sum() - length)
 
-    return line + brentq(excess, 0.0, float(length)) * bow
+    return line + brentq(excess, 0.0, length) * bow
 
 
 def strung(robot: Robot, pose: Pose, tensions: ArrayLike, rope_lengths: Array | None = None,
@@ -190,10 +195,10 @@ def _beam(ends: Array, thickness: float) -> Array:
 
 def _deck(base: Base) -> Array:
     """The box over a base's footprint, as high as a base that is solid."""
-    flat = base.center_of_mass.size - 1
-    low = np.array([*base.footprint.min(axis=0)[:flat], 0.0])
-    high = np.array([*base.footprint.max(axis=0)[:flat], DECK_HEIGHT])
-    return box_corners(high - low, Pose.of(base.origin, base.rotation), (low + high) / 2)
+    contacts = base.footprint[:, :base.center_of_mass.size - 1]
+    size = np.append(np.ptp(contacts, axis=0), DECK_HEIGHT)
+    middle = np.append(contacts.min(axis=0) + contacts.max(axis=0), DECK_HEIGHT) / 2
+    return box_corners(size, Pose.of(base.origin, base.rotation), middle)
 
 
 def leaned(robot: Robot, k: int, points: Array, frames: Array | None) -> Array:
@@ -240,6 +245,6 @@ def floor_tiles(points: Array, height: float) -> Array:
     tile = 10.0 ** max(0, np.ceil(np.log10(max(*(high - low)[:2], 1.0) / 25)))
     first, last = np.floor(low[:2] / tile - 0.25), np.ceil(high[:2] / tile + 0.25)
     last[1] += (last[1] - first[1] + 1) % 2
-    corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]) * tile
-    across, along = map(np.arange, first, last)
-    return np.array([[i * tile, j * tile, height] + corners for i in across for j in along])
+    starts = np.array([*product(*map(np.arange, first, last))])
+    square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+    return np.insert(tile * (starts[:, None] + square), 2, height, axis=-1)

@@ -146,7 +146,7 @@ class Picture:
         if not self._slots or not self._changed:
             return False
         self._canvas.restore_region(self._background)
-        canvas = np.asarray(renderer.buffer_rgba()).view(np.uint32)[..., 0]
+        canvas = np.asarray(renderer.buffer_rgba())[::-1].view(np.uint32)[..., 0]   # from below
         before, outside = canvas.copy(), np.ones(canvas.shape, bool)
         for axes in dict.fromkeys(self._changed):
             slot = self._slots[self.figure.axes.index(axes)]
@@ -166,7 +166,10 @@ class Picture:
                     _move(text)
 
     def _parted(self, renderer: Any) -> list[tuple[slice, slice]]:
-        """Rows and columns of pixels that are a panel's alone, halfway to its neighbors; none where panels overlap."""
+        """Rows, from below, and columns of pixels that are a panel's alone, halfway to its neighbors.
+
+        None where panels overlap.
+        """
         panels, size = self.figure.axes, self.figure.bbox.size
         boxes: Any = [part.get_tightbbox(renderer)
                       for part in (*panels, *self.figure.legends, *self.figure.texts)]
@@ -178,8 +181,7 @@ class Picture:
             if ((lows < end) & (highs > start)).all(axis=1).sum() > 1:
                 return []
             (left, bottom), (right, top) = np.rint([start, end]).astype(int)
-            height = round(size[1])
-            slots.append((slice(height - top, height - bottom), slice(left, right)))
+            slots.append((slice(bottom, top), slice(left, right)))
         return slots
 
     def _still(self) -> list[Any]:

@@ -19,7 +19,6 @@ from ..world.files import checked_path, replaced
 from .screen import check_like
 from .style import (
     AXIS_COLORS,
-    AXIS_DASHES,
     AXIS_STYLES,
     GREY,
     INK,
@@ -57,7 +56,8 @@ def plot_tracking(run: Run) -> Figure:
     """
     check_like(run)
     with house_style():
-        figure = Figure(figsize=(8.0, 1.6 + 2 * _tracking_rows(run)), layout="constrained")
+        height = 7.6 if _turns(run).shape[1] else 5.6
+        figure = Figure(figsize=(8.0, height), layout="constrained")
         _draw_tracking(figure, run)
         return _told(figure, run, "Tracking", _tracking_in_words(run))
 
@@ -88,8 +88,7 @@ def plot_run(run: Run, beside: Run | None = None) -> Figure:
         words = f"{_tracking_in_words(run)} {_tensions_in_words(run)}"
         if beside is not None:
             _cross(position, beside, beside.poses.position, AXIS_STYLES)
-            _cross(tensions, beside, _shown(beside),
-                   [cable_style(k) for k in range(run.lengths.shape[1])])
+            _cross(tensions, beside, _shown(beside), _cable_styles(run))
             words += " Crosses: the same of another run."
         return _told(figure, run, "Overview", words)
 
@@ -98,8 +97,7 @@ def _cross(panel: Axes, beside: Run, lines: Array, styles: Sequence[LineStyle]) 
     """What another run did."""
     for line, style in zip(lines.T, styles):
         panel.plot(beside.time, line, "x", color=style.color, markersize=5,
-                   markevery=_every(beside),
-                   label="_beside")
+                   markevery=_every(beside), label="_beside")
     panel.annotate("crosses: the other run", (0.008, 0.02), xycoords="axes fraction",
                    fontsize=9, color=INK)
 
@@ -158,15 +156,16 @@ def _over_time(panel: Axes, run: Run) -> None:
 
 
 # --- position and errors ----------------------------------------------------------------------------------
-def _tracking_rows(run: Run) -> int:
-    """Of panels: a third one where the platform's turns are controlled."""
-    return 3 if run.errors.shape[1] > run.world.robot.dimension else 2
+def _turns(run: Run) -> Array:
+    """(N, 0 to 3) rotation errors [mrad], as many as turns of the platform are controlled."""
+    return 1e3 * run.errors[:, run.world.robot.dimension:]
 
 
 def _draw_tracking(part: Any, run: Run) -> Axes:
     """Panels in a part of a figure; returns the first one, of positions."""
-    d, time = run.world.robot.dimension, run.time
-    axes, names = part.subplots(_tracking_rows(run), sharex=True), axis_names(d)
+    d, time, turns = run.world.robot.dimension, run.time, _turns(run)
+    names = axis_names(d)
+    axes = part.subplots(3 if turns.shape[1] else 2, sharex=True)
     _over_time(axes[-1], run)
     solid = [LineStyle(color, "solid") for color in AXIS_COLORS]
     wanted, actual, seen = run.reference.pose.position, run.poses.position, run.estimates.position
@@ -184,29 +183,26 @@ def _draw_tracking(part: Any, run: Run) -> Axes:
                    linewidth=0.6, alpha=0.45, zorder=1)
         title = "Position error (thin: as measured)"
     _legend_above(axes[0], handles)
-    label_ends(axes[0], actual, names, AXIS_COLORS)
+    label_ends(axes[0], actual, names, AXIS_STYLES)
     _draw_errors(axes[1], time, 1e3 * run.errors[:, :d], names, "position error [mm]", title)
-    if len(axes) > 2:
-        turns = 1e3 * run.errors[:, d:]
-        about = {1: ("φ",), 2: ("about y′", "about z′"),
-                 3: ("about x", "about y", "about z")}[turns.shape[1]]
-        _draw_errors(axes[2], time, turns, about, "rotation error [mrad]",
+    if turns.shape[1]:
+        about = {1: "φ", 2: "about y′, about z′", 3: "about x, about y, about z"}
+        _draw_errors(axes[2], time, turns, about[turns.shape[1]].split(", "), "rotation error [mrad]",
                      "Rotation error (rotation vector)")
     return axes[0]
 
 
 def _draw_errors(panel: Axes, time: Array, errors: Array, names: Sequence[str], label: str,
                  title: str) -> None:
-    colors = AXIS_COLORS if errors.shape[1] > 1 else (INK,)
-    draw_lines(panel, time, errors, names, list(map(LineStyle, colors, AXIS_DASHES)),
-               linewidth=1.4)
-    if errors.shape[1] > 1:
-        _legend_above(panel,
-                      panel.plot(time, np.linalg.norm(errors, axis=1), color=INK, linewidth=1.0,
-                                        linestyle=(0, (1, 1.5)), label="norm"))
+    several = errors.shape[1] > 1
+    styles = AXIS_STYLES if several else [LineStyle(INK, "solid")]
+    draw_lines(panel, time, errors, names, styles, linewidth=1.4)
+    if several:
+        _legend_above(panel, panel.plot(time, np.linalg.norm(errors, axis=1), color=INK,
+                                        linewidth=1.0, linestyle=(0, (1, 1.5)), label="norm"))
     _around_zero(panel)
     panel.set(ylabel=label, title=title)
-    label_ends(panel, errors, names, colors)
+    label_ends(panel, errors, names, styles)
 
 
 # --- tensions ---------------------------------------------------------------------------------------------
@@ -256,15 +252,17 @@ def _every(run: Run) -> int:
 
 def draw_cables(panel: Axes, time: Array, lines: Array, **options: Any) -> None:
     """Columns (N, m) over time, each in its cable's style."""
-    cables = range(lines.shape[1])
-    draw_lines(panel, time, lines, [f"cable {k + 1}" for k in cables],
-               [cable_style(k) for k in cables], **options)
+    for k, line in enumerate(lines.T):
+        panel.plot(time, line, label=f"cable {k + 1}", **cable_style(k)._asdict(), **options)
+
+
+def _cable_styles(run: Run) -> list[LineStyle]:
+    return [*map(cable_style, range(run.world.robot.n_cables))]
 
 
 def _number_cables(panel: Axes, run: Run) -> None:
-    cables = range(run.world.robot.n_cables)
-    label_ends(panel, _shown(run), [str(k + 1) for k in cables],
-               [cable_style(k).color for k in cables])
+    styles = _cable_styles(run)
+    label_ends(panel, _shown(run), [str(k + 1) for k in range(len(styles))], styles)
 
 
 def _shown(run: Run) -> Array:
@@ -277,9 +275,8 @@ def _below(run: Run) -> Array:
     if run.commanded_lengths is None:
         return run.measured_tensions - run.commanded_tensions
     # Lengths are logged as a step begins, those commanded hold as it ends: the next row's.
-    slack = np.full(run.lengths.shape, np.nan)
-    slack[:-1] = 1e3 * (run.commanded_lengths[:-1] - run.lengths[1:])
-    return slack
+    spanned = np.pad(run.lengths[1:], ((0, 1), (0, 0)), constant_values=np.nan)
+    return 1e3 * (run.commanded_lengths - spanned)
 
 
 def shade(panel: Axes, time: Array, feasible: Any) -> None:
@@ -312,13 +309,15 @@ def _draw_limits(panel: Axes, run: Run) -> None:
 # --- in words ---------------------------------------------------------------------------------------------
 def _tracking_in_words(run: Run) -> str:
     d = run.world.robot.dimension
+    names, off = ", ".join(axis_names(d)), np.linalg.norm(run.errors[:, :d], axis=1)
     if not np.isfinite(run.errors).any():
-        return f"Position {', '.join(axis_names(d))} over time [m]; no reference is known."
-    off, turned = (1e3 * np.linalg.norm(part, axis=1)
-                   for part in (run.errors[:, :d], run.errors[:, d:]))
-    text = (f"Reference and actual {', '.join(axis_names(d))} over time [m]; the position error [mm] is largest, "
-            f"{np.nanmax(off):.3g} mm, at {run.time[np.nanargmax(off)]:.3g} s.")
-    return f"{text} The largest rotation error is {np.nanmax(turned):.3g} mrad." if _tracking_rows(run) > 2 else text
+        return f"Position {names} over time [m]; no reference is known."
+    text = (f"Reference and actual {names} over time [m]; the position error [mm] is largest, "
+            f"{1e3 * np.nanmax(off):.3g} mm, at {run.time[np.nanargmax(off)]:.3g} s.")
+    turns = _turns(run)
+    if turns.shape[1]:
+        text += f" The largest rotation error is {np.nanmax(np.linalg.norm(turns, axis=1)):.3g} mrad."
+    return text
 
 
 def _tensions_in_words(run: Run) -> str:
@@ -377,7 +376,8 @@ def mark_level(panel: Axes, level: float, words: str = "", place: float = 0.005,
                    textcoords="offset points", fontsize=9, color=INK)
 
 
-def label_ends(panel: Axes, lines: Array, names: Sequence[str], colors: Sequence[str]) -> None:
+def label_ends(panel: Axes, lines: Array, names: Sequence[str],
+               styles: Sequence[LineStyle]) -> None:
     """The name of each column (N, k) at its line's right end, pushed apart where ends coincide."""
     low, high = panel.get_ylim()
     panel.set_ylim(low, high)
@@ -385,11 +385,10 @@ def label_ends(panel: Axes, lines: Array, names: Sequence[str], colors: Sequence
     points = panel.bbox.height * 72 / panel.figure.dpi  # before the layout, which leaves panels no lower
     gap = min(14 / points, 1 / len(names))
     heights = spread_apart(np.clip((ends - low) / (high - low), 0, 1), gap)
-    for name, color, height in zip(names, colors, heights):
+    for name, style, height in zip(names, styles, heights):
         panel.annotate(name, (1.0, height), xycoords="axes fraction", xytext=(5, 0),
-                       textcoords="offset points",
-                       va="center", color=color, fontsize=10, fontweight="bold",
-                       annotation_clip=False)
+                       textcoords="offset points", va="center", color=style.color,
+                       fontsize=10, fontweight="bold")
 
 
 def spread_apart(heights: Array, gap: float) -> Array:

@@ -24,7 +24,7 @@ class Projection:
 
     def __init__(self, points: Array, azimuth: float = 25.0) -> None:
         self.center = (points.min(axis=0) + points.max(axis=0)) / 2
-        self.radius = max(float(np.linalg.norm(points - self.center, axis=1).max()), 1e-3)
+        self.radius = max(np.linalg.norm(points - self.center, axis=1).max(), 1e-3)
         self.turn(azimuth)
 
     def turn(self, azimuth: float) -> None:

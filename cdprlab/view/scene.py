@@ -72,7 +72,7 @@ class MotionScene:
         self.notes, self.states = zip(*(joined[k] for k in evenly(len(joined), _MOST_FRAMES)))
         self.times = [state.time for state in self.states]
         tensions = np.nan_to_num([state.tensions for state in self.states])
-        self.largest = max(float(tensions.max()), 1.0)
+        self.largest = max(tensions.max(), 1.0)
         first = self.states[0]
         points = _raised(landmarks(first.robot, first.scene, first.pose))
         self.unit = 0.004 * diagonal(points)
@@ -134,47 +134,48 @@ class MotionScene:
                        state.base_frames,
                        _PIECES, _LOOSE) for state in self.states]
         lines, wheels = (_raised(np.array(parts)) for parts in zip(*told))
-        m = tensions.shape[1]
-        shades = np.where(tensions > 0, tensions, -_GREY * self.largest)
-        self.cables = k3d.lines(
-            self._flat(lines), _chains(m, _PIECES),
-            indices_type="segment", shader="thick", width=1.3 * self.unit,
-            attribute=self._series(np.repeat(shades, _PIECES + 1, axis=1)),
-            color_map=_scale(), color_range=[-_GREY * self.largest, self.largest],
-            name="tension [N]")
+        slack, ink = -_GREY * self.largest, _rgb(INK)
+        shades = np.where(tensions > 0, tensions, slack)
+        self.cables = self._lines(
+            lines, 1.3, attribute=self._series(np.repeat(shades, _PIECES + 1, axis=1)),
+            color_map=_scale(), color_range=[slack, self.largest], name="tension [N]")
         self.plot += self.cables
-        ink = _rgb(INK)
         if wheels.size:
-            self.plot += k3d.lines(self._flat(wheels), _chains(wheels.shape[1], 24),
-                                   indices_type="segment",
-                                   shader="thick", width=self.unit, color=ink)
+            self.plot += self._lines(wheels, 1.0, color=ink)
         for end, size in ((0, 5), (-1, 3)):
             self.plot += k3d.points(self._series(lines[:, :, end]), point_size=size * self.unit,
-                                    color=ink,
-                                    shader="flat")
+                                    color=ink, shader="flat")
         first = lines[0, :, 0]
-        for k in range(m):
+        for k in range(len(first)):
             # Outwards of the point, and above or below it where another is near.
             side = "l" if first[k, 0] > first[:, 0].mean() else "r"
             near = (np.abs(first[:k] - first[k]).max(axis=1) < 20 * self.unit).sum()
             self.plot += k3d.text(str(k + 1), position=self._series(lines[:, k, 0]), color=ink,
-                                  size=1.0,
-                                  label_box=False, reference_point=side + "bt"[near % 2])
+                                  size=1.0, label_box=False, reference_point=side + "bt"[near % 2])
 
     def _flat(self, parts: Array) -> Any:
         """(T, n, k, 3) points of n parts at each state, as one list."""
         return self._series(parts.reshape(len(parts), -1, 3))
+
+    def _lines(self, lines: Array, width: float, **look: Any) -> Any:
+        """(T, n, k, 3) points of n lines at each state; width : in units."""
+        import k3d
+
+        n, k = lines.shape[1:3]
+        starts = k * np.arange(n)[:, None] + np.arange(k - 1)
+        pairs = (starts[..., None] + [0, 1]).reshape(-1, 2).astype(np.uint32)
+        return k3d.lines(self._flat(lines), pairs, indices_type="segment", shader="thick",
+                         width=width * self.unit, **look)
 
     def _mesh(self, bodies: Array, faces: Array, color: str, opacity: float = 1.0) -> Any:
         """Bodies of (T, n, k, 3) corners at each state, the faces of each (f, 4), as triangles."""
         import k3d
 
         n, k = bodies.shape[1:3]
-        whole = (faces + k * np.arange(n)[:, None, None]).reshape(-1, 4)
-        triangles = np.concatenate([whole[:, [0, 1, 2]], whole[:, [0, 2, 3]]]).astype(np.uint32)
+        whole = faces + k * np.arange(n)[:, None, None]
+        triangles = whole[..., [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3).astype(np.uint32)
         return k3d.mesh(self._flat(bodies), triangles, color=_rgb(color), opacity=opacity,
-                        flat_shading=True,
-                        side="double")
+                        flat_shading=True, side="double")
 
     def _player(self, tensions: Array) -> str:
         script = Path(__file__).with_name("player.js").read_text(encoding="utf-8")
@@ -202,12 +203,12 @@ def save_scene(run: Any, path: str | Path, title: str = "") -> Path:
     run : Run; or what is said meanwhile → states, see `MotionScene`
     path : ends in .html; title : default the run's world and task
     """
-    target, shown = checked_path(path, ".html"), run
+    target = checked_path(path, ".html")
     if not isinstance(run, Mapping):
         check_like(run)
-        shown, title = states_of(run), title or f"{run.world.title}, task {run.task}"
+        run, title = states_of(run), title or f"{run.world.title}, task {run.task}"
     with replaced(target) as file:
-        file.write(MotionScene(shown, title).page().encode())
+        file.write(MotionScene(run, title).page().encode())
     return target
 
 
@@ -221,12 +222,6 @@ def _joined(motions: Mapping[str, Sequence[State]]) -> list[tuple[str, Any]]:
                                    scene=state.scene or EMPTY))
                    for state in motion]
     return joined
-
-
-def _chains(count: int, pieces: int) -> Any:
-    """Pairs of neighbors on so many lines of so many pieces each."""
-    starts = (pieces + 1) * np.arange(count)[:, None] + np.arange(pieces)
-    return (starts[..., None] + [0, 1]).reshape(-1, 2).astype(np.uint32)
 
 
 def _raised(points: Array) -> Array:

@@ -9,7 +9,6 @@ from ..errors import InvalidInput, quoted
 from .picture import Frame, Picture
 from .style import INK, VERMILION, house_style
 
-_MOST = 10_000
 _WIDTH, HEIGHT = 640, 516
 """Of a screen at its natural size [pixels]; in others everything grows alike."""
 
@@ -22,7 +21,7 @@ class Screen:
     captioned : whether there is a second line
     """
 
-    def __init__(self, title: str, width: int, captioned: bool = False) -> None:
+    def __init__(self, title: str, width: int, captioned: bool) -> None:
         self.figure = sized_figure(width, round(HEIGHT * width / _WIDTH), width / _WIDTH)
         self.top, line = 1 - (56 if captioned else 30) / HEIGHT, 1 - 22 / HEIGHT
         with house_style():
@@ -55,8 +54,8 @@ def sized_figure(width: int, height: int, scale: float | None = None) -> Figure:
         at least a half
     Raises InvalidInput below 16 x 16 pixels and above 10000 x 10000.
     """
-    as_count(width, "width", 16, _MOST)
-    as_count(height, "height", 16, _MOST)
+    as_count(width, "width", 16, 10_000)
+    as_count(height, "height", 16, 10_000)
     dpi = 100 * (scale or max(0.5, min(width / 640, height / 480)))
     # Matplotlib cuts off parts of pixels: half a one more, or rounding would lose one.
     return Figure(((width + 0.5) / dpi, (height + 0.5) / dpi), dpi=dpi)

@@ -21,8 +21,6 @@ INK, GREY, WARNING = "#2D323A", "#6B7280", "#F3D9CF"
 CABLE_COLORS = (BLUE, VERMILION, GREEN, PURPLE)
 CABLE_DASHES = ("solid", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
 AXIS_COLORS = (VERMILION, GREEN, BLUE)
-# y dashed: where x and y move alike, both stay visible.
-AXIS_DASHES = ("solid", (0, (4, 3)), "solid")
 
 STEEL, DECK, TRAIL = "#C4CBD3", "#BAC3CC", "#008060"
 PLATFORM, LOAD, BOX, OBSTACLE = "#7896B4", "#C4965A", "#CDBEA5", "#CD6E5F"
@@ -42,7 +40,8 @@ class LineStyle(NamedTuple):
     linestyle: Any
 
 
-AXIS_STYLES = tuple(map(LineStyle, AXIS_COLORS, AXIS_DASHES))
+# y dashed: where x and y move alike, both stay visible.
+AXIS_STYLES = tuple(map(LineStyle, AXIS_COLORS, ("solid", (0, (4, 3)), "solid")))
 
 
 @checked

@@ -62,7 +62,7 @@ def plot_tension_comparison(table: TensionComparison) -> Figure:
 
 def _draw_method(panel: Axes, table: TensionComparison, k: int) -> None:
     draw_cables(panel, table.time, table.tensions[k], linewidth=1.2)
-    panel.axhline(float(table.world.robot.tension_min.max()), color=INK, linewidth=1.0,
+    panel.axhline(table.world.robot.tension_min.max(), color=INK, linewidth=1.0,
                   linestyle=(0, (1, 2)),
                   label=r"$\tau_\mathrm{min}$")
     shade(panel, table.time, table.feasible[k])
@@ -75,7 +75,7 @@ def _draw_method(panel: Axes, table: TensionComparison, k: int) -> None:
 def _share_axes(panels: Sequence[Axes], table: TensionComparison) -> None:
     """One range for all, that of the usable tensions: what breaks limits leaves the picture, not the scale."""
     usable = table.tensions[table.feasible]
-    top = float(np.nanmax(usable if usable.size else table.tensions))
+    top = np.nanmax(usable if usable.size else table.tensions)
     panels[0].set(xlim=(table.time[0], table.time[-1]), ylim=(-0.03 * top, 1.08 * top))
     for panel in panels[::_COLUMNS]:
         panel.set_ylabel("tension [N]")

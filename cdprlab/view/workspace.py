@@ -49,7 +49,7 @@ def plot_workspaces(robot: Robot, grid: PoseGrid, judgements: Mapping[str, Judge
     most = max((float(np.quantile(known, 0.97) or known.max())
                 for known in map(_known, judgements.values()) if known.size), default=0.0)
     label = f"{quantity} [{unit}]" if unit else quantity
-    width, height = (float(np.ptp(places)) for places in grid.axes.values())
+    width, height = map(np.ptp, grid.axes.values())
     across = 7.6 if columns == 1 else 4.9
     up = float(np.clip(across * (0.25 + 0.84 * height / width), 3.4, across))
     with house_style():

@@ -126,7 +126,7 @@ def _draw(panel: Axes, time: Array, lines: Array, label: str, names: Sequence[st
     """Columns (N, k) over time, named at their ends."""
     draw_lines(panel, time, lines, names, styles, **options)
     panel.set_ylabel(label)
-    label_ends(panel, lines, names, [style.color for style in styles])
+    label_ends(panel, lines, names, styles)
 
 
 def _caption(job: Job) -> str:
