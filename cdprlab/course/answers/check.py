@@ -22,12 +22,12 @@ def check(holds: Any, sentence: str, **numbers: Any) -> None:
     """
     if np.all(holds):
         return
-    lines = [sentence, *(f"  {name.replace('_', ' ')}: {_printed(value)}" for name, value in numbers.items())]
-    error = AssertionError("\n".join(lines))
+    text = "\n".join([sentence, *(f"  {name.replace('_', ' ')}: {_printed(value)}" for name, value in numbers.items())])
+    error = AssertionError(text)
     stack = traceback.extract_stack()[:-1]
     # Of helpers that the check's cell defines, the line that calls them.
     line = next(frame.lineno for frame in stack if frame.filename == stack[-1].filename)
-    folded = [f"AssertionError: {sentence}", *lines[1:], f"(line {line} of the check)"]
+    folded = [f"AssertionError: {text}", f"(line {line} of the check)"]
     # IPython shows what an exception says of itself by this name, where there is one.
     error._render_traceback_ = lambda: folded  # type: ignore[attr-defined]
     raise error

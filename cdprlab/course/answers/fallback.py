@@ -89,9 +89,9 @@ def fallback(exercise: str) -> Any:
 
 
 def fingerprint(arguments: Any) -> np.ndarray:
-    """(4,) numbers that tell calls apart and hardly move where arguments differ by rounding."""
+    """(4,) numbers that tell calls apart and hardly move where arguments, a tuple, differ by rounding."""
     numbers = np.nan_to_num(np.fromiter(_numbers(arguments), float), nan=1.5e3, posinf=2.5e3, neginf=-2.5e3)
-    weights = np.random.default_rng(0).normal(size=(len(numbers), 4)) / np.sqrt(max(1, len(numbers)))
+    weights = np.random.default_rng(0).normal(size=(len(numbers), 4)) / np.sqrt(len(numbers))
     return numbers @ weights
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from ...robot.pose import Pose
 from ...world import World
 
-_COLLECTIONS: tuple[Any, ...] = (dict, tuple, set, frozenset, list)
+_COLLECTIONS: dict[str, Any] = {kind.__name__: kind for kind in (dict, tuple, set, frozenset, list)}
 _NUMBERS = "biufcU"
 """Kinds of arrays that are data, text among them."""
 
@@ -29,20 +29,20 @@ def encode(value: Any, key_of: Callable[[Any], int] | None = None, given: Sequen
             return {"given": number}
     if value is None:
         return None
+    if isinstance(value, np.generic | complex):   # before Python's own, which some of numpy's also are
+        return {"scalar": _npy(value)}
     for plain in (bool, int, float, str):
-        if isinstance(value, plain) and not isinstance(value, np.generic):
+        if isinstance(value, plain):
             return plain(value)
-    for collection in _COLLECTIONS:
+    for name, collection in _COLLECTIONS.items():
         if isinstance(value, collection):
-            return {collection.__name__: [*map(inner, value.items() if collection is dict else value)]}
+            return {name: [*map(inner, value.items() if collection is dict else value)]}
     if isinstance(value, Pose):
         return {"Pose": [_npy(value.position), _npy(value.rotation)]}
     if isinstance(value, World):
         return {"World": inner(value.to_dict())}
     if is_interval(value):
         return inner((value.lb(), value.ub()))
-    if isinstance(value, np.generic | complex):
-        return {"scalar": _npy(value)}
     if hasattr(value, "__array__"):
         return {"array": _npy(value)}
     if hasattr(value, "__iter__"):   # range, map, zip, generators
@@ -61,24 +61,22 @@ def decode(message: Any, function: Any = None, given: Sequence[Any] = ()) -> Any
     if not isinstance(message, dict):
         return message
     ((kind, body),) = message.items()
-    if kind == "given":
-        return given[body]
-    if kind == "array":
-        return _array(body)
-    if kind == "scalar":
-        return _array(body)[()]
-    if kind == "Pose":
-        position, rotation = map(_array, body)
-        Pose(position, matrix=rotation)   # raises unless it is one; below nothing is rounded again
-        return Pose.of(position, rotation)
-    if kind == "World":
-        return World.from_dict(decode(body, function))
-    if kind == "function":
-        return function(body)
-    for collection in _COLLECTIONS:
-        if kind == collection.__name__:
-            return collection(decode(part, function, given) for part in body)
-    raise ValueError(f"no {kind!r:.50} is known")
+    match kind:
+        case "given":
+            return given[body]
+        case "array":
+            return _array(body)
+        case "scalar":
+            return _array(body)[()]
+        case "Pose":
+            position, rotation = map(_array, body)
+            Pose(position, matrix=rotation)   # raises unless it is one; below nothing is rounded again
+            return Pose.of(position, rotation)
+        case "World":
+            return World.from_dict(decode(body, function))
+        case "function":
+            return function(body)
+    return _COLLECTIONS[kind](decode(part, function, given) for part in body)
 
 
 def _npy(value: Any) -> str:

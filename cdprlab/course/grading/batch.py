@@ -12,7 +12,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
-from datetime import datetime
+from datetime import datetime, timedelta
 from itertools import chain
 from pathlib import Path
 from threading import Lock
@@ -103,12 +103,11 @@ class Grader:
             data = submission.read()
             cells, mended = read_cells(data)
         except Exception as error:   # whatever a parser makes of what is no notebook
-            return self.keep(replace(blank, status="broken file",
-                                     note=f"no notebook: {type(error).__name__}: {error}"[:200]))
+            return replace(blank, status="broken file", note=f"no notebook: {type(error).__name__}: {error}"[:200])
         lesson = max(versions or chain(*self.lessons.values()), key=lambda lesson: lesson.likeness(cells))
         same, shared = lesson.likeness(cells)
         if not versions and not shared:
-            return self.keep(blank)
+            return blank
         status, note = "graded", ""
         if mended:
             status, note = "broken file", mended
@@ -117,9 +116,9 @@ class Grader:
         for outcome in self.prove(lesson).outcomes:
             if not outcome.passed:
                 note = f"{lesson.name}: its own solution fails {outcome.check}: {outcome.message[:200]}"
-                return self.keep(replace(blank, note=note))
-        parts = [submission.student, lesson.edition, self.secret, _EDITION, hashlib.sha256(data).hexdigest()]
-        key = hashlib.sha256("\0".join(parts).encode()).hexdigest()
+                return replace(blank, note=note)
+        head = f"{submission.student}\0{lesson.edition}\0{self.secret}\0{_EDITION}\0"
+        key = hashlib.sha256(head.encode() + data).hexdigest()
         return self.judged(replace(blank, lesson=lesson.name, status=status, note=note, key=key), lesson, cells)
 
     def judged(self, blank: Result, lesson: Lesson, cells: Sequence[Cell]) -> Result:
@@ -185,11 +184,11 @@ def late(result: Result, due: Mapping[str, datetime], penalty: float) -> Result:
     due : lesson → when; "" for all others
     penalty : share of the points lost with each day begun after it
     """
-    when, handed_in = due.get(result.lesson, due.get("")), datetime.fromisoformat(result.handed_in)
-    over = (handed_in - when).total_seconds() if when else 0.0
-    if over <= 0 and not result.late:
+    when = due.get(result.lesson, due.get(""))
+    early = (when - datetime.fromisoformat(result.handed_in)) // timedelta(days=1) if when else 0   # whole days
+    if early >= 0 and not result.late:
         return result
-    left = max(0.0, 1 - penalty * max(1, -int(-over // 86400)))
+    left = max(0.0, 1 - penalty * max(1, -early))
     return replace(result, points=result.points * left,
                    status="late" if result.status == "graded" else result.status,
                    note="; ".join(filter(None, [result.note, f"late: {1 - left:.0%} off"])))

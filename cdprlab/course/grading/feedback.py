@@ -35,6 +35,6 @@ def grades(results: Sequence[Result]) -> str:
     table = csv.DictWriter(file, ["student", "lesson", "status", "points", "max_points", *checks],
                            extrasaction="ignore", lineterminator="\n")
     table.writeheader()
-    for result in sorted(results, key=lambda one: (one.lesson, one.student)):
-        table.writerow(vars(result) | {outcome.check: outcome.points for outcome in result.outcomes})
+    table.writerows(vars(result) | {outcome.check: outcome.points for outcome in result.outcomes}
+                    for result in sorted(results, key=lambda one: (one.lesson, one.student)))
     return file.getvalue()

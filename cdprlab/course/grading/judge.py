@@ -11,7 +11,6 @@ import pickle
 import resource
 import sys
 import time
-import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
@@ -21,11 +20,11 @@ from typing import Any
 from .cells import Cell
 from .slices import Statement, needed, statements
 from .split import Lost, WorkerProcess, at_most
-from .wire import silence, words_of
+from .wire import lines_of, silence, words_of
 
 MEMORY = 4 * 2**30
 """Of this process [bytes]."""
-_CHECK = "the lesson"
+_CHECK = "<the lesson>"
 """Stands for a file in what its errors came through."""
 
 
@@ -197,8 +196,7 @@ class Judge:
 
 def _line(error: BaseException) -> int:
     """The line of a check's cell in which an error came up."""
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == _CHECK]
-    return lines[0] or 0 if lines else 0
+    return next(iter(lines_of(error, _CHECK)), 0)
 
 
 def _literal_text(source: str, line: int) -> str:

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import io
 import json
+import pickle
 import signal
 import subprocess
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import Pipe
+from types import FunctionType
 from typing import Any
 
 from ...errors import CdprError
-from ..answers.plain import decode
-from .wire import LARGEST, Callback, InwardPickler, Peer, stays
+from ..answers.plain import decode, is_interval
+from .wire import LARGEST, Callback, Peer
 
 RUN, LOOK_UP, CALL = range(3)
 """Numbers of a worker's first functions."""
@@ -142,7 +145,9 @@ class WorkerProcess(Peer):
     def send(self, verb: str, body: Any) -> None:
         """Pickle a message into the worker; if nobody is there, no answer will come."""
         file = io.BytesIO()
-        InwardPickler(file, self.key_of).dump((verb, body))
+        pickler = _InwardPickler(file, protocol=5)
+        pickler.persistent_id = self.key_of   # type: ignore[method-assign]
+        pickler.dump((verb, body))
         with suppress(OSError):
             self.outward.send_bytes(file.getvalue())
 
@@ -159,10 +164,19 @@ class WorkerProcess(Peer):
             raise Lost("stopped", "your code spoke out of turn") from None
 
     def key_of(self, thing: Any) -> str | int | Callback | None:
-        """What stands for a function that cannot go to the worker."""
+        """What stands for a function that cannot go to the worker: nobody else can import it."""
         if isinstance(thing, Answer):
             return thing.key
-        if not stays(thing):
+        if not isinstance(thing, FunctionType):
+            return None
+        home = thing.__module__
+        if home != "__main__" and getattr(sys.modules.get(home), thing.__qualname__, None) is thing:
             return None
         self.functions.append(thing)
         return Callback(len(self.functions) - 1)
+
+
+class _InwardPickler(pickle.Pickler):
+    def reducer_override(self, thing: Any) -> Any:
+        """Intervals go by their bounds."""
+        return (type(thing), (thing.lb(), thing.ub())) if is_interval(thing) else NotImplemented

@@ -5,6 +5,7 @@ import re
 import unicodedata
 import zipfile
 import zlib
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -77,18 +78,17 @@ def read_submissions(folder: Path) -> list[Submission]:
     """
     if not folder.exists():
         raise InvalidInput(f"there is no {folder}")
-    newest: dict[tuple[str, str, str], Submission] = {}
-    numbers: dict[str, set[str]] = {}
-    for place, when, read in sorted(_files(folder), key=lambda file: file[1]):
-        if place.suffix == ".ipynb" and not any(part.startswith((".", "/", "__MACOSX")) for part in place.parts):
-            found = _submission(place.with_suffix("").as_posix().replace("\n", " "), when, read)
-            newest[found.student, found.number, found.name] = found
-            numbers.setdefault(found.student, set()).add(found.number)
-    if not newest:
+    found = [_submission(place.with_suffix("").as_posix().replace("\n", " "), when, read)
+             for place, when, read in sorted(_files(folder), key=lambda file: file[1])
+             if place.suffix == ".ipynb"
+             and not any(part.startswith((".", "/", "__MACOSX")) for part in place.parts)]
+    if not found:
         raise InvalidInput(f"no notebooks in {folder}: it must hold STUDENT.ipynb, STUDENT/LESSON.ipynb, or the "
                            "zip that Canvas or Moodle gives")
-    return [replace(found, student=f"{found.student} {found.number}".strip())
-            if len(numbers[found.student]) > 1 else found for found in newest.values()]
+    newest = {(one.student, one.number, one.name): one for one in found}
+    namesakes = Counter(student for student, _ in {(one.student, one.number) for one in found})
+    return [replace(one, student=f"{one.student} {one.number}".strip())
+            if namesakes[one.student] > 1 else one for one in newest.values()]
 
 
 def _files(folder: Path) -> Iterator[tuple[PurePath, datetime, Callable[[], Any]]]:

@@ -5,18 +5,12 @@ class, no method and no pickle of the student's ever comes out.
 """
 
 import builtins
-import io
 import os
-import pickle
-import sys
 import traceback
 from collections.abc import Callable, Sequence
-from multiprocessing.connection import Connection
-from types import FunctionType
 from typing import Any, NamedTuple
 
 from ... import errors
-from ..answers.plain import is_interval
 
 LARGEST = 64 * 2**20
 """Of one message [bytes]."""
@@ -36,8 +30,6 @@ class Peer:
     """
 
     given: Sequence[Any] = ()   # arguments of the call that is going to be answered
-    inward: Connection
-    outward: Connection
     functions: list[Callable[..., Any]]
     caught: type[BaseException] = Exception
 
@@ -80,35 +72,16 @@ def silence() -> None:
         os.dup2(nowhere, stream)
 
 
-# --- inward -----------------------------------------------------------------------------------
-class InwardPickler(pickle.Pickler):
-    """Pickles what goes to the worker; functions that only the judge has go by a key.
-
-    key_of : gives that key, and None for anything else
-    """
-
-    def __init__(self, file: io.BytesIO, key_of: Callable[[Any], Any]) -> None:
-        super().__init__(file, protocol=5)
-        self.persistent_id = key_of   # type: ignore[method-assign]
-
-    def reducer_override(self, thing: Any) -> Any:
-        """Intervals go by their bounds."""
-        return (type(thing), (thing.lb(), thing.ub())) if is_interval(thing) else NotImplemented
-
-
-def stays(function: Any) -> bool:
-    """Whether a function can be imported by nobody else: a check's own, or a local one."""
-    home = sys.modules.get(getattr(function, "__module__", ""))
-    return isinstance(function, FunctionType) and (
-        function.__module__ == "__main__" or getattr(home, function.__qualname__, None) is not function)
-
-
-# --- errors, outward ---------------------------------------------------------------------------
 def encode_error(error: BaseException) -> list[Any]:
     """An exception: the names of its classes, its message, the line of the student's cell it came through."""
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__)
-             if frame.filename.startswith("<ipython-input")]
-    return [[kind.__name__ for kind in type(error).__mro__], str(error)[:2000], lines[-1:]]
+    return [[kind.__name__ for kind in type(error).__mro__], str(error)[:2000],
+            lines_of(error, "<ipython-input")[-1:]]
+
+
+def lines_of(error: BaseException, source: str) -> list[int]:
+    """Lines an exception came through, outermost first, in files whose names begin so."""
+    return [frame.lineno or 0 for frame in traceback.extract_tb(error.__traceback__)
+            if frame.filename.startswith(source)]
 
 
 def decode_error(message: Any) -> Exception:

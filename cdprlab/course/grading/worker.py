@@ -51,10 +51,7 @@ class Worker(Peer):
 
     def run(self, source: str) -> None:
         """Run a cell as a notebook does."""
-        result = self.shell.run_cell(source)   # type: ignore[no-untyped-call]
-        error = result.error_before_exec or result.error_in_exec
-        if error is not None:
-            raise error
+        self.shell.run_cell(source).raise_error()   # type: ignore[no-untyped-call]
 
     def look_up(self, name: str) -> Any:
         """What a name means now."""

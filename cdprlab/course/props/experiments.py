@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, Flags, as_array, as_number
+from ...arrays import Array, Flags, as_array
 from ...errors import InvalidInput, NoConvergence, quoted
 from ...mechanics.cables import cable_lengths
 from ...mechanics.rest import equilibrium
@@ -17,7 +17,6 @@ from ...world.model import Scene
 
 _DEEP = -1e3
 """Of the floor, which no experiment of seconds reaches [m]."""
-
 
 _LOOSE = 1e-5
 """A rope with more than this to spare is slack [m]."""
@@ -42,16 +41,14 @@ class Motion(NamedTuple):
 
 
 def let_go(robot: Robot, pose: Pose, tensions: ArrayLike, push: ArrayLike | None = None,
-           duration: float = 0.5,
-           dt: float = 1e-3) -> Motion:
+           duration: float = 0.5) -> Motion:
     """The first moments of a planar robot whose winches hold these tensions: M a = W max(τ, 0) + w_e.
 
     robot : planar
     pose : where it is at rest
     tensions : (m,) held [N]; where one is negative the rope hangs slack and carries nothing
     push : (n,) external wrench beside the weight [N, N m]
-    duration : [s]
-    dt : time step [s]
+    duration : at least one step of 1 ms [s]
     Raises InvalidInput for numbers of another shape, or a robot in space.
 
     >>> from cdprlab.course.props.point_load import point_load
@@ -61,18 +58,16 @@ def let_go(robot: Robot, pose: Pose, tensions: ArrayLike, push: ArrayLike | None
     if robot.dimension != 2:
         raise InvalidInput(f"this experiment is for planar robots, got {quoted(robot)}")
     pulls = np.maximum(as_array(tensions, "tensions", (robot.n_cables,), "N"), 0.0)
-    steps = round(as_number(duration, "duration", "s") / dt)
     alone = World("alone", "", "", robot, pose, Scene(None, _DEEP, ()), {}, None)
-    with open_simulator(alone, cables="tension", dt=dt) as engine:
+    with open_simulator(alone) as engine:
         if push is not None:
             engine.push(as_array(push, "push", (robot.n_dof,), "N, N m"))
-        places, acceleration = [engine.position], np.zeros(robot.n_dof)
-        for k in range(steps):
+        places, twists = [engine.position], []
+        for _ in range(round(duration / engine.dt)):
             engine.step(pulls)
             places.append(engine.position)
-            if k == 0:
-                acceleration = engine.twist[:robot.n_dof] / dt
-    return Motion(np.arange(steps + 1.0) * dt, np.array(places), acceleration)
+            twists.append(engine.twist)
+    return Motion(np.arange(len(places)) * engine.dt, np.array(places), twists[0][:robot.n_dof] / engine.dt)
 
 
 class Settled(NamedTuple):

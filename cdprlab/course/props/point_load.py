@@ -33,14 +33,17 @@ class Equilibrium(NamedTuple):
     W : (2, m); w_e : (2,) weight and push [N]
     tensions : (m,) negative where a cable would have to push [N]
     null_vector : (m,) h with W h = 0, its largest entry 1 in size; zeros where there is none
-    residual : (2,) W τ + w_e, what the cables leave unbalanced [N]
     """
 
     W: Array
     w_e: Array
     tensions: Array
     null_vector: Array
-    residual: Array
+
+    @property
+    def residual(self) -> Array:
+        """(2,) W τ + w_e, what the cables leave unbalanced [N]."""
+        return self.W @ self.tensions + self.w_e
 
     @property
     def closed(self) -> bool:
@@ -59,8 +62,7 @@ class Equilibrium(NamedTuple):
 
     def held(self, tensions: ArrayLike) -> Equilibrium:
         """The same load with somebody's own (m,) tensions [N]."""
-        own = as_array(tensions, "tensions", (self.tensions.size,), "N")
-        return self._replace(tensions=own, residual=self.W @ own + self.w_e)
+        return self._replace(tensions=as_array(tensions, "tensions", (self.tensions.size,), "N"))
 
     def words(self) -> str:
         """The numbers as text."""
@@ -110,8 +112,7 @@ def equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 0.0),
     w_e = gravity_wrench(robot, pose) + as_array(push, "push", (2,), "N")
     least = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max, "pseudo_inverse").tensions
     h = null_vector(W)
-    tensions = least + as_number(internal, "internal tension", "N") * h
-    return Equilibrium(W, w_e, tensions, h, W @ tensions + w_e)
+    return Equilibrium(W, w_e, least + as_number(internal, "internal tension", "N") * h, h)
 
 
 def circle_crossings(centers: ArrayLike, lengths: ArrayLike) -> Array:
@@ -135,9 +136,8 @@ def circle_crossings(centers: ArrayLike, lengths: ArrayLike) -> Array:
     s = (l1**2 - l2**2 + d**2) / (2 * d)
     square = l1**2 - s**2
     h = np.sqrt(np.where(square < 0, np.nan, square))
-    # The lower of the two first.
-    beside = np.array([along[1], -along[0]]) * np.copysign(1.0, along[0])
-    middle, aside = first + s[..., None] * along, h[..., None] * beside
+    downwards = np.array([along[1], -along[0]]) * np.copysign(1.0, along[0])
+    middle, aside = first + s[..., None] * along, h[..., None] * downwards
     return np.stack([middle + aside, middle - aside], axis=-2)
 
 
@@ -169,9 +169,8 @@ def null_vector(W: Array) -> Array:
     if r == 0:
         return np.zeros(m)
     # h = N z with |h| ≤ 1 and t ≤ h_i, t as large as possible.
-    rows = np.block([[-kernel, np.ones((m, 1))], [kernel, np.zeros((m, 1))],
-                     [-kernel, np.zeros((m, 1))]])
-    h = kernel @ largest_last(rows, np.concatenate([np.zeros(m), np.ones(2 * m)]))[1]
+    rows = np.column_stack([np.concatenate([-kernel, kernel, -kernel]), np.repeat([1.0, 0.0, 0.0], m)])
+    h = kernel @ largest_last(rows, np.repeat([0.0, 1.0, 1.0], m))[1]
     if np.abs(h).max() < 1e-9:  # no h ≥ 0 but zero: any direction will do
         h = kernel[:, 0] * np.copysign(1.0, kernel[:, 0].sum())
     return h / np.abs(h).max()

@@ -64,13 +64,14 @@ def gauss_newton_path(robot: Robot, lengths: Any, guess: Pose) -> Path:
     (True, Pose([0.4, 1.3], angle=0.2))
     """
     measured = as_array(lengths, "lengths", (robot.n_cables,), "m")
-    x, poses, converged = np.append(guess.position, guess.angle), [guess], False
+    x, poses = np.append(guess.position, guess.angle), [guess]
+    residuals = measured - cable_lengths(robot, guess)
     for _ in range(_STEPS):
-        pose = poses[-1]
-        step = np.linalg.pinv(jacobian(robot, pose)) @ (measured - cable_lengths(robot, pose))
+        step = np.linalg.pinv(jacobian(robot, poses[-1])) @ residuals
         x = x + step
         poses.append(Pose(x[:2], angle=x[2]))
+        residuals = measured - cable_lengths(robot, poses[-1])
         converged = bool(np.linalg.norm(step) < _DONE)
         if converged or np.abs(x[:2]).max() > _LOST:
             break
-    return Path(poses, measured - cable_lengths(robot, poses[-1]), converged)
+    return Path(poses, residuals, converged)
