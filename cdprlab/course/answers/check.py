@@ -51,7 +51,7 @@ def answer(function: Callable[..., Any], *arguments: Any, may_be_none: bool = Fa
         returned = function(*given, **named)
     check(returned is not None or may_be_none,
           f"Your function {function.__name__} returned nothing: is there a `return`?")
-    for position, (before, after) in enumerate(zip(arguments, given, strict=True), start=1):
+    for position, (before, after) in enumerate(zip(arguments, given), start=1):
         if isinstance(before, np.ndarray):
             check(np.array_equal(before, after, equal_nan=True),
                   f"{function.__name__} changes what it was given (argument {position}): work on a copy.",

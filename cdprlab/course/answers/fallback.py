@@ -42,29 +42,26 @@ LIBRARY: dict[str, Callable[..., Any]] = {
 """Lesson and exercise → the library's function where later cells ask it freely, and results cannot be recorded."""
 
 
-class Recorded:
+def _recorded(name: str, calls: Sequence[tuple[Any, Any]]) -> Callable[..., Any]:
     """Stands in for a student's function: it knows the calls of the lesson's own cells, and no others.
 
     name : the function's
     calls : for each call the fingerprint of its arguments (4,), and what it returned, as `encode` writes it
     """
+    known = np.array([seen for seen, _ in calls]).reshape(-1, 4)
+    results = [decode(result) for _, result in calls]
 
-    def __init__(self, name: str, calls: Sequence[tuple[Any, Any]]):
-        self.__name__ = name
-        self._fingerprints = np.array([fingerprint for fingerprint, _ in calls]).reshape(-1, 4)
-        self._results = [decode(result) for _, result in calls]
-
-    def __call__(self, *arguments: Any) -> Any:
+    def recorded(*arguments: Any) -> Any:
         wanted = fingerprint(arguments)
-        far = np.abs(self._fingerprints - wanted).max(axis=1, initial=0)
+        far = np.abs(known - wanted).max(axis=1)
         # Arguments that come from an engine differ between computers by rounding.
-        if not len(far) or far.min() > 1e-5 * (1 + np.abs(wanted).max()):
-            raise CdprError(f"{self.__name__}: only what this lesson's own cells ask was recorded, not this call; "
+        if far.min(initial=np.inf) > 1e-5 * (1 + np.abs(wanted).max()):
+            raise CdprError(f"{name}: only what this lesson's own cells ask was recorded, not this call; "
                             "solve the exercise to ask more")
-        return self._results[int(far.argmin())]
+        return results[far.argmin()]
 
-    def __repr__(self) -> str:
-        return f"<{len(self._results)} recorded results of {self.__name__}>"
+    recorded.__name__ = name
+    return recorded
 
 
 @checked
@@ -84,7 +81,7 @@ def fallback(exercise: str) -> Any:
     if found[0] in LIBRARY:
         return LIBRARY[found[0]]
     table = json.loads(gzip.decompress((RECORDED / f"{found[0]}.gz").read_bytes()))
-    functions = tuple(Recorded(*calls) for calls in table.items())
+    functions = tuple(_recorded(*calls) for calls in table.items())
     return functions[0] if len(functions) == 1 else functions
 
 

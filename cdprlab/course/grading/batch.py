@@ -128,8 +128,9 @@ class Grader:
             if kept.key == blank.key:
                 return kept
         outcomes = self.run(lesson, cells, blank.student)
-        troubles = {outcome.status for outcome in outcomes} - {"graded"}
-        status = min(troubles) if troubles and blank.status == "graded" else blank.status
+        status = blank.status
+        if status == "graded":
+            status = min({outcome.status for outcome in outcomes} - {"graded"}, default=status)
         return self.keep(replace(blank, status=status, outcomes=outcomes, max_points=lesson.points,
                                  points=sum(outcome.points for outcome in outcomes)))
 

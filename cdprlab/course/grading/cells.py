@@ -63,8 +63,8 @@ class Cell:
     @property
     def version(self) -> str:
         """The checksum nbgrader gives the student's version of a check."""
-        parts = [self.visible, "code", "True", "False", "True", self.grade_id, str(self.points)]
-        return hashlib.md5("".join(parts).encode()).hexdigest()
+        # Type of cell, whether it is graded, a solution, and locked, between its text and what it is worth.
+        return hashlib.md5(f"{self.visible}codeTrueFalseTrue{self.grade_id}{self.points}".encode()).hexdigest()
 
 
 def code_cells(notebook: Any) -> list[Cell]:

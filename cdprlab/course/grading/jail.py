@@ -76,7 +76,7 @@ def _bubblewrap(secrets: Iterable[Path]) -> list[str]:
         words += ["--ro-bind", str(path), str(path)]
     for fonts in Path(matplotlib.get_cachedir()).glob("fontlist-*.json"):
         words += ["--ro-bind", str(fonts), f"/tmp/matplotlib/{fonts.name}"]
-    for secret in [PACKAGE / "course" / "answers" / "recorded", *map(Path.resolve, secrets)]:
+    for secret in [PACKAGE / "course/answers/recorded", *map(Path.resolve, secrets)]:
         if secret.is_dir() and any(secret.is_relative_to(place) for place in [*places, Path("/usr")]):
             words += ["--tmpfs", str(secret)]
     return [*words, "--remount-ro", "/", "--chdir", "/tmp", sys.executable]

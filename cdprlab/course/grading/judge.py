@@ -143,7 +143,8 @@ class Judge:
         """What a cell, and the student's own before it, need of the lesson as students see it."""
         program = [statement for cell in self.lesson[:index] if cell.kind != "answer"
                    for statement in statements(cell.visible)]
-        names = {name for own in [source, *self.own] for statement in statements(own) for name in statement.names}
+        names = set[str]().union(*(own.binds | own.reads | own.later
+                                   for text in [source, *self.own] for own in statements(text)))
         return "".join(f"{statement.source.rstrip()}\n" for statement in needed(program, names))
 
     def run(self, source: str, seconds: float | None = None) -> Exception | None:
@@ -204,7 +205,7 @@ def _literal_text(source: str, line: int) -> str:
     inside = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Assert | ast.Expr | ast.Raise)
               and node.lineno <= line <= (node.end_lineno or line)]
     said = ["…" if isinstance(node, ast.FormattedValue) else node.value
-            for node in (ast.walk(inside[-1]) if inside else ())
+            for found in inside[-1:] for node in ast.walk(found)
             if isinstance(node, ast.FormattedValue | ast.Constant)]
     return "".join(part for part in said if isinstance(part, str)).strip() or "A check that you do not see has failed."
 

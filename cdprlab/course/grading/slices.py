@@ -39,11 +39,6 @@ class Statement:
     later: set[str]
     kind: type[ast.stmt]
 
-    @property
-    def names(self) -> set[str]:
-        """All that it binds or looks up."""
-        return self.binds | self.reads | self.later
-
 
 @cache
 def statements(source: str) -> list[Statement]:

@@ -61,7 +61,7 @@ def let_go(robot: Robot, pose: Pose, tensions: ArrayLike, push: ArrayLike | None
     alone = World("alone", "", "", robot, pose, Scene(None, _DEEP, ()), {}, None)
     with open_simulator(alone) as engine:
         if push is not None:
-            engine.push(as_array(push, "push", (robot.n_dof,), "N, N m"))
+            engine.push(push)
         places, twists = [engine.position], []
         for _ in range(round(duration / engine.dt)):
             engine.step(pulls)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array, Flags, as_array, as_number, checked
+from ...arrays import Array, Flags, as_array, checked
 from ...errors import InvalidInput, quoted
 from ...mechanics.optimization import largest_last
 from ...mechanics.statics import gravity_wrench, wrench_matrix
@@ -112,7 +112,7 @@ def equilibrium(robot: Robot, position: ArrayLike, push: ArrayLike = (0.0, 0.0),
     w_e = gravity_wrench(robot, pose) + as_array(push, "push", (2,), "N")
     least = distribute_tensions(W, w_e, robot.tension_min, robot.tension_max, "pseudo_inverse").tensions
     h = null_vector(W)
-    return Equilibrium(W, w_e, least + as_number(internal, "internal tension", "N") * h, h)
+    return Equilibrium(W, w_e, least + internal * h, h)
 
 
 def circle_crossings(centers: ArrayLike, lengths: ArrayLike) -> Array:
@@ -168,9 +168,9 @@ def null_vector(W: Array) -> Array:
     m, r = kernel.shape
     if r == 0:
         return np.zeros(m)
-    # h = N z with |h| ≤ 1 and t ≤ h_i, t as large as possible.
-    rows = np.column_stack([np.concatenate([-kernel, kernel, -kernel]), np.repeat([1.0, 0.0, 0.0], m)])
-    h = kernel @ largest_last(rows, np.repeat([0.0, 1.0, 1.0], m))[1]
+    # h = N z with t ≤ h_i ≤ 1, t as large as possible, and so never below zero.
+    rows = np.block([[-kernel, np.ones((m, 1))], [kernel, np.zeros((m, 1))]])
+    h = kernel @ largest_last(rows, np.repeat([0.0, 1.0], m))[1]
     if np.abs(h).max() < 1e-9:  # no h ≥ 0 but zero: any direction will do
         h = kernel[:, 0] * np.copysign(1.0, kernel[:, 0].sum())
     return h / np.abs(h).max()

@@ -2,11 +2,11 @@
 
 import pathlib
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Array, as_array, checked
+from ...arrays import Array, checked
 from ...errors import InvalidInput, quoted
 from ...mechanics.cables import cable_lengths
 from ...mechanics.kinematics import jacobian
@@ -51,7 +51,7 @@ def six_cables(count: int = 6) -> Robot:
     return replace(_ROBOT, cables=_ROBOT.cables[:count])
 
 
-def gauss_newton_path(robot: Robot, lengths: Any, guess: Pose) -> Path:
+def gauss_newton_path(robot: Robot, lengths: Array, guess: Pose) -> Path:
     """Pure Gauss–Newton, x ← x + J⁺ (l − l(x)), with nothing that keeps it from running away.
 
     robot : planar, pattern 1R2T
@@ -63,14 +63,13 @@ def gauss_newton_path(robot: Robot, lengths: Any, guess: Pose) -> Path:
     >>> path.converged, path.poses[-1]
     (True, Pose([0.4, 1.3], angle=0.2))
     """
-    measured = as_array(lengths, "lengths", (robot.n_cables,), "m")
     x, poses = np.append(guess.position, guess.angle), [guess]
-    residuals = measured - cable_lengths(robot, guess)
+    residuals = lengths - cable_lengths(robot, guess)
     for _ in range(_STEPS):
         step = np.linalg.pinv(jacobian(robot, poses[-1])) @ residuals
         x = x + step
         poses.append(Pose(x[:2], angle=x[2]))
-        residuals = measured - cable_lengths(robot, poses[-1])
+        residuals = lengths - cable_lengths(robot, poses[-1])
         converged = bool(np.linalg.norm(step) < _DONE)
         if converged or np.abs(x[:2]).max() > _LOST:
             break

@@ -46,13 +46,11 @@ def submatrix_twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
     found = []
     for k in map(list, combinations(range(m), n)):
         if np.isfinite(cable[k]).all() and np.linalg.cond(j[k]) <= 1e10:
-            generators = np.linalg.solve(j[k], np.concatenate([np.diag(cable[k]), b[k] * base], axis=1))
-            found.append(hyperplane_shifting(generators))
+            found.append(hyperplane_shifting(np.linalg.solve(j[k], np.hstack([np.diag(cable[k]), b[k] * base]))))
     if not found:
         raise InvalidInput(f"no {n} of the {m} cables determine the twist: J has no regular sub-matrix here, so the "
                            "construction says nothing; use available_twist_set")
-    normals, offsets = map(np.concatenate, zip(*found))
-    return SubmatrixTwistSet(Polytope.from_rows(normals, offsets),
+    return SubmatrixTwistSet(Polytope.from_rows(*map(np.concatenate, zip(*found))),
                              not null_space(j).shape[1] and _bases_move_by_themselves(j, b * base))
 
 
