@@ -22,7 +22,8 @@ def check(holds: Any, sentence: str, **numbers: Any) -> None:
     """
     if np.all(holds):
         return
-    text = "\n".join([sentence, *(f"  {name.replace('_', ' ')}: {_printed(value)}" for name, value in numbers.items())])
+    told = (f"  {name.replace('_', ' ')}: {_printed(value)}" for name, value in numbers.items())
+    text = "\n".join([sentence, *told])
     error = AssertionError(text)
     stack = traceback.extract_stack()[:-1]
     # Of helpers that the check's cell defines, the line that calls them.

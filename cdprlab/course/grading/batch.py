@@ -103,7 +103,8 @@ class Grader:
             data = submission.read()
             cells, mended = read_cells(data)
         except Exception as error:   # whatever a parser makes of what is no notebook
-            return replace(blank, status="broken file", note=f"no notebook: {type(error).__name__}: {error}"[:200])
+            return replace(blank, status="broken file",
+                           note=f"no notebook: {type(error).__name__}: {error}"[:200])
         lesson = max(versions or chain(*self.lessons.values()), key=lambda lesson: lesson.likeness(cells))
         same, shared = lesson.likeness(cells)
         if not versions and not shared:
@@ -186,7 +187,8 @@ def late(result: Result, due: Mapping[str, datetime], penalty: float) -> Result:
     penalty : share of the points lost with each day begun after it
     """
     when = due.get(result.lesson, due.get(""))
-    early = (when - datetime.fromisoformat(result.handed_in)) // timedelta(days=1) if when else 0   # whole days
+    handed_in = datetime.fromisoformat(result.handed_in)
+    early = (when - handed_in) // timedelta(days=1) if when else 0   # whole days
     if early >= 0 and not result.late:
         return result
     left = max(0.0, 1 - penalty * max(1, -early))

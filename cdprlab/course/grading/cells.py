@@ -63,8 +63,9 @@ class Cell:
     @property
     def version(self) -> str:
         """The checksum nbgrader gives the student's version of a check."""
-        # Type of cell, whether it is graded, a solution, and locked, between its text and what it is worth.
-        return hashlib.md5(f"{self.visible}codeTrueFalseTrue{self.grade_id}{self.points}".encode()).hexdigest()
+        # Between text and name: type of cell; whether it is graded, a solution, locked.
+        told = f"{self.visible}codeTrueFalseTrue{self.grade_id}{self.points}"
+        return hashlib.md5(told.encode()).hexdigest()
 
 
 def code_cells(notebook: Any) -> list[Cell]:

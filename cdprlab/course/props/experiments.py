@@ -67,7 +67,8 @@ def let_go(robot: Robot, pose: Pose, tensions: ArrayLike, push: ArrayLike | None
             engine.step(pulls)
             places.append(engine.position)
             twists.append(engine.twist)
-    return Motion(np.arange(len(places)) * engine.dt, np.array(places), twists[0][:robot.n_dof] / engine.dt)
+    return Motion(np.arange(0.0, len(places)) * engine.dt, np.array(places),
+                  twists[0][:robot.n_dof] / engine.dt)
 
 
 class Settled(NamedTuple):

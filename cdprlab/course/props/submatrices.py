@@ -46,7 +46,8 @@ def submatrix_twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike,
     found = []
     for k in map(list, combinations(range(m), n)):
         if np.isfinite(cable[k]).all() and np.linalg.cond(j[k]) <= 1e10:
-            found.append(hyperplane_shifting(np.linalg.solve(j[k], np.hstack([np.diag(cable[k]), b[k] * base]))))
+            speeds = np.concatenate([np.diag(cable[k]), b[k] * base], axis=1)
+            found.append(hyperplane_shifting(np.linalg.solve(j[k], speeds)))
     if not found:
         raise InvalidInput(f"no {n} of the {m} cables determine the twist: J has no regular sub-matrix here, so the "
                            "construction says nothing; use available_twist_set")
