@@ -20,10 +20,9 @@ def compile_all() -> None:
         if module.name != "__main__":
             import_module(f".{module.name}", __package__)
     jit.few = 0
-    W, w_e = plain(np.array([[[1.0, 0.5, -1.0]]])), plain(np.array([[-2.0]]))
-    low, high = plain(np.zeros((1, 3))), plain(np.ones((1, 3)))
-    polygons(W, w_e, low, high, CENTROID)
-    closest(W, w_e, low, high, 0.5, 1)
+    problem = [plain(np.array(part)) for part in ([[[1.0, 0.5, -1.0]]], [[-2.0]], [[0.0] * 3], [[1.0] * 3])]
+    polygons(*problem, CENTROID)
+    closest(*problem, 0.5, 1)
 
 
 if __name__ == "__main__":

@@ -13,12 +13,12 @@ BROKEN = TOLERANCE / 100   # less than this of a cable's scale is rounding
 
 
 @compiled
-def worst_cable(tau: Array, low: Array, high: Array, row: int, held: Any, size: float) -> int:
+def worst_cable(tau: Array, low: Array, high: Array, held: Any, size: float) -> int:
     """The cable that is not held and leaves its limits by most, and by more than rounding; −1 if all keep them."""
     worst, excess = -1, 0.0
-    for j in range(tau.shape[0]):
-        over = max(low[row, j] - tau[j], tau[j] - high[row, j])
-        if not held[j] and over > max(excess, BROKEN * (size + low[row, j])):
+    for j in range(len(tau)):
+        over = max(low[j] - tau[j], tau[j] - high[j])
+        if not held[j] and over > max(excess, BROKEN * (size + low[j])):
             worst, excess = j, over
     return worst
 
@@ -33,29 +33,27 @@ def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds:
     Returns tensions (k, m); FOUND, OUT_OF_RANGE or, where rounds or redundancy ran out, SPENT
     (k,).
     """
-    count, n, m = W.shape
+    count, _, m = W.shape
     tensions, found = np.empty((count, m)), np.empty(count, np.int64)
-    rows, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
-    c, D = np.empty(m), np.empty((m, max(m, 2)))
-    wish, held, gram, lam, tau = np.empty(m), np.empty(m, np.bool_), np.empty((m, m)), np.empty(m), np.empty(m)
+    owner, wish, held, tau = np.empty(m, np.int64), np.empty(m), np.empty(m, np.bool_), np.empty(m)
     for k in range(count):
-        row = k if low.shape[0] > 1 else 0
-        size = wrench_size(w_e, k)
+        row = k if len(low) > 1 else 0
+        low_k, high_k = low[row], high[row]
         for j in range(m):
-            wish[j] = low[row, j] + share * (high[row, j] - low[row, j])
-            held[j] = high[row, j] - low[row, j] <= FIXED * (1.0 + low[row, j])
+            wish[j] = low_k[j] + share * (high_k[j] - low_k[j])
+            held[j] = high_k[j] - low_k[j] <= FIXED * (1.0 + low_k[j])
         left = rounds
         while True:
             for j in range(m):
                 owner[j] = HELD if held[j] else FREE
-            known, free = balance(W, w_e, k, wish, rows, line, owner, c, D)
+            known, free, c, D = balance(W[k], w_e[k], wish, owner)
             reachable = known != OUT_OF_RANGE
-            nearest(c, D, free, wish, gram, lam)
+            lam = nearest(c, D, free, wish)
             for i in range(m):
                 tau[i] = c[i]
                 for a in range(free):
                     tau[i] += D[i, a] * lam[a]
-            worst = worst_cable(tau, low, high, row, held, size)
+            worst = worst_cable(tau, low_k, high_k, held, wrench_size(w_e[k]))
             found[k] = FOUND
             if not reachable:
                 found[k] = OUT_OF_RANGE if left == rounds else SPENT
@@ -64,9 +62,8 @@ def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds:
             if left == 0 or free == 0:
                 found[k] = SPENT
                 break
-            wish[worst] = low[row, worst] if tau[worst] < low[row, worst] else high[row, worst]
+            wish[worst] = low_k[worst] if tau[worst] < low_k[worst] else high_k[worst]
             held[worst] = True
             left -= 1
-        for j in range(m):
-            tensions[k, j] = tau[j]
+        tensions[k] = tau
     return tensions, found

@@ -25,8 +25,8 @@ def complementary(A: Array, b: Array, last: Array) -> Array:
     for _ in range(1000):
         pulling = np.flatnonzero(taut)
         part, pulls = A[pulling][:, pulling], b[pulling]
-        factor(part, pulls.size)
-        solve(part, pulls.size, pulls)
+        factor(part)
+        solve(part, pulls)
         T[:] = 0.0
         T[pulling] = pulls
         wrong = -1
@@ -62,9 +62,9 @@ def rope_tensions(mass: float, inertia: Array, center: Array, gravity: float, R:
     light = np.empty((m + 1, n))
     light[:m] = W.T
     light[m] = push - h
-    factor(M, n)
+    factor(M)
     for i in range(m + 1):
-        solve(M, n, light[i])
+        solve(M, light[i])
     A, b, trace = np.zeros((m, m)), np.empty(m), 0.0
     for i in range(m):
         for j in range(m):

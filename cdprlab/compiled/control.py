@@ -60,9 +60,9 @@ def mass_and_bias(mass: float, inertia: Array, center: Array, gravity: float, R:
         for j in range(d):
             r[i] += R[i, j] * center[j]
     # R I Rᵀ, the inertia in world axes
-    M[5, 5] = inertia[0, 0]
-    if d == 3:
-        M[5, 5] = 0.0
+    if d == 2:
+        M[5, 5] = inertia[0, 0]
+    else:
         for i in range(3):
             for j in range(3):
                 for a in range(3):
@@ -146,8 +146,6 @@ def computed_torque(K_p: Array, K_d: Array, z: Array, mass: float, inertia: Arra
             a[3 + i] += (w_u[i] - b * r_x[i] + c * r_r_x[i]
                          + along * (b_rate * r_v[i] - c_rate * r_r_v[i]) - c * v_r_v[i])
     for i in range(n):
-        a[i] += x[i]
-    for i in range(n):
         for j in range(n):
-            h[i] += M[i, j] * a[j]
+            h[i] += M[i, j] * (a[j] + x[j])
     return h

@@ -20,8 +20,8 @@ def no_limit_active(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Arra
         for j in range(i + 1):
             for k in range(m):
                 L[i, j] += W[i, k] * W[j, k]
-    factor(L, n)
-    solve(L, n, y)
+    factor(L)
+    solve(L, y)
     least, largest = np.inf, 0.0
     for i in range(n):
         least, largest = min(least, L[i, i]), max(largest, L[i, i])

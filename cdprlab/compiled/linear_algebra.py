@@ -23,43 +23,41 @@ NOUGHT = 1e-15
 
 
 @compiled
-def wrench_size(w_e: Array, k: int) -> float:
-    """1 + |w_e|∞ of pose k: what tolerances are shares of."""
+def wrench_size(w_e: Array) -> float:
+    """1 + |w_e|∞: what tolerances are shares of."""
     size = 1.0
-    for i in range(w_e.shape[1]):
-        size = max(size, 1.0 + abs(w_e[k, i]))
+    for force in w_e:
+        size = max(size, 1.0 + abs(force))
     return size
 
 
 @compiled
-def balance(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: Array, owner: Any,
-            c: Array,
-            D: Array) -> tuple[int, int]:
-    """c and D of pose k, by Gauss–Jordan on [W | −w_e − W_held τ_held]; a λ that is not there moves nothing.
+def balance(W: Array, w_e: Array, held_at: Array, owner: Any) -> tuple[int, int, Array, Array]:
+    """c (m,) and D (m, m or 2) of one pose, by Gauss–Jordan on [W | −w_e − W_held τ_held]; a λ not there moves nothing.
 
-    W (…, n, m); w_e (…, n); ``owner[j]`` becomes the row of ``rows`` that column j solves; line
-    : (m + 1,)
+    W (n, m); w_e (n,); ``owner[j]``, FREE or HELD, becomes the row of W that column j solves
     Returns OUT_OF_RANGE where rows that depend on others do not agree with them, else
-    TOO_REDUNDANT or FOUND; and how many λ there are, one per free cable.
+    TOO_REDUNDANT or FOUND; how many λ there are, one per free cable; c and D.
     """
-    n, m = rows.shape[0], c.size
-    size = wrench_size(w_e, k)
+    n, m = W.shape
+    rows, line = np.empty((n, m + 1)), np.empty(m + 1)
+    c, D = np.zeros(m), np.zeros((m, max(m, 2)))
     for i in range(n):
-        rows[i, m] = -w_e[k, i]
+        rows[i, m] = -w_e[i]
         for j in range(m):
-            rows[i, j] = W[k, i, j]
+            rows[i, j] = W[i, j]
             if owner[j] == HELD:
-                rows[i, m] -= W[k, i, j] * held_at[j]
+                rows[i, m] -= W[i, j] * held_at[j]
                 rows[i, j] = 0.0
     agree = True
     for i in range(n):
         pivot, largest, before = -1, 0.0, 0.0
         for j in range(m):
-            before = max(before, abs(W[k, i, j]))
+            before = max(before, abs(W[i, j]))
             if owner[j] == FREE and abs(rows[i, j]) > largest:
                 pivot, largest = j, abs(rows[i, j])
         if largest <= DEPENDENT * before:
-            agree = agree and abs(rows[i, m]) <= TOLERANCE * size
+            agree = agree and abs(rows[i, m]) <= TOLERANCE * wrench_size(w_e)
             continue
         owner[pivot] = i
         scale = 1.0 / rows[i, pivot]
@@ -73,27 +71,24 @@ def balance(W: Array, w_e: Array, k: int, held_at: Array, rows: Array, line: Arr
             rows[i, j] = line[j]
     free = 0
     for j in range(m):
-        D[j, 0] = D[j, 1] = 0.0
-        c[j] = held_at[j] if owner[j] == HELD else 0.0
-        if owner[j] >= 0:
+        if owner[j] == HELD:
+            c[j] = held_at[j]
+        elif owner[j] >= 0:
             c[j] = rows[owner[j], m]
-    for j in range(m):
-        if owner[j] == FREE:
-            for i in range(m):
-                D[i, free] = -rows[owner[i], j] if owner[i] >= 0 else 0.0
-                if abs(D[i, free]) < NOUGHT:   # of a wish at 1e12 N it would make something
-                    D[i, free] = 0.0
+        else:
+            for i in range(m):   # less than nought would, of a wish at 1e12 N, make something
+                if owner[i] >= 0 and abs(rows[owner[i], j]) >= NOUGHT:
+                    D[i, free] = -rows[owner[i], j]
             D[j, free] = 1.0
             free += 1
-    if not agree:
-        return OUT_OF_RANGE, free
-    return TOO_REDUNDANT if free > 2 else FOUND, free
+    known = TOO_REDUNDANT if free > 2 else FOUND
+    return known if agree else OUT_OF_RANGE, free, c, D
 
 
 @compiled
-def factor(A: Array, n: int) -> None:
-    """The lower half of the first n rows of A, positive definite, becomes L with L Lᵀ = A."""
-    for i in range(n):
+def factor(A: Array) -> None:
+    """The lower half of A, positive definite, becomes L with L Lᵀ = A."""
+    for i in range(len(A)):
         for j in range(i + 1):
             for k in range(j):
                 A[i, j] -= A[i, k] * A[j, k]
@@ -101,8 +96,9 @@ def factor(A: Array, n: int) -> None:
 
 
 @compiled
-def solve(L: Array, n: int, b: Array) -> None:
-    """The first n numbers of b become (L Lᵀ)⁻¹ b."""
+def solve(L: Array, b: Array) -> None:
+    """The first n numbers of b become (L Lᵀ)⁻¹ b, with L (n, n)."""
+    n = len(L)
     for i in range(n):
         for k in range(i):
             b[i] -= L[i, k] * b[k]
@@ -114,17 +110,17 @@ def solve(L: Array, n: int, b: Array) -> None:
 
 
 @compiled
-def nearest(c: Array, D: Array, free: int, wish: Array, gram: Array, lam: Array) -> None:
-    """λ of min ‖c + D λ − wish‖², where Dᵀ D is at least the identity."""
+def nearest(c: Array, D: Array, free: int, wish: Array) -> Array:
+    """λ (m or 2,) of min ‖c + D λ − wish‖², where Dᵀ D is at least the identity."""
+    lam, gram = np.zeros(D.shape[1]), np.zeros((free, free))
     for a in range(free):
-        lam[a] = 0.0
-        gram[a, :a + 1] = 0.0
-        for i in range(c.shape[0]):
+        for i in range(len(c)):
             lam[a] += D[i, a] * (wish[i] - c[i])
             for b in range(a + 1):
                 gram[a, b] += D[i, a] * D[i, b]
-    factor(gram, free)
-    solve(gram, free, lam)
+    factor(gram)
+    solve(gram, lam)
+    return lam
 
 
 @compiled

@@ -22,81 +22,74 @@ THIN = 1e-12
 
 
 @compiled
-def clip(corners: Array, first: int, count: int, limit: float, sign: float, miss: float) -> int:
-    """Cuts a convex polygon where sign · t > limit + miss, t linear over it (Sutherland and Hodgman 1974).
+def clip(corners: Array, limit: float, sign: float, miss: float) -> Array:
+    """What a convex polygon keeps, cut where sign · t > limit + miss, t linear over it (Sutherland and Hodgman 1974).
 
-    corners[first:first + count] are (x, y, t); those kept go to the other half of the array;
-    returns how many.
+    corners : (k, 3) x, y and t; so are those that are returned
     """
-    to = begin = corners.shape[0] // 2 - first
-    before = first + count - 1
+    kept, to = np.empty((2 * len(corners), 3)), 0
+    before = len(corners) - 1
     over_before = sign * corners[before, 2] - limit
-    for now in range(first, first + count):
+    for now in range(len(corners)):
         over = sign * corners[now, 2] - limit
         if (over > miss) != (over_before > miss):
             near, far, share = before, now, over_before / (over_before - over)
             if share > 0.5:   # from the end that is far, say at 1e12 N, rounding would be felt
                 near, far, share = now, before, over / (over - over_before)
             for a in range(3):
-                corners[to, a] = corners[near, a] + share * (corners[far, a] - corners[near, a])
+                kept[to, a] = corners[near, a] + share * (corners[far, a] - corners[near, a])
             to += 1
         if over <= miss:
             for a in range(3):
-                corners[to, a] = corners[now, a]
+                kept[to, a] = corners[now, a]
             to += 1
         before = now
         over_before = over
-    return to - begin
+    return kept[:to]
 
 
 @compiled
-def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, row: int, size: float,
-            corners: Array) -> tuple[int, int]:
-    """Corners, in order, of {λ : low[row] ≤ c + D λ ≤ high[row]}; those of a segment or a point coincide.
+def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, size: float) -> Array:
+    """(k, 3) corners λ, in order, of {λ : low ≤ c + D λ ≤ high}; those of a segment or a point coincide.
 
     size : `wrench_size`
-    Returns where in ``corners`` they begin, and how many they are.
     """
     slack, miss = 0.0, ROUNDING
     for _ in range(2):
-        first: Any = np.int64(0)   # for bare literals `clip` would be compiled a second time
-        count: Any = np.int64(4)
-        corners[:4] = 0.0
-        axis = 0
-        for j in range(c.shape[0]):
+        corners, axis = np.zeros((4, 3)), 0
+        for j in range(len(c)):
             if owner[j] == FREE:
                 for k in range(4):   # low, low, high, high of one λ, and low, high, high, low of the other
-                    end = low[row, j] - slack * (size + abs(low[row, j]))
+                    end = low[j] - slack * (size + abs(low[j]))
                     if (k + axis) % 4 > 1:
-                        end = high[row, j] + slack * (size + abs(low[row, j]))
+                        end = high[j] + slack * (size + abs(low[j]))
                     corners[k, axis] = end
                 axis += 1
-        for j in range(c.shape[0]):
+        for j in range(len(c)):
             for sign in (-1.0, 1.0):
-                if owner[j] == FREE or count == 0:
+                if owner[j] == FREE:
                     continue
-                scale = size + abs(low[row, j])
-                limit = slack * scale + (high[row, j] if sign > 0.0 else -low[row, j])
+                scale = size + abs(low[j])
+                limit = slack * scale + (high[j] if sign > 0.0 else -low[j])
                 broken = False
-                for k in range(first, first + count):
+                for k in range(len(corners)):
                     corners[k, 2] = c[j] + D[j, 0] * corners[k, 0] + D[j, 1] * corners[k, 1]
                     broken |= sign * corners[k, 2] > limit + miss * scale
                 if broken:
-                    count = clip(corners, first, count, limit, sign, miss * scale)
-                    first = corners.shape[0] // 2 - first
-        if count > 0:
+                    corners = clip(corners, limit, sign, miss * scale)
+        if len(corners):
             break
         slack, miss = BORDER, 0.0   # one last point on the very border is lost to rounding
-    return first, count
+    return corners
 
 
 @compiled
-def centroid(corners: Array, first: int, count: int, point: Array) -> None:
+def centroid(corners: Array, point: Array) -> None:
     """Area centroid by a fan of triangles; the middle of the box around it where there is no area to speak of."""
     area, extent, point[0], point[1] = 0.0, 0.0, 0.0, 0.0
-    for k in range(first + 1, first + count - 1):
-        x, y = corners[k, 0] - corners[first, 0], corners[k, 1] - corners[first, 1]
-        next_x, next_y = corners[k + 1, 0] - corners[first, 0], corners[k + 1, 1] - corners[first, 1]
+    for k in range(1, len(corners) - 1):
+        x, y = corners[k, 0] - corners[0, 0], corners[k, 1] - corners[0, 1]
+        next_x, next_y = corners[k + 1, 0] - corners[0, 0], corners[k + 1, 1] - corners[0, 1]
         piece = abs(x * next_y - y * next_x)
         area += piece
         extent += x * x + y * y + next_x * next_x + next_y * next_y
@@ -104,24 +97,24 @@ def centroid(corners: Array, first: int, count: int, point: Array) -> None:
         point[1] += piece * (y + next_y)
     for a in range(2):
         if area > THIN * extent:
-            point[a] = corners[first, a] + point[a] / (3 * area)
+            point[a] = corners[0, a] + point[a] / (3 * area)
         else:
-            least = most = corners[first, a]
-            for k in range(first + 1, first + count):
+            least = most = corners[0, a]
+            for k in range(1, len(corners)):
                 least, most = min(least, corners[k, a]), max(most, corners[k, a])
             point[a] = (least + most) / 2
 
 
 @compiled
-def corner(D: Array, corners: Array, first: int, count: int, sign: float, close: float, point: Array) -> None:
+def corner(D: Array, corners: Array, sign: float, close: float, point: Array) -> None:
     """The corner of least sign · Σ τ; among equals the one whose first tensions are least, in any basis the same."""
-    best = first
-    for k in range(first + 1, first + count):
+    best = 0
+    for k in range(1, len(corners)):
         x, y, total = corners[k, 0] - corners[best, 0], corners[k, 1] - corners[best, 1], 0.0
-        for i in range(D.shape[0]):
+        for i in range(len(D)):
             total += sign * (D[i, 0] * x + D[i, 1] * y)
         i = 0
-        while abs(total) <= close and i < D.shape[0]:
+        while abs(total) <= close and i < len(D):
             total = D[i, 0] * x + D[i, 1] * y
             i += 1
         if total < 0:
@@ -130,39 +123,27 @@ def corner(D: Array, corners: Array, first: int, count: int, sign: float, close:
 
 
 @compiled
-def inside(c: Array, D: Array, point: Array, low: Array, high: Array, row: int) -> bool:
-    """Whether c + D λ keeps the limits."""
-    for i in range(c.shape[0]):
-        tau = c[i] + D[i, 0] * point[0] + D[i, 1] * point[1]
-        if tau < low[row, i] or tau > high[row, i]:
-            return False
-    return True
-
-
-@compiled
-def border_point(c: Array, D: Array, corners: Array, first: int, count: int, point: Array) -> None:
+def border_point(c: Array, D: Array, corners: Array, point: Array) -> None:
     """The point of least ‖c + D λ‖ on the border: on each edge p + s (q − p) the best s, kept from 0 to 1."""
-    for k in range(first, first + count):
+    for k in range(len(corners)):
         corners[k, 2] = 0.0
-        for i in range(c.shape[0]):
+        for i in range(len(c)):
             tau = c[i] + D[i, 0] * corners[k, 0] + D[i, 1] * corners[k, 1]
             corners[k, 2] += tau * tau
     least = np.inf
-    before = first + count - 1
-    for k in range(first, first + count):
+    before = len(corners) - 1
+    for k in range(len(corners)):
         near, far = before, k   # from a far end rounding would be felt
         if corners[k, 2] < corners[before, 2]:
             near, far = k, before
         x, y = corners[far, 0] - corners[near, 0], corners[far, 1] - corners[near, 1]
         along, steepness = 0.0, 0.0
-        for i in range(c.shape[0]):
+        for i in range(len(c)):
             start = c[i] + D[i, 0] * corners[near, 0] + D[i, 1] * corners[near, 1]
             step = D[i, 0] * x + D[i, 1] * y
             along -= start * step
             steepness += step * step
-        s = 0.0
-        if along > 0.0:
-            s = min(along / steepness, 1.0)
+        s = min(along / steepness, 1.0) if along > 0.0 else 0.0
         square = corners[near, 2] + s * (s * steepness - 2.0 * along)
         if square < least:
             least = square
@@ -181,36 +162,33 @@ def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[
     Returns tensions (k, m), NaN without an answer; FOUND or why not (k,); redundancy r = m −
     rank (k,).
     """
-    count, n, m = W.shape
+    count, _, m = W.shape
     tensions, found, spare = np.empty((count, m)), np.empty(count, np.int64), np.empty(count, np.int64)
-    rows, line, owner = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m, np.int64)
-    c, D = np.empty(m), np.empty((m, max(m, 2)))
-    corners, point, zero, gram = np.empty((4 * m + 16, 3)), np.empty(2), np.zeros(m), np.empty((2, 2))
+    owner, zero, point = np.empty(m, np.int64), np.zeros(m), np.empty(2)
     for k in range(count):
-        row = k if low.shape[0] > 1 else 0
-        size, least = wrench_size(w_e, k), 0.0
+        row = k if len(low) > 1 else 0
+        low_k, high_k, size, least = low[row], high[row], wrench_size(w_e[k]), 0.0
         for j in range(m):
             owner[j] = FREE
-            least = max(least, low[row, j])
-        found[k], spare[k] = balance(W, w_e, k, c, rows, line, owner, c, D)
+            least = max(least, low_k[j])
+        found[k], spare[k], c, D = balance(W[k], w_e[k], zero, owner)
         point[0] = point[1] = np.nan
         near = found[k] == FOUND and pick == NEAREST
         if near:
-            point[0] = point[1] = 0.0
-            nearest(c, D, spare[k], zero, gram, point)
-            near = inside(c, D, point, low, high, row)
+            point[:] = nearest(c, D, spare[k], zero)[:2]
+            for i in range(m):
+                near = near and low_k[i] <= c[i] + D[i, 0] * point[0] + D[i, 1] * point[1] <= high_k[i]
         if found[k] == FOUND and not near:
-            first, sides = polygon(c, D, owner, low, high, row, size, corners)
-            if sides == 0:
+            corners = polygon(c, D, owner, low_k, high_k, size)
+            if len(corners) == 0:
                 found[k] = EMPTY
                 point[0] = np.nan
             elif pick == NEAREST:
-                border_point(c, D, corners, first, sides, point)
+                border_point(c, D, corners, point)
             elif pick == CENTROID:
-                centroid(corners, first, sides, point)
+                centroid(corners, point)
             elif pick != NOTHING:
-                corner(D, corners, first, sides, 1.0 if pick == LOWEST else -1.0,
-                       1e-9 * (size + least), point)
+                corner(D, corners, 1.0 if pick == LOWEST else -1.0, 1e-9 * (size + least), point)
         for i in range(m):
             tensions[k, i] = c[i] + D[i, 0] * point[0] + D[i, 1] * point[1]
     return tensions, found, spare

@@ -23,7 +23,7 @@ def weigh(W: Array, w_e: Array, low: Array, high: Array, tensions: Array) -> tup
     kept, residual = tensions.copy(), np.empty((count, n))
     margin, feasible = np.empty(count), np.empty(count, np.bool_)
     for k in range(count):
-        size, inside, room = wrench_size(w_e, k), True, np.inf
+        size, inside, room = wrench_size(w_e[k]), True, np.inf
         for j in range(m):
             own = min(tensions[k, j] - low[k, j], high[k, j] - tensions[k, j])
             inside = inside and own >= -TOLERANCE * (size + low[k, j])

@@ -5,7 +5,7 @@ import numpy as np
 from ..arrays import Array
 from .simplex import TOLERANCE
 from .subspace import null_space
-from .zonotope import PARALLEL, choices
+from .zonotope import PARALLEL, across, choices
 
 
 def eliminate(M: Array, A: Array, b: Array) -> tuple[Array, Array]:
@@ -31,9 +31,9 @@ def eliminate(M: Array, A: Array, b: Array) -> tuple[Array, Array]:
     normals, offsets = multipliers @ (rows @ back), multipliers @ limits
     sizes = np.linalg.norm(normals, axis=1)
     says = sizes > PARALLEL * sizes.max(initial=0.0)
-    across = null_space(M.T).T
-    return (np.concatenate([normals[says] / sizes[says, None], across, -across]),
-            np.concatenate([offsets[says] / sizes[says], np.zeros(2 * len(across))]))
+    flat = null_space(M.T).T
+    return (np.concatenate([normals[says] / sizes[says, None], flat, -flat]),
+            np.concatenate([offsets[says] / sizes[says], np.zeros(2 * len(flat))]))
 
 
 def _conformal(rows: Array) -> Array:
@@ -42,11 +42,9 @@ def _conformal(rows: Array) -> Array:
     sizes = np.linalg.norm(rows, axis=1)
     unit = rows / np.where(sizes > PARALLEL * sizes.max(initial=0.0), sizes, 1.0)[:, None]
     chosen = choices(r, k + 1)
-    q, upper = np.linalg.qr(unit[chosen], mode="complete")
-    full = np.abs(np.diagonal(upper, axis1=-2, axis2=-1)).min(axis=-1, initial=np.inf) > PARALLEL
-    weights = q[:, :, -1]
+    weights, independent = across(unit[chosen])
     weights *= np.sign(weights.sum(axis=1, keepdims=True))
-    good = full & (weights >= -TOLERANCE).all(axis=1)
+    good = independent & (weights >= -TOLERANCE).all(axis=1)
     weights = np.maximum(weights[good], 0.0) / np.where(sizes > 0, sizes, 1.0)[chosen[good]]
     found = np.zeros((len(weights), r))
     np.put_along_axis(found, chosen[good],

@@ -95,11 +95,12 @@ def asked_hull(support_point: Callable[[Array], Array], k: int) -> Planes:
     while True:
         points = points[first_of_each(points, SAME)]
         around = hull(points)
-        normals, levels = np.split(around.equations[first_of_each(around.equations, SAME)], [k], axis=1)
+        planes = around.equations[first_of_each(around.equations, SAME)]
+        normals, offsets = planes[:, :-1], -planes[:, -1]
         found = support_point(normals)
-        beyond = (found * normals).sum(axis=1) > SAME - levels[:, 0]
+        beyond = (found * normals).sum(axis=1) > SAME + offsets
         if not beyond.any():
-            return Planes(normals, -levels[:, 0], points[np.sort(around.vertices)])
+            return Planes(normals, offsets, points[np.sort(around.vertices)])
         points = np.concatenate([points, found[beyond]])
 
 

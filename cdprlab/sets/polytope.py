@@ -7,7 +7,6 @@ facets by hyperplane shifting and answers its support by a formula.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from math import comb
@@ -15,12 +14,12 @@ from math import comb
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, Flags, as_array, checked, frozen, lasting
+from ..arrays import Array, Flags, as_array, frozen, frozen_dataclass
 from ..errors import InvalidInput, NotListable, quoted
 from .elimination import eliminate
 from .frame import Frame, affine_hull
 from .listing import SAME, Planes, asked_hull, candidates, hull, meet, meetings, without_superfluous
-from .simplex import SPREAD, TOLERANCE, Program, maximize
+from .simplex import SPREAD, TOLERANCE, Optima, Program, maximize
 from .subspace import RANK, null_space, solve
 from .zonotope import ALONG, MOST_COMBINATIONS, hyperplane_shifting, products
 
@@ -31,9 +30,7 @@ _MOST_SIGNS = 12
 """Generators up to which a zonotope's corners are sought among all 2ᵏ sign combinations."""
 
 
-@lasting
-@checked
-@dataclass(frozen=True, eq=False, repr=False)
+@frozen_dataclass
 class Polytope:
     """The convex set {shift + M q : A q ≤ b}; make one by `from_image`, `from_rows` or `from_box`.
 
@@ -85,8 +82,8 @@ class Polytope:
         M : (n, k); lower, upper : (k,), finite
         """
         m = as_array(M, "M", ("n", "k"))
-        low, high = (as_array(v, name, (m.shape[1],))
-                     for v, name in ((lower, "lower"), (upper, "upper")))
+        low = as_array(lower, "lower", m.shape[1:])
+        high = as_array(upper, "upper", low.shape)
         if (low > high).any():
             raise InvalidInput(f"lower must not exceed upper, got {quoted(low)} and {quoted(high)}")
         eye = np.eye(m.shape[1])
@@ -111,12 +108,12 @@ class Polytope:
         Returns (…).
         """
         d = self._points(direction, "direction")
-        return np.asarray(self._program.maximize(d @ self.map).values + d @ self.shift)
+        return np.asarray(self._farthest(d).values + d @ self.shift)
 
     def support_point(self, direction: ArrayLike) -> Array:
         """(…, n) a point of the set where d·x is largest; nan where there is none."""
         d = self._points(direction, "direction")
-        return np.asarray(self._program.maximize(d @ self.map).points @ self.map.T + self.shift)
+        return np.asarray(self._farthest(d).points @ self.map.T + self.shift)
 
     def contains(self, x: ArrayLike) -> Flags:
         """Whether some q gives x, to 1e-9 of the point and of the limits, generous ones left aside.
@@ -242,6 +239,10 @@ class Polytope:
         return f"Polytope({self.n}-D {type(self).__name__.lower()}{more})"
 
     # --- inside -----------------------------------------------------------------------------------
+    def _farthest(self, d: Array) -> Optima:
+        """max d·M q over the limits, and the q that have it."""
+        return self._program.maximize(d @ self.map)
+
     @cached_property
     def _frame(self) -> Frame:
         """Around the middle of the points that are farthest along rows and axes and against them."""
@@ -249,9 +250,9 @@ class Polytope:
         values, points = self._program.maximize(ways)
         if np.isneginf(values).any():
             return affine_hull(np.zeros(self.n), np.ones(self.n), np.zeros((self.n, 0)))
-        along, reach = np.split(values, [2 * len(self.rows)])
+        along, reach = (part.reshape(2, -1) for part in np.split(values, [2 * len(self.rows)]))
         lengths = np.linalg.norm(self.rows, axis=1)
-        widths = along.reshape(2, -1).sum(axis=0) / np.where(lengths > 0, lengths, 1.0)
+        widths = along.sum(axis=0) / np.where(lengths > 0, lengths, 1.0)
         chosen = widths[widths > TOLERANCE * np.abs(self.limits)]   # without those that have no choice
         if self._program.spread > SPREAD and np.isfinite(chosen).all() and \
                 chosen.max(initial=0.0) > 1e-2 / SAME * chosen.min(initial=np.inf):   # of what listing forgives
@@ -260,8 +261,8 @@ class Polytope:
         if np.isinf(reach).any():
             raise NotListable("the set is unbounded (a cable without a speed limit, or too few cables), so it has no "
                               "list of vertices and facets; contains, support and the ranges still answer")
-        half = reach.reshape(2, -1).sum(axis=0) / 2
-        sizes = np.abs(reach.reshape(2, -1)).max(axis=0) + np.abs(self.shift)
+        half = reach.sum(axis=0) / 2
+        sizes = np.abs(reach).max(axis=0) + np.abs(self.shift)
         scales = np.where(half > _FLAT * sizes, half, 1.0)
         widest = widths.max(where=np.isfinite(widths), initial=0.0)
         free = null_space(self.rows[widths <= _FLAT * widest])
@@ -338,15 +339,9 @@ class Zonotope(Polytope):
         high, low = self.limits.reshape(2, -1)
         return -low, high
 
-    def support(self, direction: ArrayLike) -> Array:
-        d = self._points(direction, "direction")
+    def _farthest(self, d: Array) -> Optima:
         along, (low, high) = products(d, self.map), self._box
-        return np.asarray(d @ self.shift + np.maximum(along * low, along * high).sum(axis=-1))
-
-    def support_point(self, direction: ArrayLike) -> Array:
-        along = products(self._points(direction, "direction"), self.map)
-        low, high = self._box
-        return np.asarray(self.shift + np.where(along > 0, high, low) @ self.map.T)
+        return Optima(np.maximum(along * low, along * high).sum(axis=-1), np.where(along > 0, high, low))
 
     @cached_property
     def _edges(self) -> Array:
@@ -367,12 +362,11 @@ class Zonotope(Polytope):
         return Planes(*hyperplane_shifting(at.back @ self._edges, least=0.0))
 
     def _meetings(self, found: Planes) -> Array:
-        at, k = self._frame, self._edges.shape[1]
-        if k > _MOST_SIGNS:
-            inner = at.back @ self._edges.sum(axis=1) / 2
+        edges = self._frame.back @ self._edges
+        if edges.shape[1] > _MOST_SIGNS:
+            inner = edges.sum(axis=1) / 2
             return meetings(found.normals, found.offsets - found.normals @ inner) + inner
-        edges = at.back @ self._edges
         way = found.normals @ (edges / np.linalg.norm(edges, axis=0))
-        ends = np.array(list(product((0.0, 1.0), repeat=k)))
+        ends = np.array(list(product((0.0, 1.0), repeat=edges.shape[1])))
         on = ends @ (way < -SAME).T + (1 - ends) @ (way > SAME).T == 0   # farthest of all that way
         return np.asarray(ends[meet(on, found.normals)] @ edges.T)

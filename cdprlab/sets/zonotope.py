@@ -6,7 +6,7 @@ from math import comb
 
 import numpy as np
 
-from ..arrays import Array, Indices
+from ..arrays import Array, Flags, Indices
 from ..errors import NotListable
 
 PARALLEL = 1e-9
@@ -43,9 +43,8 @@ def hyperplane_shifting(generators: Array, least: float = -1.0) -> tuple[Array, 
     lengths = np.linalg.norm(generators, axis=0)
     unit = (generators / np.where(lengths > 0, lengths, 1.0)).T
     # QR by columns is what LAPACK batches best.
-    q, r = np.linalg.qr(np.swapaxes(unit[choices(k, n - 1)], -1, -2), mode="complete")
-    pivots = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
-    normals = q[pivots.min(axis=-1, initial=np.inf) > PARALLEL, :, -1]
+    normals, independent = across(np.swapaxes(unit[choices(k, n - 1)], -1, -2))
+    normals = normals[independent]
     # Each line once, its first entry that is not small positive; then its opposite.
     first = (np.abs(normals) > 1e-7).argmax(axis=1)[:, None]
     normals *= np.sign(np.take_along_axis(normals, first, axis=1))
@@ -53,6 +52,13 @@ def hyperplane_shifting(generators: Array, least: float = -1.0) -> tuple[Array, 
     along = products(normals, generators)
     along = np.concatenate([along, -along])
     return np.concatenate([normals, -normals]), np.maximum(along, least * along).sum(axis=1)
+
+
+def across(columns: Array) -> tuple[Array, Flags]:
+    """(…, n) a unit vector across n − 1 columns each, (…, n, n − 1), and whether these are independent."""
+    q, r = np.linalg.qr(columns, mode="complete")
+    pivots = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
+    return q[..., -1], pivots.min(axis=-1, initial=np.inf) > PARALLEL
 
 
 def products(directions: Array, generators: Array) -> Array:

@@ -28,8 +28,7 @@ def balanced(margins: Array, W: Array, w_e: Array, loads: Array, low: Array, hig
     size = 1 + np.abs(w_e).max(axis=-1) + np.abs(loads).max(axis=(0, -1)) + low.max()
     near = np.abs(margins) <= NEAR * size
     if near.any():
-        wanted = np.broadcast_to(w_e + loads, (len(loads), *w_e.shape))[:, near]
-        inside[near] = distribute_tensions(W[near], wanted, low, high).feasible.all(axis=0)
+        inside[near] = distribute_tensions(W[near], (w_e + loads)[:, near], low, high).feasible.all(axis=0)
     return inside
 
 
@@ -50,10 +49,10 @@ def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
     from ..compiled.jit import COMPILES
     from ..compiled.polygon import polygons
 
-    inside, many = np.zeros(len(W), bool), np.ones(len(W), bool)
+    found = np.full(len(W), TOO_REDUNDANT)
     if COMPILES:
-        _, found, _ = polygons(*map(plain, (W, w_e, low[None], high[None])), NOTHING)
-        inside, many = np.asarray(found == FOUND), np.asarray(found == TOO_REDUNDANT)
+        found = polygons(*map(plain, (W, w_e, low[None], high[None])), NOTHING)[1]
+    inside, many = np.asarray(found == FOUND), found == TOO_REDUNDANT
     s = tension_margins(W[many], w_e[many], low, high)
     inside[many] = balanced(s, W[many], w_e[many], np.zeros((1, 1, w_e.shape[1])), low, high)
     return inside
@@ -64,13 +63,10 @@ def standing_margin(robot: Robot, W: Array, w_e: Array, A: Array, b: Array) -> f
 
     W : (n, m); w_e : (n,); A : (f, m) and b : (f,) of `tipping_rows` [m, N m]
     """
-    n, m = W.shape
-    rows = np.zeros((2 * m + len(A), m + 1))
-    rows[:, :m] = np.concatenate([-np.eye(m), np.eye(m), A])
-    rows[2 * m:, m] = 1.0
     slack = forgiven(w_e, robot.tension_min)
-    sides = np.concatenate([slack - robot.tension_min, slack + robot.tension_max, b])
-    return largest_last(rows, sides, np.column_stack([W, np.zeros(n)]), -w_e)[0]
+    limits = zip(robot.tension_min - slack, robot.tension_max + slack)
+    return largest_last(np.column_stack([A, np.ones(len(A))]), b,
+                        np.column_stack([W, np.zeros(len(W))]), -w_e, [*limits, (None, None)])[0]
 
 
 def capacity_margins(W: Array, w_e: Array, loads: Array, half: Array, low: Array, high: Array) -> tuple[Array, Array]:

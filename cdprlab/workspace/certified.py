@@ -6,9 +6,9 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array, checked
 from ..errors import InvalidInput
-from ..mechanics.cables import cable_lengths, have_directions
+from ..mechanics.cables import cables_at, have_directions
 from ..mechanics.intervals import Intervals
-from ..mechanics.statics import gravity_wrench, wrench_matrix
+from ..mechanics.statics import gravity_wrench
 from ..robot import Robot
 from ..robot.pose import Pose
 from .capacity import best_tensions, capacity_margins, one_or_several
@@ -76,19 +76,16 @@ def _verdicts(robot: Robot, low: Array, high: Array, rotation: Array, loads: Arr
     boxes = PoseBoxes(robot, Intervals(low, high), rotation)
     verdict, sound = np.zeros(len(low)), have_directions(robot, boxes.middle)   # an exit point in the middle: halved
     boxes, poses = boxes[sound], boxes.middle[sound]
-    W, lengths = wrench_matrix(robot, poses), cable_lengths(robot, poses)
-    weight = np.broadcast_to(gravity_wrench(robot, poses), W.shape[:2])
+    _, lengths, W = cables_at(robot, poses)
+    weight = gravity_wrench(robot, poses)
     inside, outside = np.ones(len(W), dtype=bool), np.zeros(len(W), dtype=bool)
     for load in loads:
         s, tau = best_tensions(W, weight + load, robot.tension_min, robot.tension_max)
         good, bad = s > 0, (s < 0) & ~outside
         inside &= good
-        if good.any():
-            inside[good] &= certainly_inside(boxes[good], load, W[good], tau[good],
-                                             lengths[good])
-        if bad.any():
-            normal = capacity_margins(W[bad], weight[bad], load[None], np.zeros(robot.n_dof),
-                                      robot.tension_min, robot.tension_max)[1]
-            outside[bad] = certainly_outside(boxes[bad], load, normal)
+        inside[good] &= certainly_inside(boxes[good], load, W[good], tau[good], lengths[good])
+        normal = capacity_margins(W[bad], weight[bad], load[None], np.zeros(robot.n_dof),
+                                  robot.tension_min, robot.tension_max)[1]
+        outside[bad] = certainly_outside(boxes[bad], load, normal)
     verdict[sound] = inside.astype(float) - outside
     return verdict

@@ -69,7 +69,7 @@ def _told(value: Any) -> Any:
     if isinstance(value, Criterion):
         kind += repr(marshal.dumps(getattr(value.judge, "__code__", None), 2))   # 2: the same bytes in every process
     if is_dataclass(value):
-        return kind, {field.name: _told(getattr(value, field.name)) for field in fields(value) if field.init}
+        value = {field.name: getattr(value, field.name) for field in fields(value) if field.init}
     if isinstance(value, dict):
         return kind, {key: _told(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

@@ -25,10 +25,10 @@ def segment_distance(p: Array, q: Array, r: Array, s: Array) -> Array:
     # Where the segments are parallel the interior point is none, and an edge has the minimum as
     # well.
     inner = np.clip(_ratio(b * e - c * d, det, _FLAT * a * c), 0, 1)
-    best = np.full(np.shape(det), np.inf)
+    best = np.full(det.shape, np.inf)
     for x in (inner, np.zeros_like(det), np.ones_like(det)):
-        y = np.clip(_ratio(b * x + e, c, 0.0), 0, 1)
-        x = np.clip(_ratio(b * y - d, a, 0.0), 0, 1)   # on the edge y, and no farther inside
+        y = np.clip(_ratio(b * x + e, c), 0, 1)
+        x = np.clip(_ratio(b * y - d, a), 0, 1)   # on the edge y, and no farther inside
         gap = w + x[..., None] * u - y[..., None] * v
         best = np.minimum(best, _dot(gap, gap))
     return np.sqrt(best)[()]
@@ -46,14 +46,13 @@ def box_distance(p: Array, q: Array, half: Array) -> Array:
     np.float64(1.5)
     """
     u = q - p
-    half = np.broadcast_to(half, u.shape)
-    crossings = np.concatenate([_ratio(side * half - p, u, 0.0) for side in (-1.0, 1.0)], axis=-1)
+    crossings = np.concatenate([_ratio(side * half - p, u) for side in (-1.0, 1.0)], axis=-1)
     ends = np.broadcast_to([0.0, 1.0], (*u.shape[:-1], 2))
     t = np.sort(np.clip(np.concatenate([crossings, ends], axis=-1), 0, 1), axis=-1)
     p, u, half = p[..., None, :], u[..., None, :], half[..., None, :]
     slopes = _dot(_outside(p + t[..., None] * u, half), u)   # of half the squared distance, linear on each piece
     before, rise = slopes[..., :-1], np.diff(slopes)
-    at = t[..., :-1] + np.diff(t) * np.clip(_ratio(-before, rise, 0.0), 0, 1)
+    at = t[..., :-1] + np.diff(t) * np.clip(_ratio(-before, rise), 0, 1)
     gap = _outside(p + at[..., None] * u, half)
     return np.sqrt(_dot(gap, gap).min(axis=-1))[()]
 
@@ -67,7 +66,7 @@ def _dot(a: Array, b: Array) -> Array:
     return np.asarray((a * b).sum(axis=-1))
 
 
-def _ratio(a: Array, b: Array, least: Array | float) -> Array:
+def _ratio(a: Array, b: Array, least: Array | float = 0.0) -> Array:
     """a / b, and 0 where b is no more than ``least`` in size."""
     usable = np.abs(b) > least
     return np.where(usable, a / np.where(usable, b, 1.0), 0.0)

@@ -71,7 +71,7 @@ def cable_distances(robot: Robot, poses: Pose) -> Array:
     """
     pairs = np.array(cable_pairs(robot), dtype=int).reshape(-1, 2)
     anchors = _anchors(robot, poses)
-    exits, (one, other) = np.broadcast_to(tangent_points(robot, poses), anchors.shape), pairs.T
+    exits, (one, other) = tangent_points(robot, poses), pairs.T
     return segment_distance(anchors[..., one, :], exits[..., one, :], anchors[..., other, :], exits[..., other, :])
 
 
@@ -104,8 +104,7 @@ def obstacle_distances(robot: Robot, poses: Pose, box: Box) -> Array:
     center, turn = box.pose.position, box.pose.rotation
     anchors, exits = ((points - center) @ turn
                       for points in (_anchors(robot, poses), tangent_points(robot, poses)))
-    return box_distance(anchors, np.broadcast_to(exits, anchors.shape),
-                        np.asarray(box.size) / 2)
+    return box_distance(anchors, exits, np.asarray(box.size) / 2)
 
 
 def _anchors(robot: Robot, poses: Pose) -> Array:

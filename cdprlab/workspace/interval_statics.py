@@ -122,9 +122,14 @@ def certainly_inside(boxes: PoseBoxes, load: Array, W: Array, tensions: Array, l
 
     W (N, n, m), tensions (N, m), lengths (N, m) : at the boxes' centers, merely good choices
     """
-    robot = boxes.robot
-    sigma, Y = _center(W, tensions, lengths, robot)
-    n = Y.shape[-1]
+    robot, n = boxes.robot, W.shape[1]
+    # Y asks most of cables far from their limits.
+    room = np.minimum(tensions - robot.tension_min, robot.tension_max - tensions)
+    least = room.min(axis=1, keepdims=True)
+    weights = (np.clip(room, least, 100 * least) / lengths) ** 2
+    sigma, V = tensions / lengths, W * lengths[:, None, :]
+    scaled = np.swapaxes(V * weights[:, None, :], 1, 2)
+    Y = scaled @ np.linalg.pinv(V @ scaled)
     forces = boxes.wrenches(np.concatenate([sigma[:, None], np.swapaxes(Y, 1, 2)], axis=1))
     rest = (forces[:, 0] + boxes.weight + load).magnitude + _TINY
     E = np.swapaxes((exact(np.eye(n)) - forces[:, 1:]).magnitude, 1, 2)
@@ -134,8 +139,8 @@ def certainly_inside(boxes: PoseBoxes, load: Array, W: Array, tensions: Array, l
         proven = (bound > 0).all(axis=1) & (kept.upper <= bound).all(axis=1)
         reach = exact(bound).times(np.swapaxes(np.abs(Y), 1, 2)).upper
         low, high = (sigma - exact(reach)).lower, (sigma + exact(reach)).upper
-        least, most = (exact(low) * boxes.lengths.lower).lower, (exact(high) * boxes.lengths.upper).upper
-    return np.asarray(proven & (low >= 0).all(axis=1) & (least >= robot.tension_min).all(axis=1)
+        weakest, most = (exact(low) * boxes.lengths.lower).lower, (exact(high) * boxes.lengths.upper).upper
+    return np.asarray(proven & (low >= 0).all(axis=1) & (weakest >= robot.tension_min).all(axis=1)
                       & (most <= robot.tension_max).all(axis=1))
 
 
@@ -146,16 +151,6 @@ def certainly_outside(boxes: PoseBoxes, load: Array, normal: Array) -> Flags:
         most = (boxes.pulls(normal) * Intervals(robot.tension_min, robot.tension_max)).total()
         wanted = ((boxes.weight + load) * normal).total()
         return np.asarray((most + wanted).upper < 0)
-
-
-def _center(W: Array, tensions: Array, lengths: Array, robot: Robot) -> tuple[Array, Array]:
-    """σ₀ (N, m), and Y (N, m, n) that asks most of cables far from their limits."""
-    room = np.minimum(tensions - robot.tension_min, robot.tension_max - tensions)
-    least = room.min(axis=1, keepdims=True)
-    weights = (np.clip(room, least, 100 * least) / lengths) ** 2
-    V = W * lengths[:, None, :]
-    scaled = np.swapaxes(V * weights[:, None, :], 1, 2)
-    return tensions / lengths, np.asarray(scaled @ np.linalg.pinv(V @ scaled))
 
 
 def _fixed_point(E: Array, rest: Array) -> Array:

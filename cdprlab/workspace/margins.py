@@ -47,8 +47,8 @@ def balances(W: Array, w_e: Array) -> Iterator[Balance]:
         regular = np.flatnonzero(pivots.min(axis=1) > DEPENDENT * pivots.max(axis=1))
         inverse = np.linalg.solve(r[regular, :n], np.swapaxes(q[regular, :, :n], 1, 2))
         c = -np.einsum("kim,ki->mk", inverse, w_e[first + regular])
-        yield Balance(first + regular, c, *(np.ascontiguousarray(np.moveaxis(part, 0, -1)) for part in (
-            np.swapaxes(q[regular, :, n:], 1, 2), inverse)))
+        yield Balance(first + regular, c, np.ascontiguousarray(q[regular, :, n:].T),
+                      np.ascontiguousarray(np.moveaxis(inverse, 0, -1)))
 
 
 def tension_margins(W: Array, w_e: Array, low: Array, high: Array, *, at_high: bool = True) -> Array:

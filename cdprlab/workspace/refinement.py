@@ -32,32 +32,24 @@ def refine(robot: Robot, grid: PoseGrid, criterion: Criterion, levels: int = 3, 
     True
     """
     as_count(levels, "levels", 0, 30)
-    lower, upper = (np.stack([part.ravel() for part in np.meshgrid(*ends, indexing="ij")], axis=1)
-                    for ends in ([at[:-1] for at in grid.axes.values()],
-                                 [at[1:] for at in grid.axes.values()]))
+    lower, upper = (np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1).reshape(-1, len(ends))
+                    for ends in zip(*((at[:-1], at[1:]) for at in grid.axes.values())))
+    k = len(grid.axes)
+    judged = np.array([*product((0.0, 1.0), repeat=k), np.full(k, 0.5)])   # corners and center
     kept: list[tuple[Array, Array, Array]] = []
     for level in range(levels + 1):
         if len(lower) > _MOST_CELLS:
             raise InvalidInput(f"{len(lower)} cells at level {level}: take a coarser grid or fewer levels")
-        share = _share_inside(robot, grid, criterion, lower, upper, n_jobs)
-        verdict = (share == 1) * 1.0 - (share == 0)
+        points = (lower[:, None] + (upper - lower)[:, None] * judged).reshape(-1, k)
+        # Points that cells share are judged once: those that differ by more than rounding, and
+        # which of them each is.
+        points, back = np.unique(np.round(points, 9), axis=0, return_inverse=True)
+        inside = workspace(robot, grid.poses_at(points), criterion, margin=False, n_jobs=n_jobs).inside
+        inside = inside[back.ravel()].reshape(-1, len(judged))
+        verdict = np.asarray(1.0 * inside.all(axis=1) - ~inside.any(axis=1))
         done = (verdict != 0) | (level == levels)
         kept.append((lower[done], upper[done], verdict[done]))
         lower, upper = lower[~done], upper[~done]
-        for axis in range(len(grid.axes)):
+        for axis in range(k):
             lower, upper = halved(lower, upper, axis)
     return WorkspaceCells(*map(np.concatenate, zip(*kept)))
-
-
-def _share_inside(robot: Robot, grid: PoseGrid, criterion: Criterion, lower: Array,
-                  upper: Array, n_jobs: int | None) -> Array:
-    """Of each cell's corners and center; points that cells share are judged once."""
-    k = lower.shape[1]
-    if not len(lower):
-        return np.zeros(0)
-    places = np.array([*product((0.0, 1.0), repeat=k), np.full(k, 0.5)])
-    points = lower[:, None] + (upper - lower)[:, None] * places
-    # Points that differ by more than rounding, and which of them each point is.
-    points, back = np.unique(np.round(points.reshape(-1, k), 9), axis=0, return_inverse=True)
-    inside = workspace(robot, grid.poses_at(points), criterion, margin=False, n_jobs=n_jobs).inside
-    return inside[back.ravel()].reshape(len(lower), -1).mean(axis=1)

@@ -35,11 +35,8 @@ class StaticallyStable(Criterion):
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
-        found = distribute_tensions(W, np.broadcast_to(weight, W.shape[:-1]), robot.tension_min,
-                                    robot.tension_max,
-                                    self.method)
-        smallest = np.full(poses.batch_shape, np.nan)
-        held = found.feasible
+        found = distribute_tensions(W, weight, robot.tension_min, robot.tension_max, self.method)
+        smallest, held = np.full(poses.batch_shape, np.nan), found.feasible
         smallest[held] = smallest_stiffness(robot, poses[held], found.tensions[held], self.axial_stiffness)
         return Judgement(smallest > 0, smallest)
 

@@ -4,7 +4,6 @@ import signal
 import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -102,20 +101,14 @@ def over_cores(work: Callable[..., Answer], calls: Iterable[tuple[Any, ...]], n_
         raise InvalidInput(f"n_jobs must be a number of processes, or −1 for all cores, got {quoted(n_jobs)}")
     if effective_n_jobs(n_jobs) == 1:
         return (work(*call) for call in calls)
-    with _interrupts_ignored():
+    # Processes that begin while interrupts are ignored never hear of Ctrl-C: it is for who has
+    # asked, and is told once. Threads but the main one have no say in signals.
+    asked = threading.current_thread() is threading.main_thread()
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN) if asked else None
+    try:
         answers: Iterator[Answer] = Parallel(n_jobs=n_jobs, return_as="generator")(
             delayed(work)(*call) for call in calls)
         return answers
-
-
-@contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """For a moment. Processes that begin in it never hear of Ctrl-C: it is for who has asked, and is told once."""
-    if threading.current_thread() is not threading.main_thread():   # others have no say in signals
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
     finally:
-        signal.signal(signal.SIGINT, before or signal.SIG_DFL)
+        if asked:
+            signal.signal(signal.SIGINT, before or signal.SIG_DFL)

@@ -71,15 +71,14 @@ class WrenchFeasible(Criterion):
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         if self.by not in (None, "tensions", "facets"):
             raise InvalidInput(f"by must be 'tensions' or 'facets', got {quoted(self.by)}")
-        W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
-        low, high = robot.tension_min, robot.tension_max
         loads = one_or_several(self.wrenches, "wrenches", robot.n_dof, "N, N m")
         half = box_half_widths(self.half_widths, robot.n_dof, "N, N m")
-        if self.by == "facets" or (self.by is None and self.half_widths is not None):
-            s = capacity_margins(W, weight, loads, half, low, high)[0]
-            inside = balanced(s, W, weight, box_loads(loads, half)[:, None], low, high)
-            return Judgement(inside, s)
-        return _balanced(robot, W, weight, box_loads(loads, half)[:, None], margin)
+        corners = box_loads(loads, half)[:, None]
+        if self.by == "tensions" or (self.by is None and self.half_widths is None):
+            return _balanced(robot, poses, corners, margin)
+        W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
+        s = capacity_margins(W, weight, loads, half, robot.tension_min, robot.tension_max)[0]
+        return Judgement(balanced(s, W, weight, corners, robot.tension_min, robot.tension_max), s)
 
 
 @checked
@@ -121,11 +120,11 @@ class DynamicEquilibrium(Criterion):
 
     def judge(self, robot: Robot, poses: Pose, margin: bool = True) -> Judgement:
         half = as_array(self.accelerations, "accelerations", (robot.n_dof,), "m/s², rad/s²")
-        W, weight, M = wrench_matrix(robot, poses), gravity_wrench(robot, poses), mass_matrix(robot, poses)
+        M = mass_matrix(robot, poses)
         # Wrenches are convex in the acceleration: the corners decide, and directions that are
         # held make none.
-        corners = box_loads(np.zeros((1, half.size)), half)
-        return _balanced(robot, W, weight, -np.array([M @ corner for corner in corners]), margin)
+        corners = box_loads(0 * half[None], half)
+        return _balanced(robot, poses, -np.array([M @ corner for corner in corners]), margin)
 
 
 @checked
@@ -154,8 +153,9 @@ class TippingSafe(Criterion):
         return Judgement(s >= 0, s)
 
 
-def _balanced(robot: Robot, W: Array, weight: Array, loads: Array, margin: bool) -> Judgement:
+def _balanced(robot: Robot, poses: Pose, loads: Array, margin: bool) -> Judgement:
     """Whether tensions within the limits balance the weight and each of the loads (k, N or 1, n)."""
+    W, weight = wrench_matrix(robot, poses), gravity_wrench(robot, poses)
     low, high = robot.tension_min, robot.tension_max
     if margin:
         s = np.min([tension_margins(W, weight + load, low, high) for load in loads], axis=0)

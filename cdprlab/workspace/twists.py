@@ -46,12 +46,10 @@ class TwistFeasible(Criterion):
         rates = np.abs(J @ wanted.T).max(axis=-1) + np.abs(J) @ half
         spare = (robot.speed_max - rates).min(axis=-1)
         if bases.any():
-            B = np.broadcast_to(base_jacobian(robot, poses)[..., columns],
-                                (*J.shape[:-1], len(columns)))
+            B = base_jacobian(robot, poses)[..., columns]
             if half.any():  # the twist set is convex and symmetric: a box is in it where half of its corners are
                 wanted = np.array_split(box_loads(wanted, half), 2)[0]
-            spare = np.array([min(speed_margin(each, b, robot.speed_max, bases)
-                                  for each in wanted @ j.T)
+            spare = np.array([min(speed_margin(each, b, robot.speed_max, bases) for each in wanted @ j.T)
                               for j, b in zip(J, B)])
         return Judgement(spare >= -_ROUNDING * (1 + rates.max(axis=-1)), spare)
 
@@ -65,7 +63,6 @@ def speed_margin(rates: Array, B: Array, cables: Array, bases: Array) -> float:
     if not limited.any():
         return np.inf
     B, rates, cables = B[limited], rates[limited], cables[limited]
-    held = np.eye(len(bases), len(bases) + 1)
-    ones = np.ones((len(cables), 1))
-    rows = np.block([[-B, ones], [B, ones], [held], [-held]])
-    return largest_last(rows, np.concatenate([cables - rates, cables + rates, bases, bases]))[0]
+    rows = np.column_stack([np.concatenate([-B, B]), np.ones(2 * len(B))])
+    return largest_last(rows, np.append(cables - rates, cables + rates),
+                        bounds=[*zip(-bases, bases), (None, None)])[0]

@@ -1,14 +1,11 @@
 """A workspace as cells: boxes inside, outside or between the two, and what they measure together."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from ..arrays import Array, Indices, lasting
+from ..arrays import Array, Indices, frozen_dataclass
 
 
-@lasting
-@dataclass(frozen=True, eq=False)
+@frozen_dataclass
 class WorkspaceCells:
     """Cells that fill what was asked for.
 
@@ -43,8 +40,8 @@ class WorkspaceCells:
         """
         edges = self.upper - self.lower
         size = np.prod(edges, axis=1, where=edges > 0)   # over the axes that are not held
-        least = float(size[self.verdict == 1].sum())
-        return least, least + float(size[self.verdict == 0].sum())
+        inside, between = (float(size[self.verdict == verdict].sum()) for verdict in (1, 0))
+        return inside, inside + between
 
     @property
     def measure(self) -> float:

@@ -46,12 +46,9 @@ def worst_margin(robot: Robot, duty: Duty) -> tuple[float, Array]:
     """The s of `place_bases` over all poses and wrenches at once, and tensions (N, k, m) that have it."""
     (N, k), m = duty.loads.shape[:2], robot.n_cables
     rows, sides = _limits(robot, duty)
-    balance = np.zeros((N * k, robot.n_dof, m + 1))
-    balance[..., :m] = np.repeat(wrench_matrix(robot, duty.poses), k, axis=0)
-    count = N * k * m + 1
-    s, tensions = largest_last(_blocks(rows), sides.ravel(), _blocks(balance),
-                               -duty.loads.ravel(),
-                               [(None, None)] * (count - 1) + [(None, 1.0)])
+    balance = np.pad(np.repeat(wrench_matrix(robot, duty.poses), k, axis=0), ((0, 0), (0, 0), (0, 1)))
+    s, tensions = largest_last(_blocks(rows), sides.ravel(), _blocks(balance), -duty.loads.ravel(),
+                               [*[(None, None)] * (N * k * m), (None, 1.0)])
     return s if np.isfinite(s) else UNREACHABLE, tensions.reshape(N, k, m)
 
 
