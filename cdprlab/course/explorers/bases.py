@@ -116,8 +116,8 @@ class BaseExplorer(Explorer):
 
     def build(self, figure: Figure) -> None:
         above, self._rates = figure.subplots(2, 1, height_ratios=(3, 1.1))
-        reach = _SECONDS * max((control.high for name, control in self.controls.items() if name.startswith("v_")),
-                               default=0.0)
+        reach = _SECONDS * max((slider.high for slider in self.controls.values()
+                                if isinstance(slider, Slider) and slider.name.startswith("v_")), default=0.0)
         self._drawing = RobotDrawing(above, self._driven_outward(), self._posing.scene,
                                      self._posing.ends(reach))
         _frame_rates(self._rates, self._start)
