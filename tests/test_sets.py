@@ -15,7 +15,6 @@ import robots
 from cdprlab.course.props.submatrices import submatrix_twist_set
 from cdprlab.errors import InvalidInput
 from cdprlab.sets import sliding_rows, twist_set
-from cdprlab.sets.twist import base_speeds
 from robots import BASED, ROBOTS, case, random_poses
 
 
@@ -43,7 +42,7 @@ def planar_case(**speeds):
 
 def twist_lp(robot, pose, pivot, directions):
     """max d·t over t and base speeds, rows written out from the equation."""
-    J, B, q = cl.jacobian(robot, pose), cl.base_jacobian(robot, pose, pivot), base_speeds(robot)
+    J, B, q = cl.jacobian(robot, pose), cl.base_jacobian(robot, pose, pivot), robot.base_speed_max
     A = np.block([[J, -B], [-J, B]])
     b = np.concatenate([robot.speed_max, robot.speed_max])
     free = [(None, None)] * J.shape[1] + [(-v, v) for v in q]
@@ -133,7 +132,7 @@ def test_submatrices_are_exact_where_every_base_moves_by_itself(name):
     robot, pose = with_speeds(BASED[name]()), robots.random_pose(BASED[name](), 7)
     for pivot in ("base", "world"):
         J, B = cl.jacobian(robot, pose), cl.base_jacobian(robot, pose, pivot)
-        found = submatrix_twist_set(J, B, robot.speed_max, base_speeds(robot))
+        found = submatrix_twist_set(J, B, robot.speed_max, robot.base_speed_max)
         assert found.exact
         d = np.random.default_rng(7).normal(size=(5, robot.n_dof))
         exact = cl.available_twist_set(robot, pose, pivot=pivot).support(d)

@@ -66,7 +66,7 @@ def resolve_twist(robot: Robot, pose: Pose, twist: ArrayLike, *, pivot: Pivot = 
     if pose.batch_shape:
         raise InvalidInput("resolve_twist takes one pose, not a batch")
     p = 3 * len(robot.bases)
-    limits = np.concatenate([*(base.speed_max for base in robot.bases), robot.speed_max])
+    limits = np.append(robot.base_speed_max, robot.speed_max)
     free = limits[:p] > 0
     # All speeds are M q̇_b + c: the bases' own, and J t − B_b q̇_b of the cables.
     M = np.concatenate([np.eye(p), -base_jacobian(robot, pose, pivot)])[:, free]

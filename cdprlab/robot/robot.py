@@ -88,6 +88,11 @@ class Robot:
                                 for cable in self.cables]))
 
     @cached_property
+    def base_speed_max(self) -> Array:
+        """(3p,) limits of (θ̇, ρ̇₁, ρ̇₂), base after base [rad/s, m/s, m/s]."""
+        return frozen(np.array([base.speed_max for base in self.bases]).ravel())
+
+    @cached_property
     def anchor_points(self) -> Array:
         """(m, d) B_i in the platform frame [m]."""
         return self._of_cables("anchor_point")

@@ -40,7 +40,7 @@ def available_twist_set(robot: Robot, pose: Pose, moving: str | Sequence[str] = 
     """
     columns = moving_columns(robot, moving)
     J, B = jacobian(robot, one_pose(pose)), base_jacobian(robot, pose, pivot)[:, columns]
-    return twist_set(J, B, robot.speed_max, base_speeds(robot)[columns])
+    return twist_set(J, B, robot.speed_max, robot.base_speed_max[columns])
 
 
 def twist_set(J: ArrayLike, B: ArrayLike, speed_max: ArrayLike, base_speed_max: ArrayLike) -> Polytope:
@@ -64,11 +64,6 @@ def one_pose(pose: Pose) -> Pose:
     if pose.batch_shape:
         raise InvalidInput(f"a set belongs to one pose, got a batch of shape {pose.batch_shape}; ask pose by pose")
     return pose
-
-
-def base_speeds(robot: Robot) -> Array:
-    """(3p,) limits of (θ̇, ρ̇₁, ρ̇₂), base after base [rad/s, m/s, m/s]."""
-    return np.array([base.speed_max for base in robot.bases]).ravel()
 
 
 def moving_columns(robot: Robot, moving: str | Sequence[str]) -> list[int]:

@@ -36,7 +36,7 @@ class PlanarBases:
     def drive(self, speeds: ArrayLike) -> Array:
         """Set (3p,) speeds (θ̇, ρ̇₁, ρ̇₂); returns them clipped to the limits."""
         wanted = as_array(speeds, "base speeds", (self.poses.size,), "rad/s, m/s")
-        limits = np.array([base.speed_max for base in self._robot.bases]).ravel()
+        limits = self._robot.base_speed_max
         driven = np.clip(wanted, -limits, limits)
         self._speeds, self.moving = driven.reshape(-1, 3), bool(driven.any())
         self._aim()

@@ -42,7 +42,6 @@ class SpatialBases:
 
     def __init__(self, bullet: Bullet, robot: Robot, tip_mass: float) -> None:
         self._bullet, self._robot, self._tip_mass = bullet, robot, tip_mass
-        self._fastest = np.array([base.speed_max for base in robot.bases]).ravel()
         # The exit points and the pulleys' axes by [R c]ᵀ of every base and, last, of the world, one on the other.
         m, centers = robot.n_cables, [base.center_of_mass for base in robot.bases] + [np.zeros(3)]
         mounted, axes = np.zeros((2, m, len(centers), 4))
@@ -63,7 +62,7 @@ class SpatialBases:
         anchors : (m, 3) [m]; middle : (3,) of where the platform is to be [m]
         """
         robot, legs, self.bodies = self._robot, {}, []
-        self._link, self.is_stabilized, self._speeds = -1, False, np.zeros_like(self._fastest)
+        self._link, self.is_stabilized, self._speeds = -1, False, np.zeros_like(self._robot.base_speed_max)
         self._targets = [list(base.pose) for base in robot.bases]
         for k, base in enumerate(robot.bases):
             cables = [i for i, of in enumerate(robot.base_indices) if of == k]
@@ -160,8 +159,8 @@ class SpatialBases:
         """Drive on at these (3p,) speeds; returns them as their limits allow [rad/s, m/s]."""
         if not self.bodies:
             raise InvalidInput("SpatialSimulator has no bases that drive: planar worlds have")
-        wanted = as_array(speeds, "base speeds", self._fastest.shape, "rad/s, m/s")
-        fastest = np.zeros_like(wanted) if self.is_stabilized else self._fastest
+        wanted = as_array(speeds, "base speeds", self._robot.base_speed_max.shape, "rad/s, m/s")
+        fastest = np.zeros_like(wanted) if self.is_stabilized else self._robot.base_speed_max
         self._speeds = np.clip(wanted, -fastest, fastest)
         return self._speeds
 

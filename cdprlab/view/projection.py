@@ -3,12 +3,13 @@
 import numpy as np
 
 from ..arrays import Array
+from ..robot.pose import rotation_from_vector, turned_to
 
 _DISTANCE = 3.5
 """Of the eye, in radii of what is seen: near enough for depth, far enough for parallel edges to look it."""
 
-_ELEVATION = 22.0
-"""[deg] Of the eye above the horizon."""
+_RAISED = rotation_from_vector(np.array([np.pi / 2 - np.deg2rad(22.0), 0.0, 0.0]))
+"""Columns to the right, up, and towards an eye 22° above the horizon."""
 
 
 class Projection:
@@ -29,10 +30,7 @@ class Projection:
 
     def turn(self, azimuth: float) -> None:
         """Walk around: ``azimuth`` [deg]."""
-        a, e = np.deg2rad([azimuth, _ELEVATION])
-        right = np.array([np.cos(a), np.sin(a), 0.0])
-        towards_eye = np.array([np.sin(a) * np.cos(e), -np.cos(a) * np.cos(e), np.sin(e)])
-        self.axes = np.stack([right, np.cross(towards_eye, right), towards_eye])
+        self.axes = (turned_to(np.deg2rad(azimuth), 3) @ _RAISED).T
 
     @property
     def eye(self) -> Array:

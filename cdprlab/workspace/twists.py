@@ -11,7 +11,7 @@ from ..mechanics.kinematics import base_jacobian, jacobian
 from ..mechanics.optimization import largest_last
 from ..robot import Robot
 from ..robot.pose import Pose
-from ..sets.twist import base_speeds, moving_columns
+from ..sets.twist import moving_columns
 from .capacity import box_half_widths, box_loads, one_or_several
 from .criterion import Criterion, Judgement
 
@@ -40,7 +40,7 @@ class TwistFeasible(Criterion):
         if (self.twists is None) == (self.half_widths is None):
             raise InvalidInput("TwistFeasible takes twists or half_widths, one of the two")
         columns, n = moving_columns(robot, self.moving), robot.n_dof
-        J, bases = jacobian(robot, poses), base_speeds(robot)[columns]
+        J, bases = jacobian(robot, poses), robot.base_speed_max[columns]
         wanted = one_or_several(self.twists, "twists", n, "m/s, rad/s")
         half = box_half_widths(self.half_widths, n, "m/s, rad/s")
         rates = np.abs(J @ wanted.T).max(axis=-1) + np.abs(J) @ half
