@@ -15,7 +15,6 @@ from PIL.PngImagePlugin import PngInfo
 from practice_halls import practice_hall
 
 import cdprlab as cl
-from cdprlab.cli.mission_command import BOUNDS, PALLETS, PEOPLE, START
 from cdprlab.fastkit import (
     KinematicPair,
     Trip,
@@ -27,6 +26,7 @@ from cdprlab.fastkit import (
     run_mission,
 )
 from cdprlab.fastkit.events import spans
+from cdprlab.fastkit.mission.around_the_shelf import BOUNDS, PALLETS, PEOPLE, START
 
 DOCS = Path(__file__).parent
 HALLS = range(20)

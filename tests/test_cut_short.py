@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import cdprlab as cl
-from cdprlab.cli.mission_command import BOUNDS, PALLETS, START
 from cdprlab.errors import CdprWarning
 from cdprlab.fastkit import STOPPED, Trip, in_hall, pick_and_place, run_mission
+from cdprlab.fastkit.mission.around_the_shelf import BOUNDS, PALLETS, START
 from cdprlab.run.switching import follow_sequence
 from cdprlab.simulate.spatial import SpatialSimulator
 

@@ -18,7 +18,7 @@ import nbformat
 import notebooks
 import pytest
 
-from cdprlab.cli import lessons_command
+from cdprlab.course.handing_out import hand_out as copy_lessons
 
 
 def tool(path: Path) -> ModuleType:
@@ -46,7 +46,7 @@ def lessons(tmp_path: Path) -> Path:
 def hand_out(lessons: Path, tmp_path: Path):
     """``hand_out()`` copies into ``hand_out.mine``."""
     def copy() -> list[str]:
-        return lessons_command.hand_out(copy.mine, sorted(lessons.glob("*.ipynb")))
+        return copy_lessons(copy.mine, sorted(lessons.glob("*.ipynb")))
     copy.mine = tmp_path / "mine"
     return copy
 

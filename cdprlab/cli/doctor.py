@@ -16,10 +16,10 @@ import numpy as np
 from packaging.specifiers import SpecifierSet
 
 from .. import __version__
+from ..course.handing_out import lesson_files
 from ..errors import CdprError, install_command, requirements
 from ..run import run
 from ..world import load_world, world_names
-from .lessons_command import lesson_files
 
 FLIGHTS = {"caroca": (4.676498e-6, 140.441366, 479.762462),
            "planar_rigid": (5.139618e-6, 5.0, 43.5905946)}

@@ -1,10 +1,8 @@
 """``python -m cdprlab grade FOLDER``: grades what students handed in."""
 
 import argparse
-import csv
 from collections import Counter
 from datetime import datetime
-from pathlib import Path
 
 from ..errors import InvalidInput
 from .output import progress_bar
@@ -12,11 +10,11 @@ from .output import progress_bar
 
 def grade(options: argparse.Namespace) -> None:
     """Grade a folder, write grades and feedback, tell how many are what."""
-    from ..course.grading import Grader, late, read_submissions, write_reports
+    from ..course.grading import Grader, late, read_roster, read_submissions, write_reports
 
     due = dict(map(_due, options.due))
     submissions = read_submissions(options.folder)
-    roster = _roster(options.roster) if options.roster else []
+    roster = read_roster(options.roster) if options.roster else []
     grader = Grader(options.source, options.out, options.trust)
     with progress_bar("grading", "notebooks") as bar:
         results = [late(result, due, options.late / 100)
@@ -38,14 +36,3 @@ def _due(text: str) -> tuple[str, datetime]:
     except ValueError:
         raise InvalidInput(f"--due takes a date such as 2026-11-30 or 2026-11-30T18:00, got {date[:200]!r}") from None
     return lesson, when.replace(hour=23, minute=59, second=59) if len(date) == 10 else when
-
-
-def _roster(path: Path) -> list[str]:
-    """The first column, without its heading."""
-    from ..course.grading import tidy
-
-    try:
-        rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InvalidInput(f"cannot read the roster {path}: {error}") from None
-    return [tidy(row[0]) for row in rows if row and row[0].strip().lower() not in ("", "student", "name")]

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__, view
+from ..course.handing_out import hand_out
 from ..errors import CdprError, InvalidInput, quoted, shortened
 from ..run import INFEASIBLE, WOUND, run
 from ..run.compare import compare_tensions
@@ -19,7 +20,6 @@ from ..world import World, load_world, world_names
 from ..world.model import PickAndPlace
 from .doctor import diagnose
 from .grade_command import grade
-from .lessons_command import bring_lessons
 from .output import (
     figure,
     hear_interrupts,
@@ -125,6 +125,12 @@ def _run(options: argparse.Namespace) -> None:
         _fly(options, world)
 
 
+def _lessons(options: argparse.Namespace) -> None:
+    told = hand_out(options.folder)
+    print("\n".join(told or ["nothing to do: every lesson is there"]))
+    print(f"to open them: jupyter lab {options.folder}")
+
+
 def _fly(options: argparse.Namespace, world: World) -> None:
     refuse(options, ("control",), "--{} belongs to tasks of kind pick_and_place")
     how = options.method
@@ -178,5 +184,5 @@ def _pick_and_place(options: argparse.Namespace, world: World) -> None:
 _ENGINES = ("cables", "dt", "duration", "infeasible")
 """Options that belong to the engine of `run`."""
 
-_COMMANDS = {"worlds": _worlds, "run": _run, "workspace": judge_workspace, "lessons": bring_lessons,
+_COMMANDS = {"worlds": _worlds, "run": _run, "workspace": judge_workspace, "lessons": _lessons,
              "doctor": diagnose, "grade": grade}

@@ -4,19 +4,14 @@ import argparse
 from pathlib import Path
 
 from .. import view
-from ..fastkit import DONE, Job, Walker, in_hall, mission_scene, plot_job, plot_journey, run_mission
+from ..fastkit import DONE, Job, in_hall, mission_scene, plot_job, plot_journey, run_mission
+from ..fastkit.mission.around_the_shelf import BOUNDS, PALLETS, PEOPLE, START
 from ..world import World
 from .output import Pictures, figure, print_table, progress_bar, results, say
 
-BOUNDS = ((-5.0, -6.0), (7.0, 2.0))
-PALLETS = ((2.6, -3.0, 0.8, 1.2, 0.3), (-1.5, -2.2, 1.2, 0.8, 0.0))
-START = (5.0, -3.5, 1.8)
-PEOPLE = (Walker([[2.5, -1.0], [6.0, -1.0]]),)  # type: ignore[arg-type]
-"""The hall of the command line; `run_mission` takes any other."""
-
 
 def fly_mission(options: argparse.Namespace, world: World) -> None:
-    """Run the mission in the hall above, print what happened, write it to a folder."""
+    """Run the mission in the hall around the shelf, print what happened, write it to a folder."""
     with results(options, world, "mission: to the shelf, pick and place, home again") as write:
         with progress_bar("mission", "s simulated") as bar:
             mission = run_mission(in_hall(world, BOUNDS, PALLETS), BOUNDS, START, walkers=PEOPLE,

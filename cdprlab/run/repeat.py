@@ -46,12 +46,12 @@ class Repetition:
     @property
     def mean(self) -> Array:
         """(n,) of the final errors [m, rad]."""
-        return np.asarray(np.nanmean(self.final_errors, axis=0))
+        return np.nanmean(self.final_errors, axis=0)
 
     @property
     def spread(self) -> Array:
         """(n,) standard deviation of the final errors [m, rad]."""
-        return np.asarray(np.nanstd(self.final_errors, axis=0, ddof=min(1, len(self.slack) - 1)))
+        return np.nanstd(self.final_errors, axis=0, ddof=min(1, len(self.slack) - 1))
 
     @property
     def smallest_tension(self) -> float:

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import cdprlab as cl
-from cdprlab.cli.mission_command import BOUNDS, PALLETS, START
 from cdprlab.fastkit import Mission, carried, draw_hall, draw_way, frame_at, in_hall, run_mission
+from cdprlab.fastkit.mission.around_the_shelf import BOUNDS, PALLETS, START
 from cdprlab.view.style import VERMILION, house_style
 
 

@@ -7,6 +7,6 @@ folder, and `feedback` tells everybody.
 
 from .batch import Grader, Result, late
 from .feedback import write_reports
-from .submission import Submission, read_submissions, tidy
+from .submission import Submission, read_roster, read_submissions, tidy
 
-__all__ = ["Grader", "Result", "Submission", "late", "read_submissions", "tidy", "write_reports"]
+__all__ = ["Grader", "Result", "Submission", "late", "read_roster", "read_submissions", "tidy", "write_reports"]

@@ -1,5 +1,6 @@
 """What students handed in: files in a folder or in a learning platform's zip, read as they are, never unpacked."""
 
+import csv
 import json
 import re
 import unicodedata
@@ -133,3 +134,12 @@ def tidy(name: str) -> str:
     """
     kept = re.sub(r"[^\w .@+-]", "_", unicodedata.normalize("NFC", name))
     return kept.strip(" ._-+@")[:60].strip() or "nameless"
+
+
+def read_roster(path: Path) -> list[str]:
+    """Who should hand in: the first column of a CSV file, without its heading."""
+    try:
+        rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InvalidInput(f"cannot read the roster {path}: {error}") from None
+    return [tidy(row[0]) for row in rows if row and row[0].strip().lower() not in ("", "student", "name")]

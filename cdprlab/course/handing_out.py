@@ -1,6 +1,5 @@
-"""``python -m cdprlab lessons DIR``: the lessons in a folder of one's own, where work is never overwritten."""
+"""The lessons in a folder of one's own, where work is never overwritten."""
 
-import argparse
 import hashlib
 import json
 from pathlib import Path
@@ -10,13 +9,6 @@ from ..world.world import shipped
 
 RECORD = ".handed_out.json"
 """In the folder: lesson → hash of the file as it was copied, to tell work from an old lesson."""
-
-
-def bring_lessons(options: argparse.Namespace) -> None:
-    """Bring the lessons into a folder, and tell what is new in it."""
-    told = hand_out(options.folder)
-    print("\n".join(told or ["nothing to do: every lesson is there"]))
-    print(f"to open them: jupyter lab {options.folder}")
 
 
 def lesson_files() -> list[Path]:
