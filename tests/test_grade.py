@@ -158,10 +158,10 @@ ATTACKS: dict[str, dict[str, Any]] = {
                             applied="class Quiet(BaseException): pass\ndef applied(f, x): raise Quiet"),
     "kills": tiny.handed_in(double="import os\ndef double(x): os.kill(os.getppid(), 9); os.kill(-1, 9); return x"),
     "lies about sizes": tiny.handed_in(own=(
-        "import base64, io, numpy as np\nfrom cdprlab.course.grading import wire\n"
+        "import base64, io, numpy as np\nfrom cdprlab.course.answers import plain\n"
         "head = io.BytesIO(); np.lib.format.write_array_header_1_0(head, "
         "{'descr': '<f8', 'fortran_order': False, 'shape': (10**12,)})\n"
-        "wire._npy = lambda array: base64.b64encode(head.getvalue()).decode()"), double=RIGHT["double"]),
+        "plain._npy = lambda array: base64.b64encode(head.getvalue()).decode()"), double=RIGHT["double"]),
     "not what it is called": tiny.handed_in(
         double="class Robot: pass\ndef double(x):\n    r = Robot(); r.cables = 'x'; return r",
         said="class Cable:\n    def __reduce__(self): return print, ('ran',)\ndef said(w): return Cable()"),
@@ -195,18 +195,18 @@ ATTACKS: dict[str, dict[str, Any]] = {
         double="def double(x): return Liar(np.ndarray)", said="def said(w): return Liar(str)",
         applied="def applied(f, x): return Liar(cl.Pose)"),
     "pickles in arrays": tiny.handed_in(own=(
-        "import base64, io, numpy as np\nfrom cdprlab.course.grading import wire\n"
+        "import base64, io, numpy as np\nfrom cdprlab.course.answers import plain\n"
         "class Boom:\n    def __reduce__(s): return exec, ('import os; os._exit(0)',)\n"
         "def _npy(array):\n    file = io.BytesIO()\n"
         "    np.save(file, np.array([Boom()], object), allow_pickle=True)\n"
-        "    return base64.b64encode(file.getvalue()).decode()\nwire._npy = _npy"),
+        "    return base64.b64encode(file.getvalue()).decode()\nplain._npy = _npy"),
         double="def double(x): return np.ones(2)", said="def said(w): return np.ones(1)",
         applied="def applied(f, x): return np.ones(2)"),
     "an odd order of things": tiny.handed_in(own=(
-        "import base64, io, numpy as np\nfrom cdprlab.course.grading import wire\n"
+        "import base64, io, numpy as np\nfrom cdprlab.course.answers import plain\n"
         "head = io.BytesIO()\nnp.lib.format.write_array_header_1_0(head, "
         "{'descr': [('a', '<f8')], 'fortran_order': True, 'shape': (0, 10**15)})\n"
-        "wire._npy = lambda array: base64.b64encode(head.getvalue()).decode()"),
+        "plain._npy = lambda array: base64.b64encode(head.getvalue()).decode()"),
         double="def double(x): return np.ones(2)", applied="def applied(f, x): return np.ones(2)"),
     "callbacks called late": tiny.handed_in(
         applied="def applied(f, x):\n    global kept\n    kept = f\n    return lambda *a: f(f(x)), x",
