@@ -1,5 +1,7 @@
 """Engines behind one interface: `open_simulator` gives the one a world asks for."""
 
+from __future__ import annotations
+
 from inspect import signature
 from typing import Annotated, Any
 

@@ -117,7 +117,7 @@ class Picture:
             if not self._redrawn(renderer):
                 self._canvas.draw()
                 # Of what is drawn now: whatever takes its place later wipes all of it.
-                self._slots = self._parted(renderer)
+                self._slots = self._parted(renderer) if self.figure.axes else []
             self._background = self._canvas.copy_from_bbox(self.figure.bbox)
         else:
             self._canvas.restore_region(self._background)

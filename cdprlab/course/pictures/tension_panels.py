@@ -42,6 +42,9 @@ MARKS = {
 _GAPS = np.array([[32, 14], [32, -14], [-32, 14], [-32, -14], [0, 20], [0, -20]])
 """From marks on each other to the middle of the word that counts them [points]."""
 
+_WIDTH = 190.0
+"""Of a panel, about [points]."""
+
 OWN = (Mark("D", INK, 13), Mark("o", INK, 20))
 """Points of no method, a student's own or the one that walks along the border: hollow, so that nothing hides."""
 
@@ -109,23 +112,21 @@ def draw_set(panel: Axes, free: TensionSet, points: Mapping[str, Array],
 def _count_coinciding(panel: Axes, places: list[Array], frame: Array) -> None:
     """Where marks lie on each other, a word says how many, where most room is."""
     left = np.array(sorted(map(tuple, places)))
-    point = panel.figure.dpi / 72
-
-    def pixels(place: Array) -> Array:
-        return panel.transData.transform(np.pad(place, (0, 2 - len(place))))
-
-    taken = [*map(pixels, places), *(pixels(np.array(text.xy)) + point * np.array(text.xyann) for text in panel.texts
-                                     if isinstance(text, Annotation) and text.get_text())]
+    point = np.ptp(panel.get_xlim()) / _WIDTH
+    taken = [*(np.append(place, 0.0)[:2] / point for place in places),
+             *(np.divide(text.xy, point) + text.xyann for text in panel.texts
+               if isinstance(text, Annotation) and text.get_text())]
     while len(left):
         place = left[0]
         here = (np.abs(left - place) < 0.03 * np.ptp(frame, axis=0).max()).all(axis=1)
         if here.sum() > 1 and (frame[0] < place).all() and (place < frame[1]).all():
-            # Words are three times as wide as high.
-            free = [np.linalg.norm((pixels(place) + point * gap - taken) / [3, 1], axis=1).min() for gap in _GAPS]
-            gap = _GAPS[int(np.argmax(free))]
-            taken.append(pixels(place) + point * gap)
-            panel.annotate(f"{here.sum()} marks", (*place, 0.0)[:2], gap, textcoords="offset points", fontsize=9,
-                           ha="center", va="center", color=INK, zorder=7, bbox=HALO)
+            words = np.append(place, 0.0)[:2] / point + _GAPS
+            # They are three times as wide as high.
+            room = [np.linalg.norm((word - taken) / [3, 1], axis=1).min() for word in words]
+            best = int(np.argmax(room))
+            taken.append(words[best])
+            panel.annotate(f"{here.sum()} marks", (*place, 0.0)[:2], _GAPS[best], textcoords="offset points",
+                           fontsize=9, ha="center", va="center", color=INK, zorder=7, bbox=HALO)
         left = left[~here]
 
 
