@@ -12,12 +12,13 @@ import numpy as np
 from generated import write_tables
 from matplotlib.collections import PatchCollection
 from matplotlib.patches import Patch, Rectangle
+from workspace_pictures import workspace_still
 
 import cdprlab as cl
 from cdprlab.view import save_figure
 from cdprlab.view.plots import Figure, fitted_title
 from cdprlab.view.style import BLUE, GREY, INK, VERMILION, WARNING, house_style
-from cdprlab.view.workspace import plot_workspaces, workspace_still
+from cdprlab.view.workspace import plot_workspaces
 from cdprlab.workspace import AllOrientations, certify, position_grid, refine
 
 DOCS = Path(__file__).parent

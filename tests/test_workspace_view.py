@@ -5,12 +5,13 @@ import pytest
 from matplotlib.collections import PolyCollection
 from PIL import Image
 from scipy.spatial import ConvexHull
+from workspace_pictures import workspace_still
 
 import cdprlab as cl
 from cdprlab.errors import InvalidInput
 from cdprlab.view import save_figure
 from cdprlab.view.projection import Projection
-from cdprlab.view.workspace import plot_workspaces, workspace_still
+from cdprlab.view.workspace import plot_workspaces
 from cdprlab.workspace import Judgement, position_grid
 from robots import robot_1r2t, robot_3r3t
 

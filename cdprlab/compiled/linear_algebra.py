@@ -32,16 +32,18 @@ def wrench_size(w_e: Array) -> float:
 
 
 @compiled
-def balance(W: Array, w_e: Array, held_at: Array, owner: Any) -> tuple[int, int, Array, Array]:
+def balance(W: Array, w_e: Array, held_at: Array, rows: Array, owner: Any, c: Array, D: Array) -> tuple[int, int]:
     """c (m,) and D (m, m or 2) of one pose, by Gauss–Jordan on [W | −w_e − W_held τ_held]; a λ not there moves nothing.
 
-    W (n, m); w_e (n,); ``owner[j]``, FREE or HELD, becomes the row of W that column j solves
+    W (n, m); w_e (n,); rows (n, m + 1) to work in; ``owner[j]``, FREE or HELD, becomes the row of W
+    that column j solves
     Returns OUT_OF_RANGE where rows that depend on others do not agree with them, else
-    TOO_REDUNDANT or FOUND; how many λ there are, one per free cable; c and D.
+    TOO_REDUNDANT or FOUND; how many λ there are, one per free cable.
     """
     n, m = W.shape
-    rows, line = np.empty((n, m + 1)), np.empty(m + 1)
-    c, D = np.zeros(m), np.zeros((m, max(m, 2)))
+    line = np.empty(m + 1)
+    c[:] = 0.0
+    D[:] = 0.0
     for i in range(n):
         rows[i, m] = -w_e[i]
         for j in range(m):
@@ -82,7 +84,7 @@ def balance(W: Array, w_e: Array, held_at: Array, owner: Any) -> tuple[int, int,
             D[j, free] = 1.0
             free += 1
     known = TOO_REDUNDANT if free > 2 else FOUND
-    return known if agree else OUT_OF_RANGE, free, c, D
+    return known if agree else OUT_OF_RANGE, free
 
 
 @compiled

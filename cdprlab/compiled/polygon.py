@@ -22,13 +22,12 @@ THIN = 1e-12
 
 
 @compiled
-def clip(corners: Array, limit: float, sign: float, miss: float) -> Array:
+def clip(corners: Array, kept: Array, limit: float, sign: float, miss: float) -> Array:
     """What a convex polygon keeps, cut where sign · t > limit + miss, t linear over it (Sutherland and Hodgman 1974).
 
-    corners : (k, 3) x, y and t; so are those that are returned
+    corners : (k, 3) x, y and t; so are those that are returned, the first of ``kept``
     """
-    kept, to = np.empty((2 * len(corners), 3)), 0
-    before = len(corners) - 1
+    to, before = 0, len(corners) - 1
     over_before = sign * corners[before, 2] - limit
     for now in range(len(corners)):
         over = sign * corners[now, 2] - limit
@@ -49,14 +48,15 @@ def clip(corners: Array, limit: float, sign: float, miss: float) -> Array:
 
 
 @compiled
-def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, size: float) -> Array:
+def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, size: float, room: Array) -> Array:
     """(k, 3) corners λ, in order, of {λ : low ≤ c + D λ ≤ high}; those of a segment or a point coincide.
 
-    size : `wrench_size`
+    size : `wrench_size`; room : (2, 2 m + 8, 3) for them
     """
     slack, miss = 0.0, ROUNDING
     for _ in range(2):
-        corners, axis = np.zeros((4, 3)), 0
+        corners, axis, turn = room[0, :4], 0, 0
+        corners[:] = 0.0
         for j in range(len(c)):
             if owner[j] == FREE:
                 for k in range(4):   # low, low, high, high of one λ, and low, high, high, low of the other
@@ -76,7 +76,8 @@ def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, size: float
                     corners[k, 2] = c[j] + D[j, 0] * corners[k, 0] + D[j, 1] * corners[k, 1]
                     broken |= sign * corners[k, 2] > limit + miss * scale
                 if broken:
-                    corners = clip(corners, limit, sign, miss * scale)
+                    turn = 1 - turn
+                    corners = clip(corners, room[turn], limit, sign, miss * scale)
         if len(corners):
             break
         slack, miss = BORDER, 0.0   # one last point on the very border is lost to rounding
@@ -162,16 +163,17 @@ def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[
     Returns tensions (k, m), NaN without an answer; FOUND or why not (k,); redundancy r = m −
     rank (k,).
     """
-    count, _, m = W.shape
+    count, n, m = W.shape
     tensions, found, spare = np.empty((count, m)), np.empty(count, np.int64), np.empty(count, np.int64)
     owner, zero, point = np.empty(m, np.int64), np.zeros(m), np.empty(2)
+    rows, c, D, room = np.empty((n, m + 1)), np.empty(m), np.empty((m, max(m, 2))), np.empty((2, 2 * m + 8, 3))
     for k in range(count):
         row = k if len(low) > 1 else 0
         low_k, high_k, size, least = low[row], high[row], wrench_size(w_e[k]), 0.0
         for j in range(m):
             owner[j] = FREE
             least = max(least, low_k[j])
-        found[k], spare[k], c, D = balance(W[k], w_e[k], zero, owner)
+        found[k], spare[k] = balance(W[k], w_e[k], zero, rows, owner, c, D)
         point[0] = point[1] = np.nan
         near = found[k] == FOUND and pick == NEAREST
         if near:
@@ -179,7 +181,7 @@ def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[
             for i in range(m):
                 near = near and low_k[i] <= c[i] + D[i, 0] * point[0] + D[i, 1] * point[1] <= high_k[i]
         if found[k] == FOUND and not near:
-            corners = polygon(c, D, owner, low_k, high_k, size)
+            corners = polygon(c, D, owner, low_k, high_k, size, room)
             if len(corners) == 0:
                 found[k] = EMPTY
                 point[0] = np.nan

@@ -1,7 +1,7 @@
 """Least-norm tensions inside the limits: min ‖τ‖² subject to W τ + w_e = 0, τ_min ≤ τ ≤ τ_max."""
 
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -25,10 +25,13 @@ class LeastNorm:
 
         self.n, self.low, self.high, self.least = n, low, high, least
         self.no_limit_active = no_limit_active
-        # ‖τ‖², and C and b of Cᵀ τ ≥ b, equalities first: all but W and w_e is written once.
-        self.identity, nothing = np.eye(low.size), np.zeros((low.size, n))
-        self.C = np.concatenate([nothing, self.identity, -self.identity], axis=1)
-        self.b = np.concatenate([np.zeros(n), low, -high])
+
+    @cached_property
+    def constraints(self) -> tuple[Array, Array]:
+        """C and b of Cᵀ τ ≥ b, equalities first: all but W and w_e is written once."""
+        eye, nothing = np.eye(self.low.size), np.zeros((self.low.size, self.n))
+        return (np.concatenate([nothing, eye, -eye], axis=1),
+                np.concatenate([nothing[0], self.low, -self.high]))
 
     def __call__(self, W: Array, w_e: Array) -> Solution:
         """Tensions and '' or the reason why there are none."""
@@ -43,9 +46,10 @@ class LeastNorm:
 
     def program(self, W: Array, w_e: Array) -> tuple[Array, Array, Array, Array, int, bool]:
         """What `least_quadratic` takes."""
-        self.C[:, :self.n] = W.T
-        self.b[:self.n] = -w_e
-        return self.identity, np.zeros(self.low.size), self.C, self.b, self.n, True
+        C, b = self.constraints
+        C[:, :self.n] = W.T
+        b[:self.n] = -w_e
+        return np.eye(self.low.size), np.zeros(self.low.size), C, b, self.n, True
 
     def otherwise(self, W: Array, w_e: Array) -> Solution:
         """What is left when the program fails: dependent rows of W, a single point, or truly no solution."""

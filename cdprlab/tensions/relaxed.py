@@ -45,8 +45,9 @@ class Relaxed(LeastNorm):
             w_e = w_e * (reach / away)
             goal = goal * min(1.0, 1e5 * reach / away)
         gram = W.T @ W
-        gram += _RIDGE * (np.trace(gram) or 1.0) * self.identity
-        found = least_quadratic(gram, W.T @ goal, self.C[:, self.n:], self.b[self.n:])
+        gram += _RIDGE * (np.trace(gram) or 1.0) * np.eye(low.size)
+        C, b = self.constraints
+        found = least_quadratic(gram, W.T @ goal, C[:, self.n:], b[self.n:])
         assert found is not None, "limits are in order"
         at_limit = 1e-6 * tension_scale(w_e, low)   # a thousand times the ridge
         at_low, at_high = found <= low + at_limit, found >= high - at_limit

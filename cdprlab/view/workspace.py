@@ -1,7 +1,6 @@
-"""Pictures of workspaces: maps with contours of the margin, and layers in space."""
+"""Pictures of workspaces: maps with contours of the margin."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,21 +11,12 @@ from matplotlib.colors import ListedColormap
 from ..arrays import Array
 from ..errors import InvalidInput
 from ..robot import Robot
-from ..robot.pose import Pose
 from ..workspace import Judgement, PoseGrid
 from ..workspace.grids import axis_names
-from ..world import World
-from .depth import Blocks
-from .drawing import RobotDrawing
-from .film import save_png
-from .outlines import box_corners, surroundings
-from .picture import Picture
 from .plots import Figure, fitted_title
-from .screen import robot_axes, sized_figure
 from .style import INK, WARNING, house_style
 
 _PALE = "#A9CBE3"
-_SURFACE = "#5696C8"
 
 
 def plot_workspaces(robot: Robot, grid: PoseGrid, judgements: Mapping[str, Judgement], *,
@@ -103,42 +93,6 @@ def _draw_map(axes: Axes, robot: Robot, grid: PoseGrid, judgement: Judgement, la
     axes.set(xlabel=across, ylabel=up, aspect="equal")
     axes.margins(0.03)
     axes.grid(False)
-
-
-def workspace_still(world: World, grid: PoseGrid, judgement: Judgement, path: str | Path,
-                    width: int = 960) -> Path:
-    """A PNG of a workspace in space, layer upon layer, around the robot at its start, with a description inside.
-
-    A layer ends half-way between poses inside and outside.
-
-    grid : over x, y and z; judgement : of its poses
-    path : ends in .png; width : [pixels]
-    Raises InvalidInput for a grid that is no volume.
-    """
-    if len(grid.axes) != 3:
-        raise InvalidInput(f"layers need a grid over x, y and z, this one is over {', '.join(grid.axes)}")
-    figure = sized_figure(width, 3 * width // 4)
-    drawing = RobotDrawing(robot_axes(figure, 3), world.robot, world.scene, world.pose,
-                           solid=True)
-    x, y, heights = grid.axes.values()
-    slate = Figure().add_subplot()
-    corners, codes = [], []
-    for height, inside in zip(heights, grid.field(judgement.inside).T):
-        outline = slate.contourf(x, y, inside, [0.5, 1.5]).get_paths()[0]
-        corners.append(drawing.view.flat(np.insert(outline.vertices, 2, height, axis=1)))
-        codes.append(outline.codes)
-    drawing.faces(5.4, facecolors=_SURFACE, edgecolors=INK,
-                  linewidths=0.4).set_verts_and_codes(corners, codes)
-    # What stands around it is painted once more, as far as it is not behind the workspace.
-    places = grid.poses.position[judgement.inside]
-    if len(places):
-        low, high = places.min(axis=0), places.max(axis=0)
-        space = Blocks(box_corners(high - low, Pose((low + high) / 2))[None], drawing.view.eye)
-        drawing.paint(drawing.faces(5.5),
-                      [solid for solid in surroundings(world.robot, world.scene)
-                                          if not space.hides(solid.corners).any()])
-    return save_png(Picture(figure).pixels(), path,
-                    f"Layers of a workspace of {world.title or world.name}. {describe(grid, judgement)}")
 
 
 def describe(grid: PoseGrid, judgement: Judgement, unit: str = "") -> str:
