@@ -36,7 +36,8 @@ def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds:
     count, n, m = W.shape
     tensions, found = np.empty((count, m)), np.empty(count, np.int64)
     owner, wish, held, tau = np.empty(m, np.int64), np.empty(m), np.empty(m, np.bool_), np.empty(m)
-    rows, c, D = np.empty((n, m + 1)), np.empty(m), np.empty((m, max(m, 2)))
+    rows, line, c = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m)
+    D = np.empty((m, max(m, 2)))
     for k in range(count):
         row = k if len(low) > 1 else 0
         low_k, high_k = low[row], high[row]
@@ -47,7 +48,7 @@ def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds:
         while True:
             for j in range(m):
                 owner[j] = HELD if held[j] else FREE
-            known, free = balance(W[k], w_e[k], wish, rows, owner, c, D)
+            known, free = balance(W[k], w_e[k], wish, rows, line, owner, c, D)
             reachable = known != OUT_OF_RANGE
             lam = nearest(c, D, free, wish)
             for i in range(m):

@@ -32,18 +32,16 @@ def wrench_size(w_e: Array) -> float:
 
 
 @compiled
-def balance(W: Array, w_e: Array, held_at: Array, rows: Array, owner: Any, c: Array, D: Array) -> tuple[int, int]:
+def balance(W: Array, w_e: Array, held_at: Array, rows: Array, line: Array, owner: Any, c: Array,
+            D: Array) -> tuple[int, int]:
     """c (m,) and D (m, m or 2) of one pose, by Gauss–Jordan on [W | −w_e − W_held τ_held]; a λ not there moves nothing.
 
-    W (n, m); w_e (n,); rows (n, m + 1) to work in; ``owner[j]``, FREE or HELD, becomes the row of W
-    that column j solves
+    W (n, m); w_e (n,); rows (n, m + 1) and line (m + 1,) to work in; ``owner[j]``, FREE or HELD,
+    becomes the row of W that column j solves
     Returns OUT_OF_RANGE where rows that depend on others do not agree with them, else
     TOO_REDUNDANT or FOUND; how many λ there are, one per free cable.
     """
     n, m = W.shape
-    line = np.empty(m + 1)
-    c[:] = 0.0
-    D[:] = 0.0
     for i in range(n):
         rows[i, m] = -w_e[i]
         for j in range(m):
@@ -73,12 +71,16 @@ def balance(W: Array, w_e: Array, held_at: Array, rows: Array, owner: Any, c: Ar
             rows[i, j] = line[j]
     free = 0
     for j in range(m):
+        D[j, 0] = D[j, 1] = c[j] = 0.0
+    for j in range(m):
         if owner[j] == HELD:
             c[j] = held_at[j]
         elif owner[j] >= 0:
             c[j] = rows[owner[j], m]
         else:
-            for i in range(m):   # less than nought would, of a wish at 1e12 N, make something
+            for i in range(m):
+                D[i, free] = 0.0
+                # Less than nought would, of a wish at 1e12 N, make something.
                 if owner[i] >= 0 and abs(rows[owner[i], j]) >= NOUGHT:
                     D[i, free] = -rows[owner[i], j]
             D[j, free] = 1.0

@@ -22,41 +22,45 @@ THIN = 1e-12
 
 
 @compiled
-def clip(corners: Array, kept: Array, limit: float, sign: float, miss: float) -> Array:
-    """What a convex polygon keeps, cut where sign · t > limit + miss, t linear over it (Sutherland and Hodgman 1974).
+def clip(corners: Array, first: int, count: int, limit: float, sign: float, miss: float) -> int:
+    """Cuts a convex polygon where sign · t > limit + miss, t linear over it (Sutherland and Hodgman 1974).
 
-    corners : (k, 3) x, y and t; so are those that are returned, the first of ``kept``
+    corners[first:first + count] are (x, y, t); those kept go to the other half of the array;
+    returns how many.
     """
-    to, before = 0, len(corners) - 1
+    to = begin = corners.shape[0] // 2 - first
+    before = first + count - 1
     over_before = sign * corners[before, 2] - limit
-    for now in range(len(corners)):
+    for now in range(first, first + count):
         over = sign * corners[now, 2] - limit
         if (over > miss) != (over_before > miss):
             near, far, share = before, now, over_before / (over_before - over)
             if share > 0.5:   # from the end that is far, say at 1e12 N, rounding would be felt
                 near, far, share = now, before, over / (over - over_before)
             for a in range(3):
-                kept[to, a] = corners[near, a] + share * (corners[far, a] - corners[near, a])
+                corners[to, a] = corners[near, a] + share * (corners[far, a] - corners[near, a])
             to += 1
         if over <= miss:
             for a in range(3):
-                kept[to, a] = corners[now, a]
+                corners[to, a] = corners[now, a]
             to += 1
         before = now
         over_before = over
-    return kept[:to]
+    return to - begin
 
 
 @compiled
-def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, size: float, room: Array) -> Array:
+def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, size: float, corners: Array) -> Array:
     """(k, 3) corners λ, in order, of {λ : low ≤ c + D λ ≤ high}; those of a segment or a point coincide.
 
-    size : `wrench_size`; room : (2, 2 m + 8, 3) for them
+    size : `wrench_size`; corners : (4 m + 16, 3) to work in
     """
     slack, miss = 0.0, ROUNDING
     for _ in range(2):
-        corners, axis, turn = room[0, :4], 0, 0
-        corners[:] = 0.0
+        first: Any = np.int64(0)   # for bare literals `clip` would be compiled a second time
+        count: Any = np.int64(4)
+        corners[:4] = 0.0
+        axis = 0
         for j in range(len(c)):
             if owner[j] == FREE:
                 for k in range(4):   # low, low, high, high of one λ, and low, high, high, low of the other
@@ -67,21 +71,21 @@ def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, size: float
                 axis += 1
         for j in range(len(c)):
             for sign in (-1.0, 1.0):
-                if owner[j] == FREE:
+                if owner[j] == FREE or count == 0:
                     continue
                 scale = size + abs(low[j])
                 limit = slack * scale + (high[j] if sign > 0.0 else -low[j])
                 broken = False
-                for k in range(len(corners)):
+                for k in range(first, first + count):
                     corners[k, 2] = c[j] + D[j, 0] * corners[k, 0] + D[j, 1] * corners[k, 1]
                     broken |= sign * corners[k, 2] > limit + miss * scale
                 if broken:
-                    turn = 1 - turn
-                    corners = clip(corners, room[turn], limit, sign, miss * scale)
-        if len(corners):
+                    count = clip(corners, first, count, limit, sign, miss * scale)
+                    first = len(corners) // 2 - first
+        if count:
             break
         slack, miss = BORDER, 0.0   # one last point on the very border is lost to rounding
-    return corners
+    return corners[first:first + count]
 
 
 @compiled
@@ -166,14 +170,15 @@ def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[
     count, n, m = W.shape
     tensions, found, spare = np.empty((count, m)), np.empty(count, np.int64), np.empty(count, np.int64)
     owner, zero, point = np.empty(m, np.int64), np.zeros(m), np.empty(2)
-    rows, c, D, room = np.empty((n, m + 1)), np.empty(m), np.empty((m, max(m, 2))), np.empty((2, 2 * m + 8, 3))
+    rows, line, c = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m)
+    D, room = np.empty((m, max(m, 2))), np.empty((4 * m + 16, 3))
     for k in range(count):
         row = k if len(low) > 1 else 0
         low_k, high_k, size, least = low[row], high[row], wrench_size(w_e[k]), 0.0
         for j in range(m):
             owner[j] = FREE
             least = max(least, low_k[j])
-        found[k], spare[k] = balance(W[k], w_e[k], zero, rows, owner, c, D)
+        found[k], spare[k] = balance(W[k], w_e[k], zero, rows, line, owner, c, D)
         point[0] = point[1] = np.nan
         near = found[k] == FOUND and pick == NEAREST
         if near:
