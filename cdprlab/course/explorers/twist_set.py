@@ -24,7 +24,7 @@ from .explorer import Slider, Values, once_a_move
 from .plane_sets import PlaneSetExplorer, check_set_world
 from .posing import draw_arrow, velocity
 
-_SECONDS = 0.1
+_SECONDS = 0.15
 """The robot's arrow shows where the platform would be after this time."""
 
 
