@@ -57,7 +57,6 @@ class PlanningExplorer(Explorer):
         """(3,) where the sliders say [m, m, rad]."""
         return np.array([values["x"], values["y"], np.deg2rad(values["heading"])])
 
-
     @once_a_move
     def plan(self, values: Values) -> Plan:
         """The way, or why there is none."""
@@ -98,8 +97,9 @@ class PlanningExplorer(Explorer):
 
     def draw(self, values: Values) -> None:
         axes, pair, plan, grid = self._axes, self.vehicle, self.plan(values), self.grid(values)
-        places = [(np.arange(count) + 0.5) * grid.cell for count in grid.clearance.shape]
-        axes.contourf(*places, grid.clearance.T - values["margin"], colors=[_NEVER, _TURNED],
+        # Every second cell, 4 pixels, draws as fine a line in half the time.
+        places = [(np.arange(0, count, 2) + 0.5) * grid.cell for count in grid.clearance.shape]
+        axes.contourf(*places, grid.clearance[::2, ::2].T - values["margin"], colors=[_NEVER, _TURNED],
                       levels=[-1.0, pair.width / 2, np.hypot(*pair.size) / 2])
         stations = along(plan.poses, 0.9, 0.8) if plan.found else _START[None]
         front = pair.size / 2 * [[1, -1], [1, 1]]

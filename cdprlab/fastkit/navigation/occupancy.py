@@ -49,7 +49,9 @@ class OccupancyGrid:
         shape = np.maximum(np.ceil((high - low) / cell - 1e-9).astype(int), 1)
         centers = low + (np.moveaxis(np.indices(shape), 0, -1) + 0.5) * cell
         hidden = cell / np.sqrt(2)                      # from a cell's center to its corner
-        occupied = KDTree(points).query(centers)[0] <= reach + hidden
+        occupied = np.zeros(shape, bool)
+        if len(points):
+            occupied = KDTree(points).query(centers)[0] <= reach + hidden
         for place, size in zip(hall.places, hall.sizes):
             off = (centers - place[:2]) @ turn(place[2])
             occupied |= (np.abs(off) <= size / 2 + hidden).all(axis=-1)
@@ -67,24 +69,25 @@ class OccupancyGrid:
 
     def clearance_at(self, points: Spots) -> Array:
         """(…) clearance at points (…, 2); 0 off the floor [m]."""
-        return self._at(*np.moveaxis(np.asarray(points), -1, 0))
+        return self._walled[self._cells(*np.moveaxis(np.asarray(points), -1, 0))]
 
     def room(self, vehicle: Vehicle, poses: Places) -> Array:
         """(…) what is surely left between a vehicle at poses (…, 3) and all that stands there [m]."""
         return self.clearance_at(carried(poses, vehicle.discs)).min(axis=-1) - vehicle.radius
 
-    def room_on(self, vehicle: Vehicle, xs: Line, ys: Line, heading: float) -> Array:
-        """(nx, ny) the same for one heading at all places (x, y): cells are looked up row by column."""
-        x, y = carried([0, 0, heading], vehicle.discs).T[:, :, None]
-        return self._at((xs + x)[:, :, None], (ys + y)[:, None, :]).min(axis=0) - vehicle.radius
+    def room_on(self, vehicle: Vehicle, xs: Line, ys: Line, headings: Line) -> Array:
+        """(k, nx, ny) the same at k headings and all places (x, y): cells are looked up row by column."""
+        turned = carried(np.pad(headings[:, None], ((0, 0), (2, 0))), vehicle.discs)
+        rows, columns = self._cells(xs + turned[..., :1], ys + turned[..., 1:])
+        return np.stack([self._walled[i[:, :, None], j[:, None]].min(axis=0)
+                         for i, j in zip(rows, columns)]) - vehicle.radius
 
     @cached_property
     def _walled(self) -> Array:
         """The clearance in a ring of zeros: there it is off the floor."""
         return np.pad(self.clearance, 1)
 
-    def _at(self, x: Array, y: Array) -> Array:
-        i, j = (np.clip(np.floor((along - low) / self.cell).astype(int) + 1, 0, count - 1)
-                for along, low, count in zip((x, y), self.corner, self._walled.shape))
-        return self._walled[i, j]
-
+    def _cells(self, *points: Array) -> tuple[Array, ...]:
+        """Where x and y are in ``_walled``."""
+        return tuple(np.clip(np.floor((along - low) / self.cell).astype(int) + 1, 0, count - 1)
+                     for along, low, count in zip(points, self.corner, self._walled.shape))

@@ -120,10 +120,11 @@ class _Lattice:
                             for low, count in zip(grid.corner, grid.occupied.shape))
         self.headings = np.arange(_HEADINGS * _BETWEEN) * 2 * np.pi / (_HEADINGS * _BETWEEN)
         # A rectangle that is turned round is the same rectangle: half the headings are enough.
-        half = [grid.room_on(vehicle, self.xs, self.ys, heading)
-                for heading in self.headings[:len(self.headings) // 2]]
-        self.room = np.reshape(half + half, (_HEADINGS, _BETWEEN, *half[0].shape))
+        half = grid.room_on(vehicle, self.xs, self.ys, self.headings[:len(self.headings) // 2])
+        self.room = np.tile(half, (2, 1, 1)).reshape(_HEADINGS, _BETWEEN, *half.shape[1:])
         self.free = self.room[:, 0] >= margin                                        # (headings, nx, ny)
+        self.nodes = np.flatnonzero(self.free)
+        self.poses = self._poses(self.nodes)
 
     def way(self, start: Array, goal: Array, least: float) -> Array:
         """(n, 3) poses of the best way between the nodes that start and goal join; (0, 3) if there is none."""
@@ -145,11 +146,10 @@ class _Lattice:
 
     def _joined(self, pose: Array, least: float) -> tuple[Indices, Array]:
         """Free nodes near a pose that a straight free drive reaches, nearest first, and in what time [s]."""
-        nodes = np.flatnonzero(self.free)
-        d = np.abs(difference(self._poses(nodes), pose))
+        d = np.abs(difference(self.poses, pose))
         near = (d <= [_JOIN, _JOIN, 2.2 * np.pi / _HEADINGS]).all(axis=1)
-        nodes, times = nodes[near], (d[near] / self.vehicle.speed_max[[1, 2, 0]]).sum(axis=-1)
-        room = self.grid.room(self.vehicle, between(pose, self._poses(nodes))).min(axis=-1)
+        nodes, times = self.nodes[near], (d[near] / self.vehicle.speed_max[[1, 2, 0]]).sum(axis=-1)
+        room = self.grid.room(self.vehicle, between(pose, self.poses[near])).min(axis=-1)
         best = np.argsort(times, kind="stable")
         best = best[room[best] >= least - 1e-9][:_JOINED]
         return nodes[best], times[best]
