@@ -139,7 +139,7 @@ class Footing(NamedTuple):
             levers = levers - _turned(self.axes, (shifts @ rotation)[..., None, :, :])
         matrix = (levers * pulls).sum(axis=-1)
         offset = self.center @ (self.weight @ rotation)
-        return TippingRows(frozen(matrix), np.broadcast_to(offset, matrix.shape[:-1]))
+        return TippingRows(frozen(matrix), frozen(offset + np.zeros(matrix.shape[:-1])))
 
 
 def footings(robot: Robot) -> list[Footing]:

@@ -111,12 +111,12 @@ def cable_tensions(winch: Winch, torques: Array, rates: Array, loose: Array, yie
     inertia = ratio * (winch.inertia + period * np.full(speed.shape, damping))
     inverse = np.linalg.inv(np.diag(gear_torque(winch, 1.0, speed)) + inertia[:, None] * yielding)
     known = inertia * loose - friction_torque(winch, speed)
-    given = np.clip(torques, -winch.torque, winch.torque)
+    given = torques.clip(-winch.torque, winch.torque)
     turning = period * ratio * yielding @ inverse     # ∂q̇/∂τ at the step's end
     ahead = speed - period * ratio * loose + turning @ (given + known)
     fast = np.abs(ahead) > winch.speed
     if fast.any():
         excess = ahead[fast] - np.sign(ahead[fast]) * winch.speed
         given[fast] -= np.linalg.lstsq(turning[np.ix_(fast, fast)], excess)[0]
-        given = np.clip(given, -winch.torque, winch.torque)
-    return np.clip(inverse @ (given + known), 0.0, ratio * winch.torque), given
+        given = given.clip(-winch.torque, winch.torque)
+    return (inverse @ (given + known)).clip(0.0, ratio * winch.torque), given

@@ -171,7 +171,8 @@ def turned_to(heading: Array | float, d: int) -> Array:
            [ 0.,  1.]])
     """
     c, s = np.cos(heading), np.sin(heading)
-    rotation = np.zeros((*c.shape, d, d)) + np.eye(d)
+    rotation = np.zeros((*c.shape, d, d))
+    rotation[..., -1, -1] = 1.0
     rotation[..., 0, 0] = rotation[..., 1, 1] = c
     rotation[..., 0, 1], rotation[..., 1, 0] = -s, s
     return rotation

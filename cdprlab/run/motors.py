@@ -91,11 +91,11 @@ class Motors:
             self._rates = (lengths - self._asked) / self.period
         self._asked = lengths
         turning, speed = (self._rates - turned) / self.period, motor_speed(winch, turned)
-        spare = winch.torque - motor_torque(winch, 0.0, turned, turning)
-        body.strongest = np.clip(spare / gear_torque(winch, 1.0, speed),
-                                 0.0, winch.torque * winch.gear_ratio / winch.drum_radius)
+        idle, lever = motor_torque(winch, 0.0, turned, turning), gear_torque(winch, 1.0, speed)
+        most = winch.torque * winch.gear_ratio / winch.drum_radius
+        body.strongest = ((winch.torque - idle) / lever).clip(0.0, most)
         reached: bool = self.engine.bring(lengths, substeps)
-        self._keep(body.tensions, motor_torque(winch, body.tensions, turned, turning), speed, body.slipping)
+        self._keep(body.tensions, idle + lever * body.tensions, speed, body.slipping)
         return reached
 
     def columns(self) -> Columns:

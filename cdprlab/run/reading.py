@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping, Sequence
 from csv import Error, reader
@@ -94,6 +93,8 @@ def read_log(csv: str | Path, columns: Mapping[str, str | Sequence[str]] | None 
         fields.setdefault("commanded_lengths", frozen(told["commanded_length"]))
     settings: dict[str, Any] = {"log": str(file)}
     if columns is None:
+        import json
+
         kept, real = file.with_name("settings.json"), file.with_name("real.yaml")
         try:
             settings |= json.loads(kept.read_text(encoding="utf-8")) if kept.is_file() else {}

@@ -1,6 +1,5 @@
 """What happened in a run: one row a control step, summed up and saved."""
 
-import json
 from dataclasses import dataclass, field
 from operator import attrgetter
 from pathlib import Path
@@ -200,6 +199,8 @@ class Run:
 
         folder : made if missing, also for the real world
         """
+        import json  # here, as is what few ask for: an import of cdprlab is quick
+
         target, columns = made_folder(folder), self.columns()
         arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}
         units = {name: unit for name, (_, unit) in columns.items()}

@@ -9,7 +9,6 @@ import numpy as np
 from ..arrays import Array, checked
 from ..errors import InvalidInput, quoted
 from ..mechanics.dynamics import inverse_dynamics
-from ..mechanics.kinematics import moved
 from ..mechanics.statics import footings
 from ..mechanics.trajectory import Reference
 from ..mechanics.winch import Friction
@@ -161,10 +160,9 @@ class VelocityControl(WinchControl):
         directions, before, _ = self.there
         # J t as it is on the mean over the step: lengths that no pose has would strain redundant ropes.
         way = wish.twist * self.period + wish.acceleration * self.period**2 / 2
-        robot, turn = engine.world.robot, wish.pose.rotation
-        after = engine.cables_at(moved(robot, wish.pose, way @ robot.pattern.basis(turn))).lengths
+        robot, after = engine.world.robot, engine.cables_at(wish.pose.displaced(way)).lengths
         rates = (after - before) / self.period + self.paid(directions) + self.gain * (wanted - ropes)
-        kept = np.clip(rates, -robot.speed_max, robot.speed_max)
+        kept = rates.clip(-robot.speed_max, robot.speed_max)
         wound = ropes + kept * self.period
         reached = (self.motors or engine).bring(wound, self.substeps) and (kept == rates).all()
         self.feasible = bool(reached) and self.feasible

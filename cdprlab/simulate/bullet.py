@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import math
 import os
-import tempfile
 import threading
 from collections.abc import Iterator
 from functools import cache, partial
@@ -105,6 +104,8 @@ def _without_banner() -> Iterator[None]:
 
     The stream is the whole process's: whatever others write meanwhile arrives, a little later.
     """
+    import tempfile
+
     try:
         stderr, heard = os.dup(2), tempfile.TemporaryFile()   # noqa: SIM115 (closed below)
     except OSError:   # it is closed, or nothing can be written anywhere: then let it print

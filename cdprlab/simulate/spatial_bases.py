@@ -147,12 +147,11 @@ class SpatialBases:
         loads = {}
         for base, body, frame in zip(self._robot.bases, self.bodies, self.frames):
             feet = base.footprint - base.center_of_mass[:2]
-            force = np.zeros(len(feet))
-            for contact in self._bullet.getContactPoints(bodyA=body, linkIndexA=_BODY):
-                point = (contact[5] - frame[:, 3]) @ frame[:, :2]
-                # Bullet divides a substep's impulse by the whole step.
-                force[((feet - point)**2).sum(axis=1).argmin()] += contact[9] * substeps
-            loads[base.name] = force
+            touched = self._bullet.getContactPoints(bodyA=body, linkIndexA=_BODY)
+            points = (np.reshape([contact[5] for contact in touched], (-1, 3)) - frame[:, 3]) @ frame[:, :2]
+            nearest = ((feet[:, None] - points)**2).sum(axis=2).argmin(axis=0)
+            # Bullet divides a substep's impulse by the whole step.
+            loads[base.name] = substeps * np.bincount(nearest, [contact[9] for contact in touched], len(feet))
         return loads
 
     def drive(self, speeds: ArrayLike) -> Array:
@@ -161,7 +160,7 @@ class SpatialBases:
             raise InvalidInput("SpatialSimulator has no bases that drive: planar worlds have")
         wanted = as_array(speeds, "base speeds", self._robot.base_speed_max.shape, "rad/s, m/s")
         fastest = np.zeros_like(wanted) if self.is_stabilized else self._robot.base_speed_max
-        self._speeds = np.clip(wanted, -fastest, fastest)
+        self._speeds = wanted.clip(-fastest, fastest)
         return self._speeds
 
     @property

@@ -7,7 +7,6 @@ from ..arrays import Array
 from ..mechanics.optimization import least_quadratic
 from .law import NOT_FINITE
 from .method import INFEASIBLE, Solution
-from .quadratic_program import LeastNorm
 
 
 def standing_tensions(W: Array, w_e: Array, low: Array, high: Array, rows: Array, offset: Array,
@@ -26,11 +25,12 @@ def standing_tensions(W: Array, w_e: Array, low: Array, high: Array, rows: Array
     >>> standing_tensions(W, np.zeros(1), np.ones(2), np.full(2, 9.0), none, np.zeros(0))[0]
     array([1., 1.])
     """
-    identity, _, C, b, equal, factored = LeastNorm(len(w_e), low, high).program(W, w_e)
+    identity = np.eye(low.size)
     found = least_quadratic(identity, np.full(low.size, toward, dtype=float),
-                            np.concatenate([C, -rows.T], axis=1), np.concatenate([b, offset]), equal, factored)
+                            np.concatenate([W.T, identity, -identity, -rows.T], axis=1),
+                            np.concatenate([-w_e, low, -high, offset]), len(w_e), factored=True)
     if found is not None:
-        return np.clip(found, low, high), ""
+        return found.clip(low, high), ""
     reason = f"{INFEASIBLE} and keep every base standing" if rows.size else INFEASIBLE
     if not np.isfinite([*w_e, *offset]).all():
         reason = NOT_FINITE

@@ -1,8 +1,6 @@
 """Files written whole or not at all: beside what they replace, then moved into its place."""
 
 import os
-import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -40,7 +38,7 @@ def replaced(path: str | Path) -> Iterator[IO[bytes]]:
         with part.open("wb") as file:
             yield file
         if old:
-            shutil.copymode(target, part)
+            part.chmod(target.stat().st_mode)
         if beside:
             part.replace(target)
     except OSError as error:
@@ -79,6 +77,8 @@ def made_folder(path: str | Path) -> Path:
     ...
     cdprlab.errors.CannotWrite: cannot write to the folder /dev/null: something else has that name
     """
+    import tempfile
+
     folder = as_path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)

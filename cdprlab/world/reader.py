@@ -1,6 +1,5 @@
 """Document → the words of a `World`; every mistake is named by file, line, key and cable."""
 
-import difflib
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -53,7 +52,9 @@ class _Mistake:
         """The allowed key that looks most like an unknown one, if any does."""
         if self.kind != "extra_forbidden":
             return []
-        return difflib.get_close_matches(str(self.place[-1]), keys_at(self.place[:-1]), n=1)
+        from difflib import get_close_matches
+
+        return get_close_matches(str(self.place[-1]), keys_at(self.place[:-1]), n=1)
 
     def line(self, path: str) -> str:
         number = line_number(self.document, self.place) if path else None

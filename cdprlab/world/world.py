@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import field
 from pathlib import Path
@@ -201,7 +200,9 @@ def _world_path(name_or_path: str | Path) -> Path:
         return given
     path = shipped("worlds") / f"{name_or_path}.yaml"
     if len(given.parts) != 1 or not path.is_file():
-        close = difflib.get_close_matches(str(name_or_path), world_names(), n=1)
+        from difflib import get_close_matches
+
+        close = get_close_matches(str(name_or_path), world_names(), n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""
         raise WorldError([f"unknown world {quoted(str(name_or_path))}; {hint}there are {', '.join(world_names())}; "
                           "or give the path of a .yaml file"])

@@ -207,7 +207,7 @@ class _Work:
         engine, gripped = self.engine, self.engine.boxes.is_gripped(BOX)
         place = self.offset + self._drawn() if gripped else self.task.seat + self.task.stroke
         error = pose_error(Pose.of(engine.position, engine.rotation), wish.pose)
-        astray = np.linalg.norm((engine.base_poses - self.places)[:, :2], axis=1)
+        astray = np.hypot(*(engine.base_poses - self.places)[:, :2].T)
         return Readings(now, math.hypot(*error[:3]), math.hypot(*error[3:]), engine.tensions, self.overloaded,
                         self.missing, engine.wheel_loads(), astray.max(), gripped,
                         math.hypot(*self._held(box) - place))

@@ -145,7 +145,7 @@ def standing(sensors: Readings) -> str:
     if sensors.time < SETTLING:
         return ""
     for name, load in sensors.wheels.items():
-        if (load + np.roll(load, -1)).min() < 1.0:   # N on the two wheels of an edge
+        if (load + load[np.arange(load.size) - 1]).min() < 1.0:   # N on the two wheels of an edge
             return f"base {name!r} lifts its wheels"
     return ""
 
