@@ -234,7 +234,7 @@ def of_fastkit() -> dict[str, tuple[Any, Words]]:
         "OccupancyGrid.clearance_at": (grid.clearance_at, {"points": seen}),
         "OccupancyGrid.room": (grid.room, {"vehicle": vehicle, "poses": HERE}),
         "OccupancyGrid.room_on": (grid.room_on, {"vehicle": vehicle, "xs": np.zeros(3), "ys": np.zeros(3),
-                                                 "heading": 0.0}),
+                                                 "headings": np.zeros(2)}),
         "Odometry": (fastkit.Odometry, {"scale": 0.03, "per_turn": 0.03, "per_meter": 0.01}),
         "Odometry.covariance": (fastkit.Odometry().covariance, {"step": HERE}),
         "Odometry.measured": (fastkit.Odometry().measured, {"step": HERE, "random": random}),

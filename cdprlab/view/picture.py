@@ -35,7 +35,8 @@ class _Renderer(RendererAgg):
     def _draw_words(self, s: str, prop: Any, angle: float, ismath: Any,
                     color: Any) -> tuple[int, int, Any]:
         """Where its lower left corner is, seen from where the words begin, and (height, width, 4) the image."""
-        width, height, descent = self.get_text_width_height_descent(s, prop, ismath)
+        width, height, descent = self.get_text_width_height_descent(  # type: ignore[no-untyped-call]
+            s, prop, ismath)
         turn = np.exp(1j * np.deg2rad(angle))
         up = 1j * np.array([-descent, height - descent])
         corners = turn * (np.array([[0], [width]]) + up)
