@@ -35,8 +35,12 @@ HALLS = range(20)
 def states(world):
     """The state machine, one line a state, in the words of the code."""
     trip = Trip(world, world.task("pick_and_place"), np.array(BOUNDS), np.array(START), np.zeros(3), PEOPLE, 271)
-    rows = [f"| `{state.name}` | {state.what} | {state.guard.__doc__.split(': ', 1)[1].strip()} |"
-            for state in mission_states(trip)]
+    machine = mission_states(trip)
+    rows = []
+    for state, after in zip(machine, [*(state.name for state in machine[1:]), "done"]):
+        guard = getattr(state.guard, "func", state.guard)   # of a partial, which speaks of several states
+        words = guard.__doc__.split(f"→ {after}: ")[1].split(" →")[0].strip()
+        rows.append(f"| `{state.name}` | {state.what} | {words} |")
     return "\n".join(["| state | what is done | the next may begin |", "|---|---|---|", *rows])
 
 

@@ -146,7 +146,7 @@ def stands_still(mission: Mission) -> str:
 
 
 def job_came_to(state: str, mission: Mission) -> str:
-    """deployed → pick and place: it approached the box. → return: the box is in its place, the gripper open."""
+    """deployed → pick and place: the job approached the box. → return: the box is in its place, the gripper open."""
     job = mission.job
     if job is None:
         return "there was no job"
