@@ -8,8 +8,8 @@ from ..arrays import checked
 from ..errors import door
 from .events import DONE, STOPPED, Event
 from .job.job import pick_and_place
-from .job.job_record import Job, least_edge_loads
-from .job.machine import Machine, Phase, Readings
+from .job.job_record import Job
+from .job.machine import Machine, Phase, Readings, least_edge_loads
 from .mission.engine_pair import EnginePair, pair_pose
 from .mission.mission_record import Mission
 from .mission.states import Stage, mission_states, run_mission, walk_through

@@ -91,7 +91,8 @@ class Motors:
             self._rates = (lengths - self._asked) / self.period
         self._asked = lengths
         turning, speed = (self._rates - turned) / self.period, motor_speed(winch, turned)
-        idle, lever = motor_torque(winch, 0.0, turned, turning), gear_torque(winch, 1.0, speed)
+        idle = motor_torque(winch, 0.0, turned, turning)
+        lever = gear_torque(winch, 1.0, speed)
         most = winch.torque * winch.gear_ratio / winch.drum_radius
         body.strongest = ((winch.torque - idle) / lever).clip(0.0, most)
         reached: bool = self.engine.bring(lengths, substeps)

@@ -199,7 +199,7 @@ class Run:
 
         folder : made if missing, also for the real world
         """
-        import json  # here, as is what few ask for: an import of cdprlab is quick
+        import json  # not above: all import cdprlab, few save a run
 
         target, columns = made_folder(folder), self.columns()
         arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}

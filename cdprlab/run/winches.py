@@ -160,9 +160,10 @@ class VelocityControl(WinchControl):
         directions, before, _ = self.there
         # J t as it is on the mean over the step: lengths that no pose has would strain redundant ropes.
         way = wish.twist * self.period + wish.acceleration * self.period**2 / 2
-        robot, after = engine.world.robot, engine.cables_at(wish.pose.displaced(way)).lengths
+        after = engine.cables_at(wish.pose.displaced(way)).lengths
         rates = (after - before) / self.period + self.paid(directions) + self.gain * (wanted - ropes)
-        kept = rates.clip(-robot.speed_max, robot.speed_max)
+        fastest = engine.world.robot.speed_max
+        kept = rates.clip(-fastest, fastest)
         wound = ropes + kept * self.period
         reached = (self.motors or engine).bring(wound, self.substeps) and (kept == rates).all()
         self.feasible = bool(reached) and self.feasible

@@ -151,7 +151,7 @@ class SpatialBases:
             points = (np.reshape([contact[5] for contact in touched], (-1, 3)) - frame[:, 3]) @ frame[:, :2]
             nearest = ((feet[:, None] - points)**2).sum(axis=2).argmin(axis=0)
             forces: Any = np.bincount(nearest, [contact[9] for contact in touched], len(feet))
-            loads[base.name] = forces * substeps   # Bullet divides a substep's impulse by the whole step
+            loads[base.name] = forces * float(substeps)   # Bullet divides a substep's impulse by the whole step
         return loads
 
     def drive(self, speeds: ArrayLike) -> Array:

@@ -28,10 +28,8 @@ class LeastNorm:
 
     @cached_property
     def constraints(self) -> tuple[Array, Array]:
-        """C and b of Cᵀ τ ≥ b, equalities first: all but W and w_e is written once."""
-        eye, nothing = np.eye(self.low.size), np.zeros((self.low.size, self.n))
-        return (np.concatenate([nothing, eye, -eye], axis=1),
-                np.concatenate([nothing[0], self.low, -self.high]))
+        """`kept_rows`, all but W and w_e of them: written once."""
+        return kept_rows(np.zeros((self.n, self.low.size)), np.zeros(self.n), self.low, self.high)
 
     def __call__(self, W: Array, w_e: Array) -> Solution:
         """Tensions and '' or the reason why there are none."""
@@ -64,6 +62,12 @@ class LeastNorm:
             if found is not None:
                 return sharpened(W, w_e, self.low, self.high, found), ""
         return nothing, INFEASIBLE
+
+
+def kept_rows(W: Array, w_e: Array, low: Array, high: Array) -> tuple[Array, Array]:
+    """C and b of Cᵀ τ ≥ b: W τ + w_e = 0 first, as equalities, then τ_min ≤ τ ≤ τ_max."""
+    eye = np.eye(low.size)
+    return np.concatenate([W.T, eye, -eye], axis=1), np.concatenate([-w_e, low, -high])
 
 
 def independent_rows(W: Array, values: Array) -> tuple[Array, Array, float]:

@@ -7,6 +7,7 @@ from ..arrays import Array
 from ..mechanics.optimization import least_quadratic
 from .law import NOT_FINITE
 from .method import INFEASIBLE, Solution
+from .quadratic_program import kept_rows
 
 
 def standing_tensions(W: Array, w_e: Array, low: Array, high: Array, rows: Array, offset: Array,
@@ -25,10 +26,9 @@ def standing_tensions(W: Array, w_e: Array, low: Array, high: Array, rows: Array
     >>> standing_tensions(W, np.zeros(1), np.ones(2), np.full(2, 9.0), none, np.zeros(0))[0]
     array([1., 1.])
     """
-    identity = np.eye(low.size)
-    found = least_quadratic(identity, np.full(low.size, toward, dtype=float),
-                            np.concatenate([W.T, identity, -identity, -rows.T], axis=1),
-                            np.concatenate([-w_e, low, -high, offset]), len(w_e), factored=True)
+    C, b = kept_rows(W, w_e, low, high)
+    found = least_quadratic(np.eye(low.size), np.full(low.size, toward, dtype=float),
+                            np.concatenate([C, -rows.T], axis=1), np.concatenate([b, offset]), len(w_e), factored=True)
     if found is not None:
         return found.clip(low, high), ""
     reason = f"{INFEASIBLE} and keep every base standing" if rows.size else INFEASIBLE

@@ -124,8 +124,7 @@ class Picture:
                 if artist.get_animated():
                     artist.draw(renderer)
         # Color by color: a third of the time of a copy of three of every four numbers.
-        red, green, blue, _ = np.moveaxis(self._canvas.buffer_rgba(), -1, 0)
-        return np.stack([red, green, blue], axis=-1)
+        return np.stack(np.moveaxis(self._canvas.buffer_rgba(), -1, 0)[:3], axis=-1)
 
     def png(self) -> bytes:
         """The same as a file."""

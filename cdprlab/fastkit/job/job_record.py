@@ -2,17 +2,17 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from ...arrays import Array, checked
+from ...arrays import Array
 from ...robot.pose import Pose
 from ...run import Run
 from ...run.log import write_rows
 from ...world.model import PickAndPlace
 from ..events import Chronicle, Event
-from .machine import SETTLING
+from .machine import SETTLING, least_edge_loads
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -97,9 +97,3 @@ class Job(Chronicle, Run):
             ("time [s]", "state", "why"),
             *((f"{event.time:.3f}", event.state, event.why) for event in self.events)])
         return target
-
-
-@checked
-def least_edge_loads(wheels: Annotated[Array, "(N, p, k) [N]"]) -> Array:
-    """(N, p) what the two wheels of a base's least loaded edge carry, from (N, p, k) wheel loads [N]."""
-    return (wheels + np.roll(wheels, -1, axis=-1)).min(axis=-1)

@@ -13,7 +13,8 @@ from ...view.plots import Figure, draw_lines, fitted_title, label_ends, mark_lev
 from ...view.style import AXIS_STYLES, BLUE, GREY, INK, VERMILION, LineStyle, cable_style, house_style
 from ...world.model import Scene
 from ..events import STOPPED, spans
-from ..job.job_record import Job, least_edge_loads
+from ..job.job_record import Job
+from ..job.machine import least_edge_loads
 
 BASE_STYLES = LineStyle(BLUE, "-"), LineStyle(VERMILION, "-")
 TIPS = "0: a base begins to tip"
