@@ -5,7 +5,12 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+
+from cdprlab.arrays import plain
+from cdprlab.compiled import CENTROID, EMPTY, FOUND, NOTHING
+from cdprlab.compiled.polygon import polygons
 
 QUESTIONS = """
 import json, sys
@@ -107,3 +112,18 @@ def test_a_closed_error_stream_does_not_end_the_work(tmp_path):
                      'print(cl.wrench_matrix(w.robot, w.pose).shape)" 2>&-'],
         env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}, capture_output=True, text=True, timeout=300, check=False)
     assert (told.returncode, told.stdout) == (0, "(6, 8)\n")
+
+
+@pytest.mark.parametrize("n, m", [(2, 3), (2, 4), (6, 7), (6, 8)])
+def test_a_verdict_without_a_point_is_that_with_one_at_the_very_border_too(n, m):
+    """Wrenches that only one corner of the limits' box balances, and such nudged out by less and more than is forgiven."""
+    rng = np.random.default_rng(10 * n + m)
+    W, normals = rng.normal(size=(2000, n, m)), rng.normal(size=(2000, n, 1))
+    outermost = np.where((W * normals).sum(axis=1) > 0, 900.0, 10.0)
+    out = normals[..., 0] * rng.choice([0, 1e-12, 3e-8, 1e-6, 1e-4], (2000, 1))
+    problem = [plain(part) for part in (W, -np.einsum("kij,kj->ki", W, outermost) - out, np.full((1, m), 10.0),
+                                        np.full((1, m), 900.0))]
+    verdicts, found = polygons(*problem, NOTHING)[1], polygons(*problem, CENTROID)[1]
+    assert set(found) == {FOUND, EMPTY}
+    np.testing.assert_array_equal(verdicts, found)
+    assert (found[(out == 0).all(axis=1)] == FOUND).all()

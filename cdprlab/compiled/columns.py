@@ -11,16 +11,14 @@ from .jit import compiled, compiled_for
 ON_AXIS = 1e-9
 
 
-@compiled_for(0, 0, 0, 1)
-def over_pulley(vx: float, vy: float, vz: float, pulley: Array) -> tuple[float, float, float, float]:
+@compiled_for(0, 0, 0, 0, 0, 0, 0)
+def over_pulley(vx: float, vy: float, vz: float, r: float, ax: float, ay: float, az: float,
+                ) -> tuple[float, float, float, float]:
     """Length l = r φ + ‖T − B‖ of a cable that leaves over a pulley, and u from B to its tangent point T.
 
-    v = A − B [m]; pulley : (4 or, planar, 3,) its radius r and the axis a that the cable comes along
+    v = A − B [m]; r : the pulley's radius [m]; a : the axis that the cable comes along
     It cannot where B is on the axis, inside the wheel, or wraps more than half a turn: l is 0 then, u NaN.
     """
-    r, ax, ay, az = pulley[0], pulley[1], pulley[2], 0.0
-    if pulley.size == 4:
-        az = pulley[3]
     # B from A: h along the axis and x e away from it; s² is what the tangent leaves of ‖B − C‖², C = A + r e
     h = -(vx * ax + vy * ay + vz * az)
     ex, ey, ez = -vx - h * ax, -vy - h * ay, -vz - h * az
@@ -44,28 +42,25 @@ def over_pulley(vx: float, vy: float, vz: float, pulley: Array) -> tuple[float, 
 def put_cables(exit_points: Array, anchor_points: Array, p: Array, R: Array, pulleys: Array,
                lengths: Array, W: Array) -> None:
     """Lengths and whole wrench matrix of `cables` at one pose, written into ``lengths`` and ``W``."""
-    d, over = p.size, pulleys.shape[0] > 0
+    last, over = p.size - 1, len(pulleys) > 0
+    space = last - 1.0   # 0 in the plane: a factor, as the loop runs on vectors if it has no branches
     # Numbers of their own: an array that is written into might be the one that is read.
     x, y, xx, xy, yx, yy = p[0], p[1], R[0, 0], R[0, 1], R[1, 0], R[1, 1]
-    z = xz = yz = zx = zy = zz = rz = vz = 0.0   # in the plane
-    if d == 3:
-        z, xz, yz, zx, zy, zz = p[2], R[0, 2], R[1, 2], R[2, 0], R[2, 1], R[2, 2]
-    for i in range(exit_points.shape[0]):
-        bx, by = anchor_points[i, 0], anchor_points[i, 1]
+    z, xz, yz = space * p[last], space * R[0, last], space * R[1, last]
+    zx, zy, zz = space * R[last, 0], space * R[last, 1], space * R[last, last]
+    for i in range(len(exit_points)):
+        bx, by, bz = anchor_points[i, 0], anchor_points[i, 1], anchor_points[i, last]
         # r = R B
-        rx = xx * bx + xy * by
-        ry = yx * bx + yy * by
-        if d == 3:
-            bz = anchor_points[i, 2]
-            rx += xz * bz
-            ry += yz * bz
-            rz = zx * bx + zy * by + zz * bz
-            vz = exit_points[i, 2] - z - rz
+        rx = xx * bx + xy * by + xz * bz
+        ry = yx * bx + yy * by + yz * bz
+        rz = zx * bx + zy * by + zz * bz
         # v = A − p − r, l = ‖v‖, u = v / l
         vx = exit_points[i, 0] - x - rx
         vy = exit_points[i, 1] - y - ry
+        vz = space * exit_points[i, last] - z - rz
         if over and pulleys[i, 0] > 0:
-            length, ux, uy, uz = over_pulley(vx, vy, vz, pulleys[i])
+            length, ux, uy, uz = over_pulley(
+                vx, vy, vz, pulleys[i, 0], pulleys[i, 1], pulleys[i, 2], space * pulleys[i, last + 1])
         else:
             length = np.sqrt(vx * vx + vy * vy + vz * vz)
             ux, uy, uz = vx / length, vy / length, vz / length
@@ -74,7 +69,7 @@ def put_cables(exit_points: Array, anchor_points: Array, p: Array, R: Array, pul
         W[1, i] = uy
         # r × u
         W[-1, i] = rx * uy - ry * ux
-        if d == 3:
+        if last == 2:
             W[2, i] = uz
             W[3, i] = ry * uz - rz * uy
             W[4, i] = rz * ux - rx * uz

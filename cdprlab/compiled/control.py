@@ -88,12 +88,8 @@ def mass_and_bias(mass: float, inertia: Array, center: Array, gravity: float, R:
         h[3 + i] = moment[i] + swing[i]
     if d == 3:
         return M, h
-    kept, force, planar = (0, 1, 5), np.empty(3), np.empty((3, 3))
-    for i in range(3):
-        force[i] = h[kept[i]]
-        for j in range(3):
-            planar[i, j] = M[kept[i], kept[j]]
-    return planar, force
+    kept = np.array([0, 1, 5])
+    return M[kept][:, kept], h[kept]
 
 
 @compiled

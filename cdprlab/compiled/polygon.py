@@ -34,9 +34,10 @@ def clip(corners: Array, first: int, count: int, limit: float, sign: float, miss
     for now in range(first, first + count):
         over = sign * corners[now, 2] - limit
         if (over > miss) != (over_before > miss):
-            near, far, share = before, now, over_before / (over_before - over)
-            if share > 0.5:   # from the end that is far, say at 1e12 N, rounding would be felt
+            if abs(over) < abs(over_before):   # from an end that is far, say at 1e12 N, rounding would be felt
                 near, far, share = now, before, over / (over - over_before)
+            else:
+                near, far, share = before, now, over_before / (over_before - over)
             for a in range(3):
                 corners[to, a] = corners[near, a] + share * (corners[far, a] - corners[near, a])
             to += 1
@@ -50,42 +51,42 @@ def clip(corners: Array, first: int, count: int, limit: float, sign: float, miss
 
 
 @compiled
-def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, size: float, corners: Array) -> Array:
+def polygon(c: Array, D: Array, owner: Any, low: Array, high: Array, size: float, slack: float,
+            corners: Array) -> Array:
     """(k, 3) corners λ, in order, of {λ : low ≤ c + D λ ≤ high}; those of a segment or a point coincide.
 
-    size : `wrench_size`; corners : (4 m + 16, 3) to work in
+    size : `wrench_size`; slack : 0, which becomes BORDER where nothing is found, or BORDER;
+    corners : (4 m + 16, 3) to work in
     """
-    slack, miss = 0.0, ROUNDING
-    for _ in range(2):
+    while True:
         first: Any = np.int64(0)   # for bare literals `clip` would be compiled a second time
         count: Any = np.int64(4)
         corners[:4] = 0.0
         axis = 0
         for j in range(len(c)):
             if owner[j] == FREE:
-                for k in range(4):   # low, low, high, high of one λ, and low, high, high, low of the other
-                    end = low[j] - slack * (size + abs(low[j]))
-                    if (k + axis) % 4 > 1:
-                        end = high[j] + slack * (size + abs(low[j]))
-                    corners[k, axis] = end
+                scale = slack * (size + abs(low[j]))
+                corners[:4, axis] = low[j] - scale
+                for k in (2, 3 - 2 * axis):   # the second λ is high at the second and third corner
+                    corners[k, axis] = high[j] + scale
                 axis += 1
         for j in range(len(c)):
-            for sign in (-1.0, 1.0):
-                if owner[j] == FREE or count == 0:
-                    continue
-                scale = size + abs(low[j])
-                limit = slack * scale + (high[j] if sign > 0.0 else -low[j])
-                broken = False
-                for k in range(first, first + count):
-                    corners[k, 2] = c[j] + D[j, 0] * corners[k, 0] + D[j, 1] * corners[k, 1]
-                    broken |= sign * corners[k, 2] > limit + miss * scale
-                if broken:
-                    count = clip(corners, first, count, limit, sign, miss * scale)
+            if owner[j] == FREE:
+                continue
+            least, most = np.inf, -np.inf
+            for k in range(first, first + count):
+                t = c[j] + D[j, 0] * corners[k, 0] + D[j, 1] * corners[k, 1]
+                least, most = min(least, t), max(most, t)
+                corners[k, 2] = t
+            scale = size + abs(low[j])
+            for sign, worst, end in ((-1.0, -least, -low[j]), (1.0, most, high[j])):
+                limit = end + slack * scale
+                if worst > limit + ROUNDING * scale:
+                    count = clip(corners, first, count, limit, sign, ROUNDING * scale)
                     first = len(corners) // 2 - first
-        if count:
-            break
-        slack, miss = BORDER, 0.0   # one last point on the very border is lost to rounding
-    return corners[first:first + count]
+        if count or slack > 0.0:
+            return corners[first:first + count]
+        slack = BORDER   # one last point on the very border is lost to rounding
 
 
 @compiled
@@ -186,7 +187,9 @@ def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[
             for i in range(m):
                 near = near and low_k[i] <= c[i] + D[i, 0] * point[0] + D[i, 1] * point[1] <= high_k[i]
         if found[k] == FOUND and not near:
-            corners = polygon(c, D, owner, low_k, high_k, size, room)
+            # No point to be true to the limits, no first look without slack.
+            slack = BORDER if pick == NOTHING else 0.0
+            corners = polygon(c, D, owner, low_k, high_k, size, slack, room)
             if len(corners) == 0:
                 found[k] = EMPTY
                 point[0] = np.nan

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, as_array, checked, common_batch, frozen, lasting
 from ..errors import InvalidInput
 from ..robot import Base, Robot
-from ..robot.pose import Pose, cross, lever
+from ..robot.pose import Pose, lever
 from .cables import (
     anchor_offsets,
     cable_directions,
@@ -51,8 +51,8 @@ def gravity_wrench(robot: Robot, pose: Pose) -> Array:
     """
     check_dimension(robot, pose)
     force = _weight(robot, robot.mass)
-    arm = pose.rotation @ robot.platform.center_of_mass
-    wrench = np.concatenate([np.broadcast_to(force, arm.shape), cross(arm, force)], axis=-1)
+    arm = np.tensordot(pose.rotation, robot.platform.center_of_mass, 1)
+    wrench = np.concatenate([np.broadcast_to(force, arm.shape), -arm @ lever(force)], axis=-1)
     return robot.pattern.project(wrench[..., None], pose.rotation)[..., 0]
 
 

@@ -53,8 +53,9 @@ def feasible(W: Array, w_e: Array, low: Array, high: Array) -> Flags:
     if COMPILES:
         found = polygons(*map(plain, (W, w_e, low[None], high[None])), NOTHING)[1]
     inside, many = np.asarray(found == FOUND), found == TOO_REDUNDANT
-    s = tension_margins(W[many], w_e[many], low, high)
-    inside[many] = balanced(s, W[many], w_e[many], np.zeros((1, 1, w_e.shape[1])), low, high)
+    if many.any():
+        s = tension_margins(W[many], w_e[many], low, high)
+        inside[many] = balanced(s, W[many], w_e[many], np.zeros((1, 1, w_e.shape[1])), low, high)
     return inside
 
 

@@ -31,7 +31,7 @@ class RealCableExplorer(Explorer):
     def tangent(self, values: Values) -> tuple[Array, float]:
         """From B to where the cable leaves the wheel, and how much of it lies on the wheel [m]."""
         pulley = np.array([values["radius"] / 1e3, 0.0, 1.0])   # the cable comes up the pole
-        length, *direction = over_pulley(*-_SPAN, 0.0, pulley)
+        length, *direction = over_pulley(*-_SPAN, 0.0, *pulley, 0.0)
         free = straight_lengths(_SPAN, pulley[None])[0]
         return free * np.array(direction[:2]), length - free
 
