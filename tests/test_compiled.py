@@ -116,7 +116,7 @@ def test_a_closed_error_stream_does_not_end_the_work(tmp_path):
 
 @pytest.mark.parametrize("n, m", [(2, 3), (2, 4), (6, 7), (6, 8)])
 def test_a_verdict_without_a_point_is_that_with_one_at_the_very_border_too(n, m):
-    """Wrenches that only one corner of the limits' box balances, and such nudged out by less and more than is forgiven."""
+    """Wrenches that only one corner of the limits' box balances, and some nudged out."""
     rng = np.random.default_rng(10 * n + m)
     W, normals = rng.normal(size=(2000, n, m)), rng.normal(size=(2000, n, 1))
     outermost = np.where((W * normals).sum(axis=1) > 0, 900.0, 10.0)
