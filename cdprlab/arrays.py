@@ -81,6 +81,21 @@ def as_answer(value: ArrayLike, name: str, size: int, unit: str, time: float) ->
     return as_array(value, f"{name} at t = {time:.4g} s", (size,), unit)
 
 
+def as_batch(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: str = "") -> Array:
+    """(…, *shape) as it stands where there is nothing to change, else `as_array`: a batch is much to copy.
+
+    >>> W = np.eye(2)
+    >>> as_batch(W, "wrench matrix W", ("n", "m")) is W
+    True
+    """
+    if type(value) is np.ndarray and value.dtype == _FLOAT64 and 20 > value.ndim >= max(1, len(shape)):
+        fits = not shape or isinstance(shape[-1], str) or value.shape[-1] == shape[-1]
+        # A sum of squares that says nothing of its overflow; else something is not finite, or enormous.
+        if fits and np.vdot(value, value) <= LARGEST:
+            return value
+    return as_array(value, name, shape, unit, batch=True)
+
+
 def frozen(array: Array) -> Array:
     """The array itself, made read-only: what is stored or shared cannot be changed by accident."""
     try:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from heapq import heappop, heappush
 from itertools import groupby, pairwise, permutations
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -190,10 +189,16 @@ def plan_configurations(robot: Robot, start: ArrayLike, goal: ArrayLike,
     if method == "accuracy":
         found = [sequence for sequence in found if not any(sequence.transition_scores)]
     if not found:
-        logging.getLogger(__name__).warning(
+        _log(
             "no sequence: %s has no change where both configurations are certainly inside, which method 'accuracy' "
             "asks for", ", ".join("→".join(map(str, chain)) for chain in chains))
     return sorted(found, key=lambda sequence: (method == "accuracy" and not sequence.safe, sequence.score))
+
+
+def _log(message: str, *values: Any) -> None:
+    import logging
+
+    logging.getLogger(__name__).warning(message, *values)
 
 
 def _fewest_changes(way: _Way) -> list[_Chain]:
@@ -216,7 +221,7 @@ def _fewest_changes(way: _Way) -> list[_Chain]:
         for new, first, _, safe in way.onward(chain[-1], share, layers[len(chain)]):
             heappush(waiting, (unsafe + (not safe), -len(chain), (*chain, new), first))
     if len(found) > _MOST:
-        logging.getLogger(__name__).warning(
+        _log(
             "more than %d sequences have %d changes: ranked are that many, those with the fewest unsafe changes",
             _MOST, len(layers) - 1)
     return sorted(found[:_MOST])

@@ -59,7 +59,7 @@ def gear_torque(winch: Winch, tensions: ArrayLike, speed: ArrayLike) -> Array:
     tensions : (…) [N]; speed : (…) of the motor [rad/s]
     """
     lost = winch.efficiency**-np.tanh(np.asarray(speed) / BREAKAWAY)
-    return np.asarray(tensions) * lost * (winch.drum_radius / winch.gear_ratio)
+    return np.asarray(tensions) * lost / winch.transmission
 
 
 def motor_speed(winch: Winch, rates: ArrayLike) -> Array:
@@ -67,7 +67,7 @@ def motor_speed(winch: Winch, rates: ArrayLike) -> Array:
 
     rates : (…) of cable length [m/s]
     """
-    return np.asarray(rates) * (-winch.gear_ratio / winch.drum_radius)
+    return np.asarray(rates) * -winch.transmission
 
 
 def motor_torque(winch: Winch, tensions: ArrayLike, rates: ArrayLike, accelerations: ArrayLike = 0.0) -> Array:
@@ -107,7 +107,7 @@ def cable_tensions(winch: Winch, torques: Array, rates: Array, loose: Array, yie
     period : h [s]; damping : d, the slope of those losses that nobody makes up for, taken at the
         step's end, or friction would shake what it should hold [N m s/rad]
     """
-    speed, ratio = motor_speed(winch, rates), winch.gear_ratio / winch.drum_radius
+    speed, ratio = motor_speed(winch, rates), winch.transmission
     inertia = ratio * (winch.inertia + period * np.full(speed.shape, damping))
     inverse = np.linalg.inv(np.diag(gear_torque(winch, 1.0, speed)) + inertia[:, None] * yielding)
     known = inertia * loose - friction_torque(winch, speed)

@@ -171,14 +171,19 @@ class Winch:
             raise InvalidInput(f"efficiency must be at most 1, got {self.efficiency:g}", ("efficiency",))
 
     @property
+    def transmission(self) -> float:
+        """G / r: how far its motor turns for a metre of cable [rad/m]."""
+        return self.gear_ratio / self.drum_radius
+
+    @property
     def tension_max(self) -> float:
         """τ G η / r: what its motor winds in with at most [N]."""
-        return self.torque * self.gear_ratio * self.efficiency / self.drum_radius
+        return self.torque * self.transmission * self.efficiency
 
     @property
     def speed_max(self) -> float:
         """q̇ r / G [m/s]."""
-        return self.speed * self.drum_radius / self.gear_ratio
+        return self.speed / self.transmission
 
 
 @checked

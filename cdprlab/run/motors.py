@@ -93,8 +93,7 @@ class Motors:
         turning, speed = (self._rates - turned) / self.period, motor_speed(winch, turned)
         idle = motor_torque(winch, 0.0, turned, turning)
         lever = gear_torque(winch, 1.0, speed)
-        most = winch.torque * winch.gear_ratio / winch.drum_radius
-        body.strongest = ((winch.torque - idle) / lever).clip(0.0, most)
+        body.strongest = ((winch.torque - idle) / lever).clip(0.0, winch.torque * winch.transmission)
         reached: bool = self.engine.bring(lengths, substeps)
         self._keep(body.tensions, idle + lever * body.tensions, speed, body.slipping)
         return reached

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import LARGEST, Array, as_array, common_batch
+from ..arrays import Array, as_batch, common_batch
 from ..errors import InvalidInput
 from .judgement import TensionDistribution, checked_distribution
 from .law import flat
@@ -33,11 +33,11 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, te
     >>> bool(found.feasible), float(found.tensions.min().round(1))
     (True, 317.6)
     """
-    W = _gate(W, "wrench matrix W", ("n", "m"))
+    W = as_batch(W, "wrench matrix W", ("n", "m"))
     n, m = W.shape[-2:]
     if not n or not m:
         raise InvalidInput(f"wrench matrix W needs at least one row and one cable, got shape {W.shape}")
-    w_e = _gate(w_e, "external wrench w_e", (n,), "N, N m")
+    w_e = as_batch(w_e, "external wrench w_e", (n,), "N, N m")
     low, high = _limits(tension_min, "tension_min", m), _limits(tension_max, "tension_max", m)
     if low.min() < 0:
         raise InvalidInput(f"tension_min must not be negative [N] (cables only pull), got {float(low.min()):g}")
@@ -55,21 +55,9 @@ def distribute_tensions(W: ArrayLike, w_e: ArrayLike, tension_min: ArrayLike, te
     return checked_distribution(W, w_e, low, high, tensions.reshape(*batch, m), reasons.reshape(batch), method)
 
 
-def _gate(value: ArrayLike, name: str, shape: tuple[int | str, ...], unit: str = "") -> Array:
-    """`as_array`, without its copy where there is nothing to change: a batch of W is most of what is moved."""
-    if type(value) is np.ndarray and value.dtype == np.float64 and 20 > value.ndim >= max(1, len(shape)):
-        fits = not shape or isinstance(shape[-1], str) or value.shape[-1] == shape[-1]
-        numbers = value.ravel()
-        with np.errstate(over="ignore"):
-            modest = numbers.dot(numbers) <= LARGEST   # else something is not finite, or enormous: looked at closely
-        if fits and modest:
-            return value
-    return as_array(value, name, shape, unit, batch=True)
-
-
 def _limits(value: ArrayLike, name: str, m: int) -> Array:
     """(m,) or (…, m) from a number or an array."""
-    given = _gate(value, name, (), "N")
+    given = as_batch(value, name, (), "N")
     if given.shape[-1:] == (m,):
         return given
     if given.shape[-1:] not in ((), (1,)):

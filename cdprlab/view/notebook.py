@@ -5,7 +5,6 @@ for, at the end of this file. Words take the notebook's own colors, light or dar
 brings its own ground.
 """
 
-import html
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from struct import unpack
@@ -93,7 +92,7 @@ def picture_tag(png: bytes, alt_text: str) -> str:
     # Decoded before the page is painted again, and its place kept: no flicker while a slider
     # moves.
     return (f'<img decoding="sync" width="{width}" height="{height}" style="max-width: 100%; height: auto" '
-            f'alt="{html.escape(alt_text)}" src="data:image/png;base64,{b64encode(png).decode("ascii")}">')
+            f'alt="{_escaped(alt_text)}" src="data:image/png;base64,{b64encode(png).decode("ascii")}">')
 
 
 # --- parts --------------------------------------------------------------------------------------------
@@ -132,12 +131,18 @@ def _card(title: str, numbers: Mapping[str, str], picture: Callable[[], str]) ->
         with needed_by("the picture"):
             shown = picture()
     except MissingDependency as missing:
-        shown = f"<p>{html.escape(str(missing))}</p>"
+        shown = f"<p>{_escaped(str(missing))}</p>"
     return _titled(title) + shown + _table(numbers.items(), head=False)
 
 
+def _escaped(words: str) -> str:
+    import html  # a table of all entities, for who only imports cdprlab
+
+    return html.escape(words)
+
+
 def _titled(title: str) -> str:
-    return f"<p><strong>{html.escape(title)}</strong></p>"
+    return f"<p><strong>{_escaped(title)}</strong></p>"
 
 
 def _table(rows: Iterable[Sequence[str]], head: bool = True) -> str:
@@ -145,7 +150,7 @@ def _table(rows: Iterable[Sequence[str]], head: bool = True) -> str:
     lines = []
     for at, row in enumerate(rows):
         kinds = ["th"] * (len(row) if head and not at else 1) + ["td"] * len(row)
-        cells = (f'<{kind} style="text-align: left">{html.escape(cell)}</{kind}>'
+        cells = (f'<{kind} style="text-align: left">{_escaped(cell)}</{kind}>'
                  for kind, cell in zip(kinds, row))
         lines.append(f"<tr>{''.join(cells)}</tr>")
     return f"<table>{''.join(lines)}</table>"
