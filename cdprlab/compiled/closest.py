@@ -35,12 +35,12 @@ def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds:
     """
     count, n, m = W.shape
     tensions, found = np.empty((count, m)), np.empty(count, np.int64)
-    owner, wish, held, tau = np.empty(m, np.int64), np.empty(m), np.empty(m, np.bool_), np.empty(m)
+    owner, wish, held = np.empty(m, np.int64), np.empty(m), np.empty(m, np.bool_)
     rows, line, c = np.empty((n, m + 1)), np.empty(m + 1), np.empty(m)
     D = np.empty((m, max(m, 2)))
     for k in range(count):
         row = k if len(low) > 1 else 0
-        low_k, high_k = low[row], high[row]
+        low_k, high_k, tau = low[row], high[row], tensions[k]
         for j in range(m):
             wish[j] = low_k[j] + share * (high_k[j] - low_k[j])
             held[j] = high_k[j] - low_k[j] <= FIXED * (1.0 + low_k[j])
@@ -67,5 +67,4 @@ def closest(W: Array, w_e: Array, low: Array, high: Array, share: float, rounds:
             wish[worst] = low_k[worst] if tau[worst] < low_k[worst] else high_k[worst]
             held[worst] = True
             left -= 1
-        tensions[k] = tau
     return tensions, found

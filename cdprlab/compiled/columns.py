@@ -11,7 +11,7 @@ from .jit import compiled, compiled_for
 ON_AXIS = 1e-9
 
 
-@compiled_for(0, 0, 0, 0, 0, 0, 0)
+@compiled
 def over_pulley(vx: float, vy: float, vz: float, r: float, ax: float, ay: float, az: float,
                 ) -> tuple[float, float, float, float]:
     """Length l = r φ + ‖T − B‖ of a cable that leaves over a pulley, and u from B to its tangent point T.

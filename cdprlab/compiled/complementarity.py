@@ -28,7 +28,8 @@ def complementary(A: Array, b: Array, last: Array) -> Array:
         factor(part)
         solve(part, pulls)
         T[:] = 0.0
-        T[pulling] = pulls
+        for k, pull in zip(pulling, pulls):
+            T[k] = pull
         wrong = -1
         for i in range(m - 1, -1, -1):
             gap = -b[i]
@@ -59,9 +60,7 @@ def rope_tensions(mass: float, inertia: Array, center: Array, gravity: float, R:
     n, m = W.shape
     M, h = mass_and_bias(mass, inertia, center, gravity, R, t)
     # M⁻¹ [W, push − h], a row each
-    light = np.empty((m + 1, n))
-    light[:m] = W.T
-    light[m] = push - h
+    light = np.concatenate((W.T, (push - h).reshape(1, n)))
     factor(M)
     for i in range(m + 1):
         solve(M, light[i])

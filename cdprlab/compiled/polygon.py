@@ -183,7 +183,8 @@ def polygons(W: Array, w_e: Array, low: Array, high: Array, pick: int) -> tuple[
         point[0] = point[1] = np.nan
         near = found[k] == FOUND and pick == NEAREST
         if near:
-            point[:] = nearest(c, D, spare[k], zero)[:2]
+            lam = nearest(c, D, spare[k], zero)
+            point[0], point[1] = lam[0], lam[1]
             for i in range(m):
                 near = near and low_k[i] <= c[i] + D[i, 0] * point[0] + D[i, 1] * point[1] <= high_k[i]
         if found[k] == FOUND and not near:

@@ -46,7 +46,7 @@ def reel(motion: Array, lengths: Array, dt: float, W: Array, exit_velocities: Ar
         own, and the last m become the reels'
     """
     first, rate = velocities.size - 2 * lengths.size, -1 / dt
-    velocities[:2] = motion[3:5]
+    velocities[0], velocities[1] = motion[3], motion[4]
     for i, length in enumerate(lengths):
         for k in range(2):
             velocities[first + 2 * i + k] = exit_velocities[i, k] + length * rate * W[k, i]
