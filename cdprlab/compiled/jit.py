@@ -19,8 +19,7 @@ except ImportError:   # every function of this room then is what it reads as, so
 
 # Fused multiply-adds, and divisions by zero that give inf: nothing that would let NaN or
 # rounding pass. Inlined, as arrays passed on are counted: that took half of a short loop's time.
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "forceinline": True,
-                           "no_cfunc_wrapper": True}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "forceinline": True}
 
 HERE = Path(__file__).parent
 SOURCES = sorted([*HERE.glob("*.py"), HERE.parent / "robot" / "pose.py"])
@@ -35,7 +34,7 @@ def compiled(function: Callable[..., Any]) -> Any:
     """The part of others that it is: machine code for those that are compiled, plain Python for those that are not."""
     plain = quiet(function)
     if COMPILES:
-        plain.machine = machine_code(function, no_cpython_wrapper=True)
+        plain.machine = machine_code(function)
         plain._numba_type_ = plain.machine._numba_type_   # by this name numba takes it for its own
     return plain
 
@@ -71,7 +70,7 @@ def quiet(function: Callable[..., Any]) -> Any:
     return np.errstate(divide="ignore", invalid="ignore")(function)
 
 
-def machine_code(function: Callable[..., Any], signature: Any = None, **options: Any) -> Any:
+def machine_code(function: Callable[..., Any], signature: Any = None) -> Any:
     """The function as machine code, made at its first call and kept in the first folder that can be written.
 
     NUMBA_CACHE_DIR, else __pycache__ beside the file, else the user's own cache folder. Where
@@ -80,10 +79,10 @@ def machine_code(function: Callable[..., Any], signature: Any = None, **options:
     name = function.__qualname__
     function.__qualname__ += f"-{EDITION}"   # part of the name of the kept file
     try:
-        return numba.njit(signature, cache=True, **OPTIONS, **options)(function)
+        return numba.njit(signature, cache=True, **OPTIONS)(function)
     except RuntimeError:   # numba found no folder
         announcement.often = "at each start, as it finds no folder to keep it in: set NUMBA_CACHE_DIR to one"
-        return numba.njit(signature, **OPTIONS, **options)(function)
+        return numba.njit(signature, **OPTIONS)(function)
     finally:
         function.__qualname__ = name
 

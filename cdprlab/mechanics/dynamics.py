@@ -5,6 +5,7 @@ import numpy as np
 from ..arrays import Array
 from ..robot import Robot
 from ..robot.pose import Pose
+from .cables import check_dimension
 
 
 def mass_and_bias(robot: Robot, rotation: Array, twist: Array) -> tuple[Array, Array]:
@@ -37,7 +38,9 @@ def mass_matrix(robot: Robot, pose: Pose) -> Array:
     >>> mass_matrix(cl.load_world("caroca").robot, cl.Pose([0, 0, 1])).diagonal()
     array([150. , 150. , 150. ,   6.5,  20. ,  22.5])
     """
-    d, rest = robot.dimension, np.zeros(3 * (robot.dimension - 1))
+    check_dimension(robot, pose)
+    d = robot.dimension
+    rest = np.zeros(3 * (d - 1))
     rotations = pose.rotation.reshape(-1, d, d)
     M = np.array([mass_and_bias(robot, R, rest)[0] for R in rotations]).reshape(*pose.batch_shape, rest.size, rest.size)
     S = robot.pattern.basis(pose.rotation)

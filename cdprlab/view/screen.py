@@ -22,7 +22,7 @@ class Screen:
     """
 
     def __init__(self, title: str, width: int, captioned: bool) -> None:
-        self.figure = sized_figure(width, round(HEIGHT * width / _WIDTH), width / _WIDTH)
+        self.figure = sized_figure(as_count(width, "width"), round(HEIGHT * width / _WIDTH), width / _WIDTH)
         self.top, line = 1 - (56 if captioned else 30) / HEIGHT, 1 - 22 / HEIGHT
         with house_style():
             self.figure.text(0.02, line, title, color=INK,

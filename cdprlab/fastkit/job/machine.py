@@ -144,7 +144,7 @@ class Machine:
 def least_edge_loads(wheels: Annotated[Array, "(…, k) [N]"]) -> Array:
     """(…) what the two wheels of a base's least loaded edge carry, from its (…, k) wheel loads [N]."""
     # Not np.roll, which takes four times as long: this is asked in every control step.
-    return (wheels + wheels[..., np.arange(wheels.shape[-1]) - 1]).min(axis=-1)
+    return (wheels + wheels[..., np.arange(wheels.shape[-1]) - 1]).min(axis=-1, initial=np.inf)
 
 
 def standing(sensors: Readings) -> str:

@@ -79,7 +79,7 @@ class OccupancyGrid:
         """(k, nx, ny) the same at k headings and all places (x, y): cells are looked up row by column."""
         turned = carried(np.pad(headings[:, None], ((0, 0), (2, 0))), vehicle.discs)
         rows, columns = self._cells(xs + turned[..., :1], ys + turned[..., 1:])
-        return np.stack([self._walled[i[:, :, None], j[:, None]].min(axis=0)
+        return np.array([self._walled[i[:, :, None], j[:, None]].min(axis=0)
                          for i, j in zip(rows, columns)]) - vehicle.radius
 
     @cached_property
