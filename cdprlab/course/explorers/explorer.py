@@ -331,7 +331,7 @@ class Explorer(Shown):
         for name, value in values.items():
             control = self.controls[name]
             if isinstance(control, Slider):
-                self.entries[name].value = float(f"{value:.12g}")   # 0.3, not 0.30000000000000004
+                self.entries[name].value = value
                 value = control.nearest(value)
             self.sliders[name].value = value
         self._quiet = False
@@ -341,7 +341,7 @@ class Explorer(Shown):
             return
         if name in self.entries:
             self._quiet = True
-            self.entries[name].value = float(f"{change['new']:.10g}")
+            self.entries[name].value = float(f"{change['new']:.10g}")   # 0.3, not 0.30000000000000004
             self._quiet = False
         self._answer()
 
